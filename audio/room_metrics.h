@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/bands.h"
+#include "earshot/audio/impulse_response.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace earshot::audio {
+
+/// ISO 3382-1 metrics of one band. A value the response cannot support is empty.
+struct BandMetrics {
+    std::optional<double> early_decay_time;        ///< EDT, seconds
+    std::optional<double> reverberation_time_t20;  ///< T20, seconds
+    std::optional<double> reverberation_time_t30;  ///< T30, seconds
+    std::optional<double> clarity_c50_db;          ///< C50
+    std::optional<double> clarity_c80_db;          ///< C80
+    std::optional<double> definition_d50;          ///< D50, 0..1
+    std::optional<double> centre_time;             ///< Ts, seconds
+    std::optional<double> strength_db;             ///< G, re free field at 10 m
+};
+
+struct RoomMetrics {
+    std::vector<BandMetrics> bands;                   ///< one per band, in order
+    std::optional<double> speech_transmission_index;  ///< empty until it is supported
+    std::vector<std::string> notes;  ///< why a value is empty, e.g. "t20 at 63 Hz: decay range ..."
+};
+
+/// Metrics per band by band-pass filtering, finding the onset of the direct sound and backward
+/// integration (ISO 3382-1:2009, section 5.3.3 and annex A).
+RoomMetrics room_metrics(const Bands& bands, const ImpulseResponse& response);
+
+}  // namespace earshot::audio

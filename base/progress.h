@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+namespace earshot {
+
+/// Told about long work as it goes on. Called from one thread at a time, at least once at the end
+/// of each stage (done == total).
+class Progress {
+public:
+    virtual ~Progress() = default;
+    virtual void report(std::string_view stage, std::size_t done, std::size_t total) = 0;
+};
+
+}  // namespace earshot

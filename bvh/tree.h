@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/parallel.h"
+#include "earshot/geometry/aabb.h"
+#include "earshot/geometry/mesh.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace earshot::bvh {
+
+/// One node in 32 bytes. Children of an inner node stand side by side.
+struct Node {
+    geometry::Aabb box;
+    std::uint32_t first =
+        0;  ///< inner: index of the left child (right follows); leaf: first primitive
+    std::uint32_t count = 0;  ///< primitives of a leaf; 0: inner node
+
+    bool is_leaf() const noexcept { return count != 0; }
+};
+
+struct BuildOptions {
+    int leaf_size = 4;            ///< most primitives in a leaf, 1..15
+    double traversal_cost = 1.0;  ///< cost of a node visit, in primitive tests
+};
+
+/// A binary hierarchy over boxes that may move. It knows boxes and indices only; triangles, swept
+/// triangles and instances are all built over their boxes.
+class Tree {
+public:
+    Tree() = default;
+
+    /// Binned SAH (Wald 2007). The tree depends on `boxes` and `options` alone, not on the
+    /// executor. Throws Error if an option is out of range or there are 2^32 boxes or more.
+    static Tree build(std::span<const geometry::Aabb> boxes,
+                      const BuildOptions& options = {},
+                      Executor& executor = Executor::serial());
+
+    /// Moves every node to its new box, bottom-up, keeping the topology.
+    /// Precondition: boxes.size() == primitives().size().
+    void refit(std::span<const geometry::Aabb> boxes, Executor& executor = Executor::serial());
+
+    /// Nodes in depth-first order, the root first; none if there are no boxes.
+    std::span<const Node> nodes() const noexcept { return nodes_; }
+    /// Indices into the boxes, leaf after leaf.
+    std::span<const std::uint32_t> primitives() const noexcept { return primitives_; }
+
+private:
+    std::vector<Node> nodes_;
+    std::vector<std::uint32_t> primitives_;
+};
+
+/// The box of every triangle, rounded outward.
+std::vector<geometry::Aabb> triangle_boxes(const geometry::MeshView& mesh,
+                                           Executor& executor = Executor::serial());
+
+}  // namespace earshot::bvh

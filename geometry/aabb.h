@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/geometry/types.h"
+
+#include <array>
+
+namespace earshot::geometry {
+
+/// Axis-aligned box in single precision that contains its exact contents: every bound is rounded
+/// outward, so a miss of the box is a miss of what is in it.
+struct Aabb {
+    std::array<float, 3> lower{std::numeric_limits<float>::infinity(),
+                               std::numeric_limits<float>::infinity(),
+                               std::numeric_limits<float>::infinity()};
+    std::array<float, 3> upper{-std::numeric_limits<float>::infinity(),
+                               -std::numeric_limits<float>::infinity(),
+                               -std::numeric_limits<float>::infinity()};
+
+    /// The box of nothing (lower = +infinity, upper = -infinity), which every include() replaces.
+    static Aabb empty() noexcept { return {}; }
+
+    bool is_empty() const noexcept { return lower[0] > upper[0]; }
+    void include(const Vec3& point) noexcept;  ///< rounds outward; precondition: finite
+    void include(const Aabb& box) noexcept;
+
+    /// Half the surface area, in square metres; 0 for the empty box.
+    double half_area() const noexcept;
+
+    friend bool operator==(const Aabb&, const Aabb&) = default;
+};
+
+/// The largest float not above, and the smallest not below, `value`.
+float round_down(double value) noexcept;
+float round_up(double value) noexcept;
+
+}  // namespace earshot::geometry

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/geometry/mesh.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace earshot::geometry {
+
+/// What the clean-up pass found. Counts of triangles refer to the mesh as it was read, counts of
+/// edges to the welded mesh.
+struct CleanReport {
+    std::size_t triangles_read = 0;
+    std::size_t vertices_read = 0;
+    std::size_t vertices_welded = 0;       ///< vertices that coincided with an earlier one
+    std::size_t degenerate_triangles = 0;  ///< dropped: a vertex repeated, or zero area
+    std::size_t duplicate_triangles = 0;   ///< dropped: the same three vertices as an earlier one
+    std::size_t open_edges = 0;            ///< edges with one triangle (borders of holes)
+    std::size_t holes = 0;                 ///< connected loops of open edges
+    std::size_t non_manifold_edges = 0;    ///< edges with more than two triangles
+    std::size_t t_junctions = 0;           ///< vertices in the interior of an open edge
+    friend bool operator==(const CleanReport&, const CleanReport&) = default;
+};
+
+/// Which triangles take part, and how their vertices coincide. The scene's own vertices and
+/// triangle numbers stay as they are, so that reports name triangles in file order and a mesh that
+/// moves can be evaluated as before.
+struct CleanMesh {
+    std::vector<VertexId> weld;    ///< per vertex: the first vertex at the same position
+    std::vector<TriangleId> kept;  ///< ascending indices of the triangles that take part
+    CleanReport report;
+};
+
+/// Welds vertices whose positions are equal to the last bit (-0 equals +0), finds degenerate and
+/// duplicate triangles, and counts what a modeller would want to mend. Triangles of zero area are
+/// found by an exact test. O(n log n) but for T-junctions, which use a grid over open edges.
+/// Precondition: indices in range, positions finite.
+CleanMesh clean(const MeshView& mesh);
+
+}  // namespace earshot::geometry

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/error.h"
+#include "earshot/geometry/mesh.h"
+
+#include <span>
+#include <vector>
+
+namespace earshot::geometry {
+
+using FacetId = std::uint32_t;
+
+/// normal . x == offset. The normal has unit length but for rounding.
+struct Plane {
+    Vec3 normal{0.0, 1.0, 0.0};
+    double offset = 0.0;
+
+    /// Signed distance in metres, positive on the side the normal points to.
+    double distance(const Vec3& point) const noexcept;
+    /// The mirror image of a point.
+    Vec3 mirror(const Vec3& point) const noexcept;
+};
+
+/// A closed polygon in space; the facet lies to its left seen against the normal, so outer borders
+/// run counter-clockwise and holes clockwise. Vertices in the interior of a straight run are left
+/// out.
+using Loop = std::vector<Vec3>;
+
+/// Coplanar neighbouring triangles with one label: what sound reflects from.
+struct Facet {
+    Plane plane;             ///< of its largest triangle (lowest index of equals), its front side
+    double deviation = 0.0;  ///< largest distance of a vertex from the plane, metres
+    std::vector<TriangleId> triangles;  ///< ascending
+    std::vector<Loop> loops;            ///< borders, outer ones and holes
+};
+
+struct Facets {
+    std::vector<Facet> facets;         ///< ordered by their lowest triangle
+    std::vector<FacetId> of_triangle;  ///< per triangle of the mesh
+    double tolerance = 0.0;            ///< metres: how far from the plane a member's vertex may lie
+};
+
+/// Groups the triangles of a clean mesh (no degenerate or duplicate ones; see clean.h). Two
+/// neighbours (sharing a welded edge that has just these two triangles, traversed in opposite
+/// directions) are joined if their labels are equal and every vertex lies within `tolerance` of the
+/// plane of the group's largest triangle. The tolerance is derived from the mesh: a few units in
+/// the last place of single precision at the largest coordinate, because files store floats. The
+/// result depends on the mesh alone. Precondition: weld.size() == positions.size(), labels.size()
+/// == triangles.size().
+Facets find_facets(const MeshView& mesh,
+                   std::span<const VertexId> weld,
+                   std::span<const std::uint32_t> labels);
+
+}  // namespace earshot::geometry

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/geometry/types.h"
+
+#include <glm/vec2.hpp>
+
+namespace earshot::geometry {
+
+/// Sign of the determinant of (b - a, c - a): +1 if a, b, c turn left, -1 right, 0 collinear.
+/// Exact: a floating-point filter decides most cases, expansions the rest (Shewchuk 1997, section
+/// 4). Precondition: coordinates are finite and products of three of them neither overflow nor
+/// underflow (1e-90 < |x| < 1e90 or 0).
+int orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept;
+
+/// Sign of the determinant of (a - d, b - d, c - d): +1 if d lies below the plane through a, b, c,
+/// that is, a, b, c run counter-clockwise seen from above; 0 coplanar. Exact, as orient2d.
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
+
+}  // namespace earshot::geometry

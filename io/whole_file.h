@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace earshot::io {
+
+/// Writes a file whole or not at all: beside its place first, then renamed over it. Throws Error
+/// naming the file; a partial file never remains.
+void write_whole_file(const std::filesystem::path& file, std::string_view bytes);
+
+}  // namespace earshot::io

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/bands.h"
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace earshot::propagation {
+
+/// An energy coefficient (0..1) given at some frequencies, interpolated linearly over the logarithm
+/// of the frequency and held at the ends.
+class EnergyCoefficient {
+public:
+    struct Point {
+        double frequency_hz = 0.0;
+        double value = 0.0;
+    };
+
+    EnergyCoefficient() = default;
+    explicit EnergyCoefficient(double value);  ///< the same at every frequency
+    /// Sorts the points. Throws Error if there is none, a frequency is not positive or stands
+    /// twice, or a value is not in 0..1.
+    explicit EnergyCoefficient(std::vector<Point> points);
+
+    double at(double frequency_hz) const noexcept;
+    audio::Spectrum over(const audio::Bands& bands) const noexcept;  ///< at the nominal centres
+    std::span<const Point> points() const noexcept { return points_; }
+
+private:
+    std::vector<Point> points_{{1000.0, 0.0}};
+};
+
+/// How a surface treats sound. Energy coefficients; of the energy that arrives, `absorption` is
+/// lost from the reflection and `scattering` of the rest leaves the specular path.
+struct Material {
+    std::string name;
+    EnergyCoefficient absorption{0.1};
+    EnergyCoefficient scattering{0.0};
+    EnergyCoefficient transmission{0.0};
+    bool one_sided = false;  ///< reflects only on the front (counter-clockwise) side
+};
+
+/// Factor of the pressure amplitude in one specular reflection, per band:
+/// sqrt((1 - absorption) (1 - scattering)).
+audio::Spectrum reflected_pressure(const Material& material, const audio::Bands& bands) noexcept;
+
+/// A row of the built-in library.
+struct LibraryMaterial {
+    std::string_view name;  ///< "brick-painted": lower case, hyphens
+    std::string_view description;
+    std::string_view source;  ///< literature: author, year, table
+    Material material;
+};
+
+/// All rows, ordered by name.
+std::span<const LibraryMaterial> material_library();
+
+/// The library's material of that name, or nothing.
+std::optional<Material> find_library_material(std::string_view name);
+
+}  // namespace earshot::propagation

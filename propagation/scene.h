@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/geometry/animated_mesh.h"
+#include "earshot/propagation/material.h"
+
+#include <string>
+#include <vector>
+
+namespace earshot::propagation {
+
+/// A source or a listener: a point (and orientation) that may ride on a node of the scene graph.
+struct Emitter {
+    std::string name;
+    int node = -1;  ///< index into AnimatedMesh::nodes(); -1: stays at `position`
+    geometry::Vec3 position{0.0};
+    std::string directivity;  ///< of a source: name of its pattern; empty: omnidirectional
+};
+
+/// Everything a simulation needs to know, read once from a file or made by a program.
+struct Scene {
+    std::string name;  ///< file name without its folder
+    geometry::AnimatedMesh mesh;
+    std::vector<Material> materials;
+    std::vector<std::uint32_t> material_of_triangle;  ///< index into materials, one per triangle
+    std::vector<Emitter> sources;
+    std::vector<Emitter> listeners;
+
+    /// Where an emitter of this scene is at time `t` (seconds).
+    geometry::Vec3 position_at(const Emitter& emitter, double t) const;
+};
+
+}  // namespace earshot::propagation
