@@ -4,11 +4,13 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
 #include <exception>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,7 +18,15 @@
 namespace earshot {
 
 struct Executor::Arena {
-    explicit Arena(int threads) : arena(threads) {}
+    explicit Arena(int threads) : arena(threads) {
+        // oneTBB starts as many workers as there are cores unless told otherwise, and complains on
+        // standard error when an arena asks for more.
+        if (threads > tbb::this_task_arena::max_concurrency()) {
+            more_workers.emplace(tbb::global_control::max_allowed_parallelism,
+                                 static_cast<std::size_t>(threads));
+        }
+    }
+    std::optional<tbb::global_control> more_workers;
     tbb::task_arena arena;
 };
 
