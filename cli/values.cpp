@@ -84,7 +84,7 @@ std::optional<std::vector<double>> parse_frames(std::string_view text) {
         return std::nullopt;
     }
     std::vector<double> instants;
-    for (double i = 0.0; i <= steps; i += 1.0) {
+    for (int i = 0; i <= static_cast<int>(steps); ++i) {
         instants.push_back(first + i * step);
     }
     return instants;
