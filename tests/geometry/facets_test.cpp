@@ -1,0 +1,509 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/geometry/facets.h"
+
+#include "earshot/base/random.h"
+#include "earshot/geometry/clean.h"
+
+#include <gtest/gtest.h>
+
+#include "geometry/made_meshes.h"
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace earshot::geometry {
+namespace {
+
+using Labels = std::vector<std::uint32_t>;
+
+Facets facets_of(const Mesh& mesh, Labels labels = {}) {
+    labels.resize(mesh.triangles.size(), 0);
+    const CleanMesh cleaned = clean(mesh.view());
+    EXPECT_EQ(cleaned.kept.size(), mesh.triangles.size());
+    return find_facets(mesh.view(), cleaned.weld, labels);
+}
+
+/// Area by the shoelace formula, positive if counter-clockwise seen against the normal.
+double signed_area(const Loop& loop, const Vec3& normal) {
+    Vec3 sum(0.0);
+    for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+        sum += glm::cross(loop[i] - loop[0], loop[i + 1] - loop[0]);
+    }
+    return 0.5 * glm::dot(sum, normal);
+}
+
+double perimeter(const Loop& loop) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+        sum += glm::length(loop[(i + 1) % loop.size()] - loop[i]);
+    }
+    return sum;
+}
+
+double area_of(const Mesh& mesh, TriangleId t) {
+    const auto [a, b, c] = mesh.triangles[t];
+    const auto& p = mesh.positions;
+    return 0.5 * glm::length(glm::cross(p[b] - p[a], p[c] - p[a]));
+}
+
+double area_of(const Mesh& mesh, const std::vector<TriangleId>& triangles) {
+    double sum = 0.0;
+    for (const TriangleId t : triangles) {
+        sum += area_of(mesh, t);
+    }
+    return sum;
+}
+
+/// What must hold for the facets of any mesh.
+void expect_sound(const Mesh& mesh, const Facets& result) {
+    ASSERT_EQ(result.of_triangle.size(), mesh.triangles.size());
+    std::size_t members = 0;
+    TriangleId previous_first = 0;
+    for (FacetId f = 0; f < result.facets.size(); ++f) {
+        const Facet& facet = result.facets[f];
+        ASSERT_FALSE(facet.triangles.empty());
+        EXPECT_TRUE(std::is_sorted(facet.triangles.begin(), facet.triangles.end()));
+        EXPECT_TRUE(f == 0 || facet.triangles.front() > previous_first);
+        previous_first = facet.triangles.front();
+        members += facet.triangles.size();
+        double area_by_loops = 0.0;
+        double border = 0.0;
+        for (const Loop& loop : facet.loops) {
+            EXPECT_GE(loop.size(), 3U);
+            std::set<std::tuple<double, double, double>> seen;
+            for (const Vec3& p : loop) {
+                EXPECT_TRUE(seen.insert({p.x, p.y, p.z}).second) << "visits a vertex twice";
+            }
+            area_by_loops += signed_area(loop, facet.plane.normal);
+            border += perimeter(loop);
+        }
+        // Corners within the tolerance of a straight run are left out; a tilt of the plane shortens
+        // areas by its square only.
+        EXPECT_NEAR(area_by_loops,
+                    area_of(mesh, facet.triangles),
+                    border * (result.tolerance + facet.deviation))
+            << f;
+        for (const TriangleId t : facet.triangles) {
+            EXPECT_EQ(result.of_triangle[t], f);
+        }
+    }
+    EXPECT_EQ(members, mesh.triangles.size());
+}
+
+using Shape = std::tuple<double, double, double, double, std::vector<std::vector<double>>>;
+
+/// Planes and loops as values that compare by bits (but for zeros), in an order of their own.
+std::vector<Shape> shapes_of(const Facets& result) {
+    std::vector<Shape> shapes;
+    for (const Facet& facet : result.facets) {
+        std::vector<std::vector<double>> loops;
+        for (const Loop& loop : facet.loops) {
+            loops.emplace_back();
+            for (const Vec3& p : loop) {
+                loops.back().insert(loops.back().end(), {p.x, p.y, p.z});
+            }
+        }
+        const Vec3& n = facet.plane.normal;
+        shapes.emplace_back(n.x, n.y, n.z, facet.plane.offset, loops);
+    }
+    std::sort(shapes.begin(), shapes.end());
+    return shapes;
+}
+
+glm::dmat3 some_rotation() {
+    const double c = std::cos(0.7);
+    const double s = std::sin(0.7);
+    const glm::dmat3 about_z(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0);
+    return glm::dmat3(0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6) * about_z;
+}
+
+TEST(Facets, OfABoxAreExactHoweverItIsCut) {
+    const Vec3 size(7.0, 3.5, 11.25);
+    const Facets coarse = facets_of(box_mesh(size, 1));
+    ASSERT_EQ(coarse.facets.size(), 6U);
+    const Facet& floor =
+        *std::find_if(coarse.facets.begin(), coarse.facets.end(), [](const Facet& f) {
+            return f.plane.normal == Vec3(0.0, -1.0, 0.0);
+        });
+    EXPECT_EQ(floor.plane.offset, -3.5);
+    EXPECT_EQ(floor.loops,
+              (std::vector<Loop>{{Vec3(0.0, 3.5, 0.0),
+                                  Vec3(7.0, 3.5, 0.0),
+                                  Vec3(7.0, 3.5, 11.25),
+                                  Vec3(0.0, 3.5, 11.25)}}));
+    for (const int n : {2, 4, 16}) {  // 16: 3,072 triangles
+        const Mesh mesh = box_mesh(size, n);
+        const Facets fine = facets_of(mesh);
+        expect_sound(mesh, fine);
+        EXPECT_EQ(shapes_of(fine), shapes_of(coarse)) << n;
+        for (const Facet& facet : fine.facets) {
+            EXPECT_EQ(facet.deviation, 0.0);
+        }
+    }
+}
+
+TEST(Facets, OfABoxCutIntoUnevenTrianglesAreExactToo) {
+    // 10 / 3 and such are no doubles: vertices within a side are rounded, but not out of its plane.
+    const Vec3 size(10.0, 3.3, 4.7);
+    const Facets coarse = facets_of(box_mesh(size, 1));
+    for (const int n : {3, 7, 15}) {
+        EXPECT_EQ(shapes_of(facets_of(box_mesh(size, n))), shapes_of(coarse)) << n;
+    }
+}
+
+TEST(Facets, OfATurnedBoxOfFloatsAreItsSixSides) {
+    for (const int n : {1, 3, 16}) {
+        for (int turn = 0; turn < 4; ++turn) {
+            SCOPED_TRACE(n * 10 + turn);
+            glm::dmat3 rotation(1.0);
+            for (int i = 0; i < turn; ++i) {
+                rotation = rotation * some_rotation();
+            }
+            const Mesh mesh =
+                as_stored(box_mesh(Vec3(9.0, 4.0, 6.0), n), rotation, Vec3(3.3, -8.1, 14.7));
+            const Facets result = facets_of(mesh);
+            ASSERT_EQ(result.facets.size(), 6U);
+            expect_sound(mesh, result);
+            for (const Facet& facet : result.facets) {
+                EXPECT_EQ(facet.loops.size(), 1U);
+                EXPECT_EQ(facet.loops.front().size(), 4U);
+                EXPECT_NEAR(glm::length(facet.plane.normal), 1.0, 4e-16);
+            }
+        }
+    }
+}
+
+TEST(Facets, OfAnLShapedFloorHaveSixCorners) {
+    Mesh mesh;
+    const Vec3 x(1.0, 0.0, 0.0);
+    const Vec3 z(0.0, 0.0, 1.0);
+    add_plate(mesh, Vec3(0.0), 4.0 * z, 2.0 * x, 4, 2);
+    add_plate(mesh, Vec3(2.0, 0.0, 0.0), 2.0 * z, 3.0 * x, 2, 3);
+    const Facets result = facets_of(mesh);
+    ASSERT_EQ(result.facets.size(), 1U);
+    EXPECT_EQ(result.facets[0].plane.normal, Vec3(0.0, 1.0, 0.0));
+    EXPECT_EQ(result.facets[0].loops,
+              (std::vector<Loop>{{Vec3(0.0, 0.0, 0.0),
+                                  Vec3(0.0, 0.0, 4.0),
+                                  Vec3(2.0, 0.0, 4.0),
+                                  Vec3(2.0, 0.0, 2.0),
+                                  Vec3(5.0, 0.0, 2.0),
+                                  Vec3(5.0, 0.0, 0.0)}}));
+}
+
+/// Cells of a grid in the plane z = 1, as chosen by `mask`, row by row.
+Mesh masked_plate(int n, const std::vector<bool>& mask) {
+    Mesh plate;
+    add_plate(plate, Vec3(0.0, 0.0, 1.0), Vec3(n, 0.0, 0.0), Vec3(0.0, n, 0.0), n, n);
+    Mesh mesh{plate.positions, {}};
+    for (std::size_t cell = 0; cell < mask.size(); ++cell) {
+        if (mask[cell]) {
+            mesh.triangles.push_back(plate.triangles[2 * cell]);
+            mesh.triangles.push_back(plate.triangles[2 * cell + 1]);
+        }
+    }
+    return mesh;
+}
+
+TEST(Facets, RunHolesClockwise) {
+    std::vector<bool> mask(25, true);
+    mask[12] = false;
+    const Facets result = facets_of(masked_plate(5, mask));
+    ASSERT_EQ(result.facets.size(), 1U);
+    ASSERT_EQ(result.facets[0].loops.size(), 2U);
+    EXPECT_EQ(signed_area(result.facets[0].loops[0], Vec3(0.0, 0.0, 1.0)), 25.0);
+    EXPECT_EQ(signed_area(result.facets[0].loops[1], Vec3(0.0, 0.0, 1.0)), -1.0);
+    EXPECT_EQ(
+        result.facets[0].loops[1],
+        (Loop{Vec3(2.0, 2.0, 1.0), Vec3(2.0, 3.0, 1.0), Vec3(3.0, 3.0, 1.0), Vec3(3.0, 2.0, 1.0)}));
+}
+
+/// How often the loop winds about (x, y), by counting crossings of the ray towards +x.
+int winding(const Loop& loop, double x, double y) {
+    int turns = 0;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Vec3& a = loop[i];
+        const Vec3& b = loop[(i + 1) % loop.size()];
+        if ((a.y <= y) != (b.y <= y)) {
+            const double crossing = a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
+            turns += crossing > x ? (b.y > a.y ? 1 : -1) : 0;
+        }
+    }
+    return turns;
+}
+
+TEST(Facets, CoverWithTheirLoopsWhatTheirTrianglesCover) {
+    // Random cells of a grid: islands, holes, and borders that touch themselves at corners.
+    constexpr int kSide = 9;
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        SCOPED_TRACE(seed);
+        std::vector<bool> mask(kSide * kSide);
+        for (std::size_t cell = 0; cell < mask.size(); ++cell) {
+            mask[cell] = random(seed, 0, cell) < 0.65;
+        }
+        const Mesh mesh = masked_plate(kSide, mask);
+        const Facets result = facets_of(mesh);
+        expect_sound(mesh, result);
+        for (const Facet& facet : result.facets) {
+            EXPECT_EQ(std::count_if(facet.loops.begin(),
+                                    facet.loops.end(),
+                                    [&](const Loop& loop) {
+                                        return signed_area(loop, facet.plane.normal) > 0.0;
+                                    }),
+                      1);
+        }
+        std::size_t triangle = 0;
+        for (std::size_t cell = 0; cell < mask.size(); ++cell) {
+            const double x = static_cast<double>(cell % kSide) + 0.5;
+            const double y = static_cast<double>(cell / kSide) + 0.5;
+            for (FacetId f = 0; f < result.facets.size(); ++f) {
+                int turns = 0;
+                for (const Loop& loop : result.facets[f].loops) {
+                    turns += winding(loop, x, y);
+                }
+                const bool is_covered = mask[cell] && result.of_triangle[triangle] == f;
+                ASSERT_EQ(turns, is_covered ? 1 : 0) << "cell " << cell << " facet " << f;
+            }
+            triangle += mask[cell] ? 2 : 0;
+        }
+    }
+}
+
+TEST(Facets, EndWhereTheLabelChanges) {
+    Mesh mesh;
+    add_plate(mesh, Vec3(0.0), Vec3(4.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 4, 1);
+    const Facets result = facets_of(mesh, {5, 5, 5, 5, 2, 2, 5, 5});
+    ASSERT_EQ(result.facets.size(), 3U);
+    EXPECT_EQ(result.of_triangle, (std::vector<FacetId>{0, 0, 0, 0, 1, 1, 2, 2}));
+    expect_sound(mesh, result);
+}
+
+TEST(Facets, EndWhereAWallStandsOnTheFloor) {
+    Mesh mesh;
+    add_plate(mesh, Vec3(0.0), Vec3(0.0, 0.0, 2.0), Vec3(4.0, 0.0, 0.0), 2, 4);
+    add_plate(mesh, Vec3(2.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 2.0), 1, 2);
+    EXPECT_EQ(facets_of(mesh).facets.size(), 3U);
+}
+
+TEST(Facets, LeaveOutSlits) {
+    // The same with a wall that crosses half of the floor only: the floor goes round its end.
+    Mesh mesh;
+    add_plate(mesh, Vec3(0.0), Vec3(0.0, 0.0, 2.0), Vec3(4.0, 0.0, 0.0), 2, 4);
+    add_plate(mesh, Vec3(2.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0), 1, 1);
+    const Facets result = facets_of(mesh);
+    ASSERT_EQ(result.facets.size(), 2U);
+    EXPECT_EQ(result.facets[0].loops.size(), 1U);
+    EXPECT_EQ(result.facets[0].loops[0].size(), 4U);
+    expect_sound(mesh, result);
+}
+
+TEST(Facets, DoNotTakeInATriangleThatFoldsBack) {
+    const Mesh mesh{{Vec3(0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.5, 1.0, 0.0), Vec3(0.4, 0.5, 0.0)},
+                    {{0, 1, 2}, {1, 0, 3}}};
+    EXPECT_EQ(facets_of(mesh).facets.size(), 2U);
+}
+
+TEST(Facets, TakeInSliversWhoseNormalIsNoise) {
+    // Two halves of a floor with a sliver between them, one corner of it a float's step too high.
+    const double step = 0x1p-22;
+    const Mesh mesh{{Vec3(0.0, 0.0, 0.0),
+                     Vec3(2.0, 0.0, 0.0),
+                     Vec3(2.0, 2.0, 0.0),
+                     Vec3(0.0, 2.0, 0.0),
+                     Vec3(1.0, 1.0 + step, step)},
+                    {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
+    const Facets result = facets_of(mesh);
+    EXPECT_EQ(result.facets.size(), 1U);
+    expect_sound(mesh, result);
+}
+
+TEST(Facets, DoNotDriftAlongACurve) {
+    // Strips of a cylinder; from each to the next the surface leaves the plane by less than the
+    // tolerance, after a few it is well off.
+    Mesh mesh;
+    constexpr int kStrips = 200;
+    constexpr double kAngle = 0.5e-3;
+    const auto rim = [](int i, double z) {
+        return Vec3(10.0 * std::sin(kAngle * i), 10.0 * std::cos(kAngle * i), z);
+    };
+    for (int i = 0; i < kStrips; ++i) {
+        const Vec3 u = rim(i + 1, 0.0) - rim(i, 0.0);
+        const auto first = static_cast<VertexId>(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(),
+                              {rim(i, 0.0), rim(i + 1, 0.0), rim(i + 1, 1.0), rim(i, 1.0)});
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        mesh.triangles.push_back({first, first + 2, first + 3});
+        ASSERT_LT(glm::length(u), 0.006);
+    }
+    const Facets result = facets_of(mesh);
+    expect_sound(mesh, result);
+    EXPECT_GT(result.facets.size(), 20U);
+    for (const Facet& facet : result.facets) {
+        EXPECT_LE(facet.deviation, 4.0 * result.tolerance);
+    }
+}
+
+TEST(Facets, KeepSmallReliefApart) {
+    // A millimetre's step in a wall of tiles.
+    Mesh mesh;
+    add_plate(mesh, Vec3(0.0), Vec3(2.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 20, 20);
+    add_plate(mesh, Vec3(2.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.001), Vec3(0.0, 2.0, 0.0), 1, 20);
+    add_plate(mesh, Vec3(2.0, 0.0, 0.001), Vec3(2.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 20, 20);
+    const Mesh stored = as_stored(mesh, some_rotation(), Vec3(1.0, 2.0, 3.0));
+    const Facets result = facets_of(stored);
+    EXPECT_EQ(result.facets.size(), 3U);
+    expect_sound(stored, result);
+}
+
+TEST(Facets, OfAFineSphereAreItsTriangles) {
+    Mesh mesh;
+    constexpr int kRows = 24;
+    constexpr int kColumns = 48;
+    const double pi = std::acos(-1.0);
+    const auto at = [&](int i, int j) {
+        const double a = pi * i / kRows;
+        const double b = 2.0 * pi * (j % kColumns) / kColumns;
+        return Vec3(std::sin(a) * std::cos(b), std::cos(a), std::sin(a) * std::sin(b));
+    };
+    for (int i = 0; i < kRows; ++i) {
+        for (int j = 0; j < kColumns; ++j) {
+            const auto first = static_cast<VertexId>(mesh.positions.size());
+            mesh.positions.insert(mesh.positions.end(),
+                                  {at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)});
+            if (i > 0) {
+                mesh.triangles.push_back({first, first + 1, first + 2});
+            }
+            if (i + 1 < kRows) {
+                mesh.triangles.push_back({first, first + 2, first + 3});
+            }
+        }
+    }
+    // Cells are planar trapezoids, caps are triangles.
+    const Facets result = facets_of(mesh);
+    expect_sound(mesh, result);
+    EXPECT_EQ(result.facets.size(), static_cast<std::size_t>(kRows * kColumns));
+}
+
+TEST(Facets, DoNotDependOnTheOrderOfTriangles) {
+    Mesh mesh = box_mesh(Vec3(8.0, 4.0, 2.0), 4);
+    add_plate(mesh, Vec3(1.0, 1.0, 1.0), Vec3(1.0, 0.0, 1.0), Vec3(0.0, 1.0, 0.0), 3, 3);
+    const Facets original = facets_of(mesh);
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        SCOPED_TRACE(seed);
+        std::vector<TriangleId> order;
+        const Mesh other = shuffled(mesh, seed, order);
+        const Facets result = facets_of(other);
+        EXPECT_EQ(shapes_of(result), shapes_of(original));
+        std::set<std::set<TriangleId>> want;
+        std::set<std::set<TriangleId>> got;
+        for (const Facet& facet : original.facets) {
+            want.emplace(facet.triangles.begin(), facet.triangles.end());
+        }
+        for (const Facet& facet : result.facets) {
+            std::set<TriangleId> members;
+            for (const TriangleId t : facet.triangles) {
+                members.insert(order[t]);
+            }
+            got.insert(members);
+        }
+        EXPECT_EQ(got, want);
+    }
+}
+
+TEST(Facets, HaveAPlaneEvenWhereRoundingLeavesNoArea) {
+    // Not on a line, but the differences of the coordinates are.
+    const Mesh mesh{{Vec3(0x1p-60, 0.0, 0.0), Vec3(1.0), Vec3(2.0)}, {{0, 1, 2}}};
+    const Facets result = facets_of(mesh);
+    ASSERT_EQ(result.facets.size(), 1U);
+    EXPECT_NEAR(glm::length(result.facets[0].plane.normal), 1.0, 4e-16);
+    EXPECT_LE(result.facets[0].deviation, result.tolerance);
+}
+
+TEST(Facets, OfNothingAreNone) {
+    EXPECT_TRUE(find_facets({}, {}, {}).facets.empty());
+}
+
+TEST(Plane, MirrorsExactlyAcrossCoordinatePlanes) {
+    const Plane wall{Vec3(-1.0, 0.0, 0.0), -7.3};  // x = 7.3, seen from smaller x
+    EXPECT_EQ(wall.distance(Vec3(7.3, 5.0, 1.0)), 0.0);
+    EXPECT_EQ(wall.distance(Vec3(7.0, 5.0, 1.0)), 7.3 - 7.0);
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        const double x = random_between(6, 0, i, -20.0, 20.0);
+        EXPECT_EQ(wall.mirror(Vec3(x, 0.1, -0.3)), Vec3(2.0 * 7.3 - x, 0.1, -0.3)) << i;
+    }
+}
+
+TEST(Plane, MirrorsAnyPointToTheSameDistanceBehind) {
+    const Vec3 normal = glm::normalize(Vec3(1.0, -2.0, 0.5));
+    const Plane plane{normal, 0.7};
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+        const Vec3 p(random_between(6, 1, i, -20.0, 20.0),
+                     random_between(6, 2, i, -20.0, 20.0),
+                     random_between(6, 3, i, -20.0, 20.0));
+        const Vec3 image = plane.mirror(p);
+        // A dozen roundings at coordinates below 64.
+        constexpr double kRounding = 12.0 * 64.0 * 0x1p-53;
+        EXPECT_NEAR(plane.distance(image), -plane.distance(p), kRounding) << i;
+        EXPECT_NEAR(glm::length(glm::cross(image - p, normal)), 0.0, kRounding) << i;
+    }
+}
+
+Mesh read_obj(const std::filesystem::path& path) {
+    Mesh mesh;
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line);
+        std::string kind;
+        words >> kind;
+        if (kind == "v") {
+            Vec3 p(0.0);
+            words >> p.x >> p.y >> p.z;
+            mesh.positions.push_back(p);
+        } else if (kind == "f") {
+            Triangle triangle{};
+            for (VertexId& vertex : triangle) {
+                std::string corner;
+                words >> corner;
+                vertex = static_cast<VertexId>(std::stoul(corner)) - 1;
+            }
+            mesh.triangles.push_back(triangle);
+        }
+    }
+    return mesh;
+}
+
+TEST(Facets, OfTheBunnyHaveItsArea) {
+    const std::filesystem::path path =
+        std::filesystem::path(EARSHOT_SHARED_DIR) / "models" / "stanford-bunny.obj";
+    if (!std::filesystem::exists(path)) {
+        GTEST_SKIP() << "third-party mesh absent: " << path;
+    }
+    Mesh mesh = read_obj(path);
+    const CleanMesh cleaned = clean(mesh.view());
+    Mesh kept{mesh.positions, {}};
+    for (const TriangleId t : cleaned.kept) {
+        kept.triangles.push_back(mesh.triangles[t]);
+    }
+    const Facets result = facets_of(kept);
+    expect_sound(kept, result);
+    double by_loops = 0.0;
+    double by_triangles = 0.0;
+    for (const Facet& facet : result.facets) {
+        for (const Loop& loop : facet.loops) {
+            by_loops += signed_area(loop, facet.plane.normal);
+        }
+        by_triangles += area_of(kept, facet.triangles);
+    }
+    // Curved all over: nearly every triangle is a facet.
+    EXPECT_GT(result.facets.size(), kept.triangles.size() / 2);
+    EXPECT_NEAR(by_loops, by_triangles, 1e-4 * by_triangles);
+}
+
+}  // namespace
+}  // namespace earshot::geometry
