@@ -102,8 +102,10 @@ bool riff_is_cut_off(const std::filesystem::path& file) {
     if (!stream || std::memcmp(head.data(), "RIFF", 4) != 0) {
         return false;
     }
-    const std::uint64_t promised =
-        head[4] | head[5] << 8U | head[6] << 16U | static_cast<std::uint64_t>(head[7]) << 24U;
+    std::uint64_t promised = 0;  // little-endian
+    for (std::size_t i = 8; i-- > 4;) {
+        promised = promised << 8U | head[i];
+    }
     // Programs that stream to a pipe leave all bits set.
     std::error_code error;
     return promised != 0xFFFFFFFFULL && promised + 8 > std::filesystem::file_size(file, error);
