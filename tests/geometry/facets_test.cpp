@@ -224,6 +224,26 @@ TEST(Facets, RunHolesClockwise) {
         (Loop{Vec3(2.0, 2.0, 1.0), Vec3(2.0, 3.0, 1.0), Vec3(3.0, 3.0, 1.0), Vec3(3.0, 2.0, 1.0)}));
 }
 
+TEST(Facets, KeepCornersOnlyAlsoWhereRoundingBendsStraightRuns) {
+    // A notch of 11 x 5 cells in a plate of 17 x 17: eight corners.
+    constexpr std::size_t kSide = 17;
+    std::vector<bool> mask(kSide * kSide, true);
+    for (std::size_t row = 12; row < kSide; ++row) {
+        for (std::size_t column = 3; column < 14; ++column) {
+            mask[row * kSide + column] = false;
+        }
+    }
+    glm::dmat3 rotation(1.0);
+    for (int turn = 0; turn < 20; ++turn) {
+        rotation = rotation * some_rotation();
+        const Facets result =
+            facets_of(as_stored(masked_plate(kSide, mask), rotation, Vec3(4.1, -7.3, 2.9)));
+        ASSERT_EQ(result.facets.size(), 1U) << turn;
+        ASSERT_EQ(result.facets[0].loops.size(), 1U) << turn;
+        EXPECT_EQ(result.facets[0].loops[0].size(), 8U) << turn;
+    }
+}
+
 /// How often the loop winds about (x, y), by counting crossings of the ray towards +x.
 int winding(const Loop& loop, double x, double y) {
     int turns = 0;
@@ -257,6 +277,15 @@ TEST(Facets, CoverWithTheirLoopsWhatTheirTrianglesCover) {
                                         return signed_area(loop, facet.plane.normal) > 0.0;
                                     }),
                       1);
+        }
+        for (const Facet& facet : result.facets) {
+            for (const Loop& loop : facet.loops) {
+                for (std::size_t i = 0; i < loop.size(); ++i) {
+                    const Vec3& b = loop[(i + 1) % loop.size()];
+                    const Vec3& c = loop[(i + 2) % loop.size()];
+                    EXPECT_NE(glm::cross(b - loop[i], c - b), Vec3(0.0)) << "no corner";
+                }
+            }
         }
         std::size_t triangle = 0;
         for (std::size_t cell = 0; cell < mask.size(); ++cell) {
@@ -310,55 +339,59 @@ TEST(Facets, DoNotTakeInATriangleThatFoldsBack) {
 }
 
 TEST(Facets, TakeInSliversWhoseNormalIsNoise) {
-    // Two halves of a floor with a sliver between them, one corner of it a float's step too high.
-    const double step = 0x1p-22;
-    const Mesh mesh{{Vec3(0.0, 0.0, 0.0),
-                     Vec3(2.0, 0.0, 0.0),
-                     Vec3(2.0, 2.0, 0.0),
-                     Vec3(0.0, 2.0, 0.0),
-                     Vec3(1.0, 1.0 + step, step)},
-                    {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
-    const Facets result = facets_of(mesh);
-    EXPECT_EQ(result.facets.size(), 1U);
-    expect_sound(mesh, result);
+    // Two halves of a floor with a sliver between them, one corner of it a float's step too high
+    // and a step to either side: the sliver looks up or down.
+    constexpr double kStep = 0x1p-22;
+    for (const double side : {kStep, -kStep}) {
+        const Mesh mesh{{Vec3(0.0, 0.0, 0.0),
+                         Vec3(2.0, 0.0, 0.0),
+                         Vec3(2.0, 2.0, 0.0),
+                         Vec3(0.0, 2.0, 0.0),
+                         Vec3(1.0, 1.0 + side, kStep)},
+                        {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
+        const Facets result = facets_of(mesh);
+        EXPECT_EQ(result.facets.size(), 1U);
+        expect_sound(mesh, result);
+    }
 }
 
 TEST(Facets, DoNotDriftAlongACurve) {
     // Strips of a cylinder; from each to the next the surface leaves the plane by less than the
     // tolerance, after a few it is well off.
     Mesh mesh;
-    constexpr int kStrips = 200;
-    constexpr double kAngle = 0.5e-3;
+    constexpr int kStrips = 1000;
+    constexpr double kAngle = 0.05e-3;
     const auto rim = [](int i, double z) {
         return Vec3(10.0 * std::sin(kAngle * i), 10.0 * std::cos(kAngle * i), z);
     };
     for (int i = 0; i < kStrips; ++i) {
-        const Vec3 u = rim(i + 1, 0.0) - rim(i, 0.0);
         const auto first = static_cast<VertexId>(mesh.positions.size());
         mesh.positions.insert(mesh.positions.end(),
                               {rim(i, 0.0), rim(i + 1, 0.0), rim(i + 1, 1.0), rim(i, 1.0)});
         mesh.triangles.push_back({first, first + 1, first + 2});
         mesh.triangles.push_back({first, first + 2, first + 3});
-        ASSERT_LT(glm::length(u), 0.006);
     }
     const Facets result = facets_of(mesh);
     expect_sound(mesh, result);
-    EXPECT_GT(result.facets.size(), 20U);
+    EXPECT_GT(result.facets.size(), 10U);
     for (const Facet& facet : result.facets) {
         EXPECT_LE(facet.deviation, 4.0 * result.tolerance);
     }
 }
 
 TEST(Facets, KeepSmallReliefApart) {
-    // A millimetre's step in a wall of tiles.
+    // A step of 0.06 mm, four metres from the largest triangles, whose rounding could tilt their
+    // plane that much: the step is still too steep for its size.
     Mesh mesh;
-    add_plate(mesh, Vec3(0.0), Vec3(2.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 20, 20);
-    add_plate(mesh, Vec3(2.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.001), Vec3(0.0, 2.0, 0.0), 1, 20);
-    add_plate(mesh, Vec3(2.0, 0.0, 0.001), Vec3(2.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 20, 20);
-    const Mesh stored = as_stored(mesh, some_rotation(), Vec3(1.0, 2.0, 3.0));
-    const Facets result = facets_of(stored);
+    constexpr double kStep = 6e-5;
+    const Vec3 y(0.0, 0.5, 0.0);
+    add_plate(mesh, Vec3(-0.5, 0.0, 0.0), Vec3(0.5, 0.0, 0.0), y, 1, 5);
+    add_plate(mesh, Vec3(0.0), Vec3(4.0, 0.0, 0.0), y, 40, 5);
+    add_plate(mesh, Vec3(4.0, 0.0, 0.0), Vec3(0.0, 0.0, kStep), y, 1, 5);
+    add_plate(mesh, Vec3(4.0, 0.0, kStep), Vec3(4.0, 0.0, 0.0), y, 40, 5);
+    const Facets result = facets_of(mesh);
     EXPECT_EQ(result.facets.size(), 3U);
-    expect_sound(stored, result);
+    expect_sound(mesh, result);
 }
 
 TEST(Facets, OfAFineSphereAreItsTriangles) {
