@@ -187,7 +187,7 @@ double pow10(double x) noexcept {
     constexpr double kFar = 400.0;          // 10^x is 0 or infinite beyond, whatever the rounding
     if (x >= 0.0 && x <= kLargestExact && x == std::floor(x)) {
         double power = 1.0;
-        for (double n = 0.0; n < x; n += 1.0) {
+        for (int n = static_cast<int>(x); n > 0; --n) {
             power *= 10.0;
         }
         return power;

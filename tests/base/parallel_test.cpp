@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <mutex>
 #include <set>
@@ -54,6 +55,26 @@ TEST(Executor, VisitsEveryItemOnce) {
     for (const std::atomic<int>& count : visits) {
         ASSERT_EQ(count.load(), 1);
     }
+}
+
+TEST(Executor, UsesTheThreadsAskedForThoughAnEarlierOneAskedForFewer) {
+    // Four chunks that wait for each other need four threads, whatever the number of cores.
+    const Executor earlier(2);
+    Executor executor(4);
+    std::atomic<int> arrived{0};
+    executor.for_each(4, 1, [&](std::size_t, std::size_t) {
+        ++arrived;
+        const auto patience = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+        while (arrived < 4 && std::chrono::steady_clock::now() < patience) {
+            std::this_thread::yield();
+        }
+        EXPECT_EQ(arrived.load(), 4);
+    });
+}
+
+TEST(Executor, TakesFarMoreThreadsThanThereAreCores) {
+    Executor executor(100000);
+    EXPECT_EQ(chunks_of(executor, 10, 4).size(), 3U);
 }
 
 TEST(Executor, RethrowsTheLowestChunksExceptionOfSeveral) {

@@ -127,6 +127,18 @@ TEST(Clean, CountsVerticesInsideOpenEdges) {
     EXPECT_EQ(clean(mesh.view()).report.t_junctions, 0U);
 }
 
+TEST(Clean, TakesAVertexBesideACornerForACornerThatDidNotWeld) {
+    const Mesh plate{{Vec3(0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0)}, {{0, 1, 2}}};
+    const double near = 0.5 * coplanar_tolerance(plate.view());
+    for (const double step : {near, 4.0 * near}) {
+        Mesh mesh = plate;
+        mesh.positions.insert(mesh.positions.end(),
+                              {Vec3(step, 0.0, 0.0), Vec3(0.0, -1.0, 0.0), Vec3(1.0, -1.0, 0.0)});
+        mesh.triangles.push_back({3, 4, 5});
+        EXPECT_EQ(clean(mesh.view()).report.t_junctions, step > near ? 1U : 0U);
+    }
+}
+
 // Everything again by exhaustive search over small meshes with many coincidences.
 struct Soup {
     Mesh mesh;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "geometry/facet_checks.h"
 #include "geometry/made_meshes.h"
 #include <algorithm>
 #include <cmath>
@@ -19,82 +20,6 @@
 
 namespace earshot::geometry {
 namespace {
-
-using Labels = std::vector<std::uint32_t>;
-
-Facets facets_of(const Mesh& mesh, Labels labels = {}) {
-    labels.resize(mesh.triangles.size(), 0);
-    const CleanMesh cleaned = clean(mesh.view());
-    EXPECT_EQ(cleaned.kept.size(), mesh.triangles.size());
-    return find_facets(mesh.view(), cleaned.weld, labels);
-}
-
-/// Area by the shoelace formula, positive if counter-clockwise seen against the normal.
-double signed_area(const Loop& loop, const Vec3& normal) {
-    Vec3 sum(0.0);
-    for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
-        sum += glm::cross(loop[i] - loop[0], loop[i + 1] - loop[0]);
-    }
-    return 0.5 * glm::dot(sum, normal);
-}
-
-double perimeter(const Loop& loop) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-        sum += glm::length(loop[(i + 1) % loop.size()] - loop[i]);
-    }
-    return sum;
-}
-
-double area_of(const Mesh& mesh, TriangleId t) {
-    const auto [a, b, c] = mesh.triangles[t];
-    const auto& p = mesh.positions;
-    return 0.5 * glm::length(glm::cross(p[b] - p[a], p[c] - p[a]));
-}
-
-double area_of(const Mesh& mesh, const std::vector<TriangleId>& triangles) {
-    double sum = 0.0;
-    for (const TriangleId t : triangles) {
-        sum += area_of(mesh, t);
-    }
-    return sum;
-}
-
-/// What must hold for the facets of any mesh.
-void expect_sound(const Mesh& mesh, const Facets& result) {
-    ASSERT_EQ(result.of_triangle.size(), mesh.triangles.size());
-    std::size_t members = 0;
-    TriangleId previous_first = 0;
-    for (FacetId f = 0; f < result.facets.size(); ++f) {
-        const Facet& facet = result.facets[f];
-        ASSERT_FALSE(facet.triangles.empty());
-        EXPECT_TRUE(std::is_sorted(facet.triangles.begin(), facet.triangles.end()));
-        EXPECT_TRUE(f == 0 || facet.triangles.front() > previous_first);
-        previous_first = facet.triangles.front();
-        members += facet.triangles.size();
-        double area_by_loops = 0.0;
-        double border = 0.0;
-        for (const Loop& loop : facet.loops) {
-            EXPECT_GE(loop.size(), 3U);
-            std::set<std::tuple<double, double, double>> seen;
-            for (const Vec3& p : loop) {
-                EXPECT_TRUE(seen.insert({p.x, p.y, p.z}).second) << "visits a vertex twice";
-            }
-            area_by_loops += signed_area(loop, facet.plane.normal);
-            border += perimeter(loop);
-        }
-        // Corners within the tolerance of a straight run are left out; a tilt of the plane shortens
-        // areas by its square only.
-        EXPECT_NEAR(area_by_loops,
-                    area_of(mesh, facet.triangles),
-                    border * (result.tolerance + facet.deviation))
-            << f;
-        for (const TriangleId t : facet.triangles) {
-            EXPECT_EQ(result.of_triangle[t], f);
-        }
-    }
-    EXPECT_EQ(members, mesh.triangles.size());
-}
 
 using Shape = std::tuple<double, double, double, double, std::vector<std::vector<double>>>;
 
@@ -114,13 +39,6 @@ std::vector<Shape> shapes_of(const Facets& result) {
     }
     std::sort(shapes.begin(), shapes.end());
     return shapes;
-}
-
-glm::dmat3 some_rotation() {
-    const double c = std::cos(0.7);
-    const double s = std::sin(0.7);
-    const glm::dmat3 about_z(c, s, 0.0, -s, c, 0.0, 0.0, 0.0, 1.0);
-    return glm::dmat3(0.36, 0.48, -0.8, -0.8, 0.6, 0.0, 0.48, 0.64, 0.6) * about_z;
 }
 
 TEST(Facets, OfABoxAreExactHoweverItIsCut) {
@@ -179,102 +97,6 @@ TEST(Facets, OfATurnedBoxOfFloatsAreItsSixSides) {
     }
 }
 
-TEST(Facets, OfAnLShapedFloorHaveSixCorners) {
-    Mesh mesh;
-    const Vec3 x(1.0, 0.0, 0.0);
-    const Vec3 z(0.0, 0.0, 1.0);
-    add_plate(mesh, Vec3(0.0), 4.0 * z, 2.0 * x, 4, 2);
-    add_plate(mesh, Vec3(2.0, 0.0, 0.0), 2.0 * z, 3.0 * x, 2, 3);
-    const Facets result = facets_of(mesh);
-    ASSERT_EQ(result.facets.size(), 1U);
-    EXPECT_EQ(result.facets[0].plane.normal, Vec3(0.0, 1.0, 0.0));
-    EXPECT_EQ(result.facets[0].loops,
-              (std::vector<Loop>{{Vec3(0.0, 0.0, 0.0),
-                                  Vec3(0.0, 0.0, 4.0),
-                                  Vec3(2.0, 0.0, 4.0),
-                                  Vec3(2.0, 0.0, 2.0),
-                                  Vec3(5.0, 0.0, 2.0),
-                                  Vec3(5.0, 0.0, 0.0)}}));
-}
-
-/// Cells of a grid in the plane z = 1, as chosen by `mask`, row by row.
-Mesh masked_plate(int n, const std::vector<bool>& mask) {
-    Mesh plate;
-    add_plate(plate, Vec3(0.0, 0.0, 1.0), Vec3(n, 0.0, 0.0), Vec3(0.0, n, 0.0), n, n);
-    Mesh mesh{plate.positions, {}};
-    for (std::size_t cell = 0; cell < mask.size(); ++cell) {
-        if (mask[cell]) {
-            mesh.triangles.push_back(plate.triangles[2 * cell]);
-            mesh.triangles.push_back(plate.triangles[2 * cell + 1]);
-        }
-    }
-    return mesh;
-}
-
-TEST(Facets, RunHolesClockwise) {
-    std::vector<bool> mask(25, true);
-    mask[12] = false;
-    const Facets result = facets_of(masked_plate(5, mask));
-    ASSERT_EQ(result.facets.size(), 1U);
-    ASSERT_EQ(result.facets[0].loops.size(), 2U);
-    EXPECT_EQ(signed_area(result.facets[0].loops[0], Vec3(0.0, 0.0, 1.0)), 25.0);
-    EXPECT_EQ(signed_area(result.facets[0].loops[1], Vec3(0.0, 0.0, 1.0)), -1.0);
-    EXPECT_EQ(
-        result.facets[0].loops[1],
-        (Loop{Vec3(2.0, 2.0, 1.0), Vec3(2.0, 3.0, 1.0), Vec3(3.0, 3.0, 1.0), Vec3(3.0, 2.0, 1.0)}));
-}
-
-/// How often the loop winds about (x, y), by counting crossings of the ray towards +x.
-int winding(const Loop& loop, double x, double y) {
-    int turns = 0;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-        const Vec3& a = loop[i];
-        const Vec3& b = loop[(i + 1) % loop.size()];
-        if ((a.y <= y) != (b.y <= y)) {
-            const double crossing = a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x);
-            turns += crossing > x ? (b.y > a.y ? 1 : -1) : 0;
-        }
-    }
-    return turns;
-}
-
-TEST(Facets, CoverWithTheirLoopsWhatTheirTrianglesCover) {
-    // Random cells of a grid: islands, holes, and borders that touch themselves at corners.
-    constexpr int kSide = 9;
-    for (std::uint64_t seed = 0; seed < 100; ++seed) {
-        SCOPED_TRACE(seed);
-        std::vector<bool> mask(kSide * kSide);
-        for (std::size_t cell = 0; cell < mask.size(); ++cell) {
-            mask[cell] = random(seed, 0, cell) < 0.65;
-        }
-        const Mesh mesh = masked_plate(kSide, mask);
-        const Facets result = facets_of(mesh);
-        expect_sound(mesh, result);
-        for (const Facet& facet : result.facets) {
-            EXPECT_EQ(std::count_if(facet.loops.begin(),
-                                    facet.loops.end(),
-                                    [&](const Loop& loop) {
-                                        return signed_area(loop, facet.plane.normal) > 0.0;
-                                    }),
-                      1);
-        }
-        std::size_t triangle = 0;
-        for (std::size_t cell = 0; cell < mask.size(); ++cell) {
-            const double x = static_cast<double>(cell % kSide) + 0.5;
-            const double y = static_cast<double>(cell / kSide) + 0.5;
-            for (FacetId f = 0; f < result.facets.size(); ++f) {
-                int turns = 0;
-                for (const Loop& loop : result.facets[f].loops) {
-                    turns += winding(loop, x, y);
-                }
-                const bool is_covered = mask[cell] && result.of_triangle[triangle] == f;
-                ASSERT_EQ(turns, is_covered ? 1 : 0) << "cell " << cell << " facet " << f;
-            }
-            triangle += mask[cell] ? 2 : 0;
-        }
-    }
-}
-
 TEST(Facets, EndWhereTheLabelChanges) {
     Mesh mesh;
     add_plate(mesh, Vec3(0.0), Vec3(4.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 4, 1);
@@ -291,18 +113,6 @@ TEST(Facets, EndWhereAWallStandsOnTheFloor) {
     EXPECT_EQ(facets_of(mesh).facets.size(), 3U);
 }
 
-TEST(Facets, LeaveOutSlits) {
-    // The same with a wall that crosses half of the floor only: the floor goes round its end.
-    Mesh mesh;
-    add_plate(mesh, Vec3(0.0), Vec3(0.0, 0.0, 2.0), Vec3(4.0, 0.0, 0.0), 2, 4);
-    add_plate(mesh, Vec3(2.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 1.0), 1, 1);
-    const Facets result = facets_of(mesh);
-    ASSERT_EQ(result.facets.size(), 2U);
-    EXPECT_EQ(result.facets[0].loops.size(), 1U);
-    EXPECT_EQ(result.facets[0].loops[0].size(), 4U);
-    expect_sound(mesh, result);
-}
-
 TEST(Facets, DoNotTakeInATriangleThatFoldsBack) {
     const Mesh mesh{{Vec3(0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.5, 1.0, 0.0), Vec3(0.4, 0.5, 0.0)},
                     {{0, 1, 2}, {1, 0, 3}}};
@@ -310,55 +120,59 @@ TEST(Facets, DoNotTakeInATriangleThatFoldsBack) {
 }
 
 TEST(Facets, TakeInSliversWhoseNormalIsNoise) {
-    // Two halves of a floor with a sliver between them, one corner of it a float's step too high.
-    const double step = 0x1p-22;
-    const Mesh mesh{{Vec3(0.0, 0.0, 0.0),
-                     Vec3(2.0, 0.0, 0.0),
-                     Vec3(2.0, 2.0, 0.0),
-                     Vec3(0.0, 2.0, 0.0),
-                     Vec3(1.0, 1.0 + step, step)},
-                    {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
-    const Facets result = facets_of(mesh);
-    EXPECT_EQ(result.facets.size(), 1U);
-    expect_sound(mesh, result);
+    // Two halves of a floor with a sliver between them, one corner of it a float's step too high
+    // and a step to either side: the sliver looks up or down.
+    constexpr double kStep = 0x1p-22;
+    for (const double side : {kStep, -kStep}) {
+        const Mesh mesh{{Vec3(0.0, 0.0, 0.0),
+                         Vec3(2.0, 0.0, 0.0),
+                         Vec3(2.0, 2.0, 0.0),
+                         Vec3(0.0, 2.0, 0.0),
+                         Vec3(1.0, 1.0 + side, kStep)},
+                        {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}};
+        const Facets result = facets_of(mesh);
+        EXPECT_EQ(result.facets.size(), 1U);
+        expect_sound(mesh, result);
+    }
 }
 
 TEST(Facets, DoNotDriftAlongACurve) {
     // Strips of a cylinder; from each to the next the surface leaves the plane by less than the
     // tolerance, after a few it is well off.
     Mesh mesh;
-    constexpr int kStrips = 200;
-    constexpr double kAngle = 0.5e-3;
+    constexpr int kStrips = 1000;
+    constexpr double kAngle = 0.05e-3;
     const auto rim = [](int i, double z) {
         return Vec3(10.0 * std::sin(kAngle * i), 10.0 * std::cos(kAngle * i), z);
     };
     for (int i = 0; i < kStrips; ++i) {
-        const Vec3 u = rim(i + 1, 0.0) - rim(i, 0.0);
         const auto first = static_cast<VertexId>(mesh.positions.size());
         mesh.positions.insert(mesh.positions.end(),
                               {rim(i, 0.0), rim(i + 1, 0.0), rim(i + 1, 1.0), rim(i, 1.0)});
         mesh.triangles.push_back({first, first + 1, first + 2});
         mesh.triangles.push_back({first, first + 2, first + 3});
-        ASSERT_LT(glm::length(u), 0.006);
     }
     const Facets result = facets_of(mesh);
     expect_sound(mesh, result);
-    EXPECT_GT(result.facets.size(), 20U);
+    EXPECT_GT(result.facets.size(), 10U);
     for (const Facet& facet : result.facets) {
         EXPECT_LE(facet.deviation, 4.0 * result.tolerance);
     }
 }
 
 TEST(Facets, KeepSmallReliefApart) {
-    // A millimetre's step in a wall of tiles.
+    // A step of 0.06 mm, four metres from the largest triangles, whose rounding could tilt their
+    // plane that much: the step is still too steep for its size.
     Mesh mesh;
-    add_plate(mesh, Vec3(0.0), Vec3(2.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 20, 20);
-    add_plate(mesh, Vec3(2.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.001), Vec3(0.0, 2.0, 0.0), 1, 20);
-    add_plate(mesh, Vec3(2.0, 0.0, 0.001), Vec3(2.0, 0.0, 0.0), Vec3(0.0, 2.0, 0.0), 20, 20);
-    const Mesh stored = as_stored(mesh, some_rotation(), Vec3(1.0, 2.0, 3.0));
-    const Facets result = facets_of(stored);
+    constexpr double kStep = 6e-5;
+    const Vec3 y(0.0, 0.5, 0.0);
+    add_plate(mesh, Vec3(-0.5, 0.0, 0.0), Vec3(0.5, 0.0, 0.0), y, 1, 5);
+    add_plate(mesh, Vec3(0.0), Vec3(4.0, 0.0, 0.0), y, 40, 5);
+    add_plate(mesh, Vec3(4.0, 0.0, 0.0), Vec3(0.0, 0.0, kStep), y, 1, 5);
+    add_plate(mesh, Vec3(4.0, 0.0, kStep), Vec3(4.0, 0.0, 0.0), y, 40, 5);
+    const Facets result = facets_of(mesh);
     EXPECT_EQ(result.facets.size(), 3U);
-    expect_sound(stored, result);
+    expect_sound(mesh, result);
 }
 
 TEST(Facets, OfAFineSphereAreItsTriangles) {
