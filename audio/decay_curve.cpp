@@ -25,7 +25,7 @@ constexpr double kLeastSlownessOfAll = 0.3;
 
 constexpr int kDeepestDb = kLastStepFromDb + kStepDb;
 
-// Shorter decays are those of the filter (ISO 3382-1:2009, 5.3.3; Jacobsen 1987).
+// Shorter decays are those of the filter (ISO 3382-2:2008, 7.3; Jacobsen 1987).
 constexpr double kLeastBandwidthTimesDecay = 16.0;
 
 std::string rounded_ms(double time) {

@@ -14,15 +14,17 @@ namespace {
 // transition of (A - 8) / (2.285 (taps - 1)) radians, centred on half the sample rate: 0.1 of it
 // with 128 taps, one half of which lies below.
 constexpr double kBeta = 0.1102 * (100.0 - 8.7);
+constexpr double kHalf = static_cast<double>(kDelayHalfLength);
 
 // Modified Bessel function of order 0: sum of ((x/2)^k / k!)^2. For x <= kBeta the terms past 40
 // are below the last bit of the sum.
+constexpr int kBesselTerms = 40;
+
 double bessel_i0(double x) noexcept {
-    constexpr int kTerms = 40;
     const double quarter = 0.25 * x * x;
     double term = 1.0;
     double sum = 1.0;
-    for (int k = 1; k <= kTerms; ++k) {
+    for (int k = 1; k <= kBesselTerms; ++k) {
         term *= quarter / (static_cast<double>(k) * static_cast<double>(k));
         sum += term;
     }
@@ -38,7 +40,6 @@ std::array<double, kDelayTaps> fractional_impulse(double fraction) {
         taps[kDelayHalfLength - 1] = 1.0;
         return taps;
     }
-    constexpr double kHalf = static_cast<double>(kDelayHalfLength);
     // sin(pi t) of every tap is that of the fraction with alternating sign.
     const double sine = math::sin(math::kPi * fraction) / math::kPi;
     double sum = 0.0;

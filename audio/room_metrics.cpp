@@ -120,6 +120,10 @@ RoomMetrics room_metrics(const Bands& bands, const ImpulseResponse& response) {
             continue;
         }
         const std::vector<double> squared = energy.squared(band);
+        if (std::all_of(squared.begin(), squared.end(), [](double e) { return e == 0.0; })) {
+            notes.push_back("all" + at_band + ": silent");
+            continue;
+        }
         const std::size_t begin = energy.lead() + *onset;
         const DecayCurve curve(squared, begin, response.sample_rate);
         BandMetrics& out = metrics.bands[band];

@@ -47,7 +47,8 @@ struct Facets {
 /// largest triangle, and neither is folded back over the other. "In the plane" allows for
 /// `tolerance`, and for the tilt that it gives the plane of a triangle only so wide: files store
 /// floats, and the plane of a small triangle reaches far. Facet::deviation is what it came to; it
-/// is 0 for axis-aligned facets. Loops leave out vertices within `tolerance` of a straight run.
+/// is 0 for a wall whose vertices share a coordinate. Loops leave out vertices within `tolerance`
+/// of a straight run.
 ///
 /// The result depends on the mesh alone; planes and loops of axis-aligned walls are the same bits
 /// however the walls are cut into triangles. O(n log n). Precondition: weld.size() ==

@@ -46,8 +46,8 @@ std::vector<double> expected_phase(const ArrivalFilter& filter,
                                    const Spectrum& pressure,
                                    std::span<const double> centres,
                                    double sample_rate) {
-    constexpr std::size_t kFiner = 32;
-    const RealFft fine(kFiner * filter.fft().size());
+    constexpr std::size_t finer = 32;
+    const RealFft fine(finer * filter.fft().size());
     std::vector<Complex> spectrum(fine.bins());
     for (std::size_t k = 0; k < fine.bins(); ++k) {
         const double frequency =
@@ -62,7 +62,7 @@ std::vector<double> expected_phase(const ArrivalFilter& filter,
     fine.forward(cepstrum, spectrum);
     std::vector<double> phase(filter.fft().bins());
     for (std::size_t k = 0; k < phase.size(); ++k) {
-        phase[k] = spectrum[kFiner * k].imag();
+        phase[k] = spectrum[finer * k].imag();
     }
     return phase;
 }

@@ -113,19 +113,19 @@ TEST(RoomMetrics, OfDecayingNoiseAreThoseOfTheIdealDecay) {
 // A tone at a band's centre has no scatter: the filter alone stands between it and the closed form.
 TEST(RoomMetrics, OfADecayingToneAreThoseOfTheIdealDecay) {
     const Bands& bands = Bands::octaves();
-    constexpr double kTime = 1.0;
+    constexpr double ideal_time = 1.0;
     for (const std::size_t band : {3U, 5U, 8U}) {
         ImpulseResponse response{kSampleRate, std::vector<double>(80000)};
         for (std::size_t n = kOnset; n < response.samples.size(); ++n) {
             const double along = static_cast<double>(n - kOnset) / kSampleRate;
             response.samples[n] = std::cos(2 * std::numbers::pi * bands.exact_hz()[band] * along) *
-                                  std::pow(10.0, -3.0 * along / kTime);
+                                  std::pow(10.0, -3.0 * along / ideal_time);
         }
         const auto got = room_metrics(bands, response).bands[band];
         ASSERT_TRUE(got.early_decay_time && got.reverberation_time_t30 && got.clarity_c80_db);
-        EXPECT_NEAR(*got.early_decay_time, kTime, 0.01) << band;
-        EXPECT_NEAR(*got.reverberation_time_t20, kTime, 0.002) << band;
-        EXPECT_NEAR(*got.reverberation_time_t30, kTime, 0.002) << band;
+        EXPECT_NEAR(*got.early_decay_time, ideal_time, 0.01) << band;
+        EXPECT_NEAR(*got.reverberation_time_t20, ideal_time, 0.002) << band;
+        EXPECT_NEAR(*got.reverberation_time_t30, ideal_time, 0.002) << band;
         EXPECT_NEAR(*got.clarity_c80_db, 3.0534098934089733, 0.05) << band;
         EXPECT_NEAR(*got.definition_d50, 0.49881276637272776, 0.005) << band;
         EXPECT_NEAR(*got.centre_time, 0.07238241365054198, 0.001) << band;
@@ -194,7 +194,7 @@ TEST(RoomMetrics, KeepBandsApart) {
 }
 
 // T20 of this room is 1.64 s. Paths of a few reflections end after some 0.1 s, and a line through
-// their curve would say 0.2 s.
+// their curve would say 0.13 s.
 TEST(RoomMetrics, OfEarlyPathsAloneClaimNoReverberation) {
     const Bands& bands = Bands::octaves();
     for (int order = 0; order <= 6; ++order) {
@@ -231,6 +231,13 @@ TEST(RoomMetrics, OfSilenceAreEmptyWithOneNote) {
         }
         EXPECT_EQ(metrics.notes, std::vector<std::string>{"the response is silent"});
     }
+}
+
+// Its squares underflow to 0.
+TEST(RoomMetrics, OfANearlySilentResponseAreEmpty) {
+    const auto metrics = room_metrics(Bands::octaves(), impulses(0.2, {{0.05, 1e-200}}));
+    EXPECT_FALSE(metrics.bands[5].strength_db);
+    EXPECT_TRUE(has_note(metrics, "all at 1000 Hz: silent"));
 }
 
 TEST(RoomMetrics, NeedAResponsePastTheirLimit) {

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/bvh/tree.h"
+#include "earshot/frustum/trace.h"
+#include "earshot/geometry/clean.h"
+#include "earshot/geometry/facets.h"
+
+#include "support/path_facts.h"
+#include "support/rooms.h"
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace earshot::support {
+
+/// A mesh made ready for the tracer the way a scene is: cleaned, grouped into facets, put into a
+/// hierarchy. Triangles of the paths are numbered as in the mesh given.
+class TracedRoom {
+public:
+    /// `one_sided_labels`: per label 1 if its triangles reflect on their front only; missing
+    /// labels reflect on both sides.
+    TracedRoom(const geometry::Mesh& mesh,
+               std::span<const std::uint32_t> labels,
+               std::span<const std::uint8_t> one_sided_labels = {});
+    explicit TracedRoom(const Room& room) : TracedRoom(room.mesh, room.labels) {}
+
+    frustum::TraceResult trace(const geometry::Vec3& source,
+                               std::span<const geometry::Vec3> listeners,
+                               const frustum::TraceOptions& options = {},
+                               Executor& executor = Executor::serial()) const;
+
+    /// The paths of one listener.
+    std::vector<frustum::SpecularPath> paths(const geometry::Vec3& source,
+                                             const geometry::Vec3& listener,
+                                             const frustum::TraceOptions& options = {}) const;
+
+    const geometry::Facets& facets() const { return facets_; }
+
+private:
+    geometry::Mesh mesh_;
+    std::vector<geometry::TriangleId> number_;  // per triangle of mesh_: its index as given
+    geometry::Facets facets_;
+    std::vector<std::uint8_t> one_sided_;
+    bvh::Tree tree_;
+};
+
+/// The facts of traced paths; `labels` are those of the mesh's triangles.
+std::vector<PathFacts> facts_of(std::span<const frustum::SpecularPath> paths,
+                                std::span<const std::uint32_t> labels);
+
+}  // namespace earshot::support
