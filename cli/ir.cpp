@@ -47,27 +47,30 @@ public:
     }
 
     void run() override {
+        const std::vector<Emitter> more_sources = parse_emitters(sources_, "source");
+        const std::vector<Emitter> more_listeners = parse_emitters(listeners_, "listener");
+        const std::vector<double> instants = times();
+        use_simd_target(common().simd);
+
         io::LoadedScene loaded = io::load_scene(scene_file_, {.animation = animation_});
-        add_emitters(loaded.scene.sources, sources_, "source");
-        add_emitters(loaded.scene.listeners, listeners_, "listener");
-        if (!common().quiet) {
-            print_warnings(loaded.warnings);
-        }
+        add_emitters(loaded.scene.sources, more_sources, "source");
+        add_emitters(loaded.scene.listeners, more_listeners, "listener");
         const ResponseJob job = {
             .scene = loaded.scene,
             .simulation = simulation_options(),
             .response = {.sample_rate = static_cast<double>(sample_rate_hz_), .length = length_},
-            .times = times(),
+            .times = instants,
             .is_sequence = !frames_.empty(),
             .directory = directory_};
-        use_simd_target(common().simd);
         Executor executor(static_cast<int>(common().threads));
         ResponseSummary summary;
         {
             ProgressBar progress(common().quiet);
             summary = run_response_job(job, executor, progress);
         }
+        // Not before the work is done: what fails says one line and no more.
         if (!common().quiet) {
+            print_warnings(loaded.warnings);
             print_notes(summary.notes);
         }
         if (common().json) {
@@ -143,10 +146,9 @@ private:
         return *instants;
     }
 
-    /// Points of the command line stand beside the scene's; one of the same name replaces it.
-    void add_emitters(std::vector<Emitter>& emitters,
-                      const std::vector<std::string>& points,
-                      const std::string& role) {
+    std::vector<Emitter> parse_emitters(const std::vector<std::string>& points,
+                                        const std::string& role) {
+        std::vector<Emitter> emitters;
         std::size_t unnamed = 0;
         for (const std::string& text : points) {
             const auto point = parse_named_point(text);
@@ -154,12 +156,24 @@ private:
                 throw wrong_usage(
                     app(), "--" + role, "'" + text + "' is not of the form [NAME=]X,Y,Z");
             }
-            const std::string name =
-                point->name.empty() ? role + std::to_string(++unnamed) : point->name;
             const auto& [x, y, z] = point->position;
-            const Emitter emitter = {.name = name, .position = {x, y, z}, .directivity = {}};
-            const auto same = std::find_if(
-                emitters.begin(), emitters.end(), [&](const Emitter& e) { return e.name == name; });
+            emitters.push_back(
+                {.name = point->name.empty() ? role + std::to_string(++unnamed) : point->name,
+                 .node = -1,
+                 .position = {x, y, z},
+                 .directivity = {}});
+        }
+        return emitters;
+    }
+
+    /// Points of the command line stand beside the scene's; one of the same name replaces it.
+    void add_emitters(std::vector<Emitter>& emitters,
+                      const std::vector<Emitter>& more,
+                      const std::string& role) const {
+        for (const Emitter& emitter : more) {
+            const auto same = std::find_if(emitters.begin(), emitters.end(), [&](const Emitter& e) {
+                return e.name == emitter.name;
+            });
             if (same != emitters.end()) {
                 *same = emitter;
             } else {
