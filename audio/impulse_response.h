@@ -2,9 +2,11 @@
 #pragma once
 
 #include "earshot/audio/bands.h"
+#include "earshot/base/parallel.h"
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,6 +18,8 @@ struct Arrival {
     Spectrum pressure{};                ///< linear amplitude per band, >= 0; 1 = free field at 1 m
     std::array<double, 3> direction{};  ///< unit direction of travel at the listener
 };
+
+inline constexpr double kSilenceLength = 0.1;  ///< seconds
 
 struct ResponseOptions {
     double sample_rate = 48000.0;  ///< hertz, 1000 ... 768000
@@ -29,13 +33,38 @@ struct ImpulseResponse {
     std::vector<double> samples;
 };
 
+/// Turns arrivals into impulse responses. What depends on the bands and the sample rate alone is
+/// prepared once. Const members may be called from many threads at once.
+class Assembler {
+public:
+    /// Throws Error if the sample rate is out of range.
+    explicit Assembler(const Bands& bands, double sample_rate = 48000.0);
+    ~Assembler();
+    Assembler(Assembler&&) noexcept;
+    Assembler& operator=(Assembler&&) noexcept;
+
+    /// As the function below; `length` as in ResponseOptions.
+    ImpulseResponse assemble(std::span<const Arrival> arrivals,
+                             double length = 0.0,
+                             Executor& executor = Executor::serial()) const;
+
+private:
+    struct Impl;
+    std::unique_ptr<const Impl> impl_;
+};
+
 /// Adds every arrival as a band-limited impulse at its exact (fractional) delay, shaped by a
 /// minimum-phase filter whose magnitude passes through the arrival's band pressures
-/// (docs/algorithms/audio.md). Arrivals are added in the order given, so the sum has the same bits
-/// on any machine. Arrivals past `length` are left out.
-/// Throws Error if an option is out of range or the response would pass 2^31 samples.
+/// (docs/algorithms/audio.md). Bands whose centre is not below half the sample rate are ignored.
+/// Arrivals are added in the order given, so the sum has the same bits on any machine and any
+/// number of threads. Arrivals past `length` are left out, and so is what an impulse would have
+/// before sample 0 (up to 64 samples of a delay shorter than that). Silence is an answer: without
+/// arrivals the response is zeros, `length` long or kSilenceLength if that is 0. Throws Error if an
+/// option is out of range, an arrival is not finite or negative, or the response would pass 2^31
+/// samples.
 ImpulseResponse assemble(const Bands& bands,
                          std::span<const Arrival> arrivals,
-                         const ResponseOptions& options = {});
+                         const ResponseOptions& options = {},
+                         Executor& executor = Executor::serial());
 
 }  // namespace earshot::audio

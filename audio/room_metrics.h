@@ -10,7 +10,9 @@
 
 namespace earshot::audio {
 
-/// ISO 3382-1 metrics of one band. A value the response cannot support is empty.
+/// ISO 3382-1 metrics of one band. A value the response cannot support is empty: a decay time where
+/// the decay ends too early or is shorter than the band's filter rings, the others where the
+/// response ends before their limit (docs/algorithms/audio.md).
 struct BandMetrics {
     std::optional<double> early_decay_time;        ///< EDT, seconds
     std::optional<double> reverberation_time_t20;  ///< T20, seconds
@@ -28,8 +30,10 @@ struct RoomMetrics {
     std::vector<std::string> notes;  ///< why a value is empty, e.g. "t20 at 63 Hz: decay range ..."
 };
 
-/// Metrics per band by band-pass filtering, finding the onset of the direct sound and backward
-/// integration (ISO 3382-1:2009, section 5.3.3 and annex A).
+/// Metrics per band by zero-phase octave or third-octave filters, the onset of the direct sound
+/// (20 dB below the largest sample) and backward integration (ISO 3382-1:2009, 5.3.3 and annex A).
+/// Ts counts from the onset; G takes a pressure of 1 as free field at 1 m. Every value that is
+/// empty is explained in the notes; a silent response has none and one note.
 RoomMetrics room_metrics(const Bands& bands, const ImpulseResponse& response);
 
 }  // namespace earshot::audio

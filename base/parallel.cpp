@@ -3,22 +3,54 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-
-#include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
+#include "earshot/base/internal/arena.h"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <string>
 #include <thread>
 #include <vector>
 
-namespace earshot {
+#ifdef __SANITIZE_THREAD__
+// Races inside oneTBB's library, where the sanitizer sees the accesses but not the locks.
+extern "C" const char* __tsan_default_suppressions() {
+    return "called_from_lib:libtbb.so";
+}
+#endif
 
-struct Executor::Arena {
-    explicit Arena(int threads) : arena(threads) {}
-    tbb::task_arena arena;
+namespace earshot {
+namespace {
+
+/// One call of for_each, shared by the threads that work on it.
+struct Loop {
+    // What came before happens before every chunk, and every chunk before what comes after. oneTBB
+    // sees to that as well, but the thread sanitizer can only see these two.
+    std::atomic<bool> has_started{false};
+    std::atomic<std::size_t> finished{0};
+
+    std::size_t count = 0;
+    std::size_t grain = 1;
+    const std::function<void(std::size_t, std::size_t)>* body = nullptr;
+    std::vector<std::exception_ptr> failures{};  // per chunk
+
+    void run_chunk(std::size_t chunk) const {
+        (*body)(chunk * grain, std::min(count, (chunk + 1) * grain));
+    }
 };
+
+void run_chunk_of(void* context, std::size_t chunk) {
+    Loop& loop = *static_cast<Loop*>(context);
+    static_cast<void>(loop.has_started.load(std::memory_order_acquire));
+    try {
+        loop.run_chunk(chunk);
+    } catch (...) {
+        loop.failures[chunk] = std::current_exception();
+    }
+    loop.finished.fetch_add(1, std::memory_order_release);
+}
+
+}  // namespace
 
 Executor::Executor(int threads) : threads_(threads) {
     if (threads < 0) {
@@ -41,28 +73,25 @@ void Executor::for_each(std::size_t count,
                         const std::function<void(std::size_t, std::size_t)>& body) {
     EARSHOT_ASSERT(grain > 0);
     const std::size_t chunks = chunk_count(count, grain);
-    const auto run_chunk = [&](std::size_t chunk) {
-        body(chunk * grain, std::min(count, (chunk + 1) * grain));
-    };
+    Loop loop;
+    loop.count = count;
+    loop.grain = grain;
+    loop.body = &body;
     if (!arena_ || chunks < 2) {
         for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-            run_chunk(chunk);
+            loop.run_chunk(chunk);
         }
         return;
     }
     // Every chunk runs even after one has thrown, so that the exception that leaves is always the
     // lowest chunk's, as on one thread.
-    std::vector<std::exception_ptr> failures(chunks);
-    arena_->arena.execute([&] {
-        tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-            try {
-                run_chunk(chunk);
-            } catch (...) {
-                failures[chunk] = std::current_exception();
-            }
-        });
-    });
-    for (const std::exception_ptr& failure : failures) {
+    loop.failures.resize(chunks);
+    loop.has_started.store(true, std::memory_order_release);
+    arena_->run(chunks, run_chunk_of, &loop);
+    const std::size_t finished = loop.finished.load(std::memory_order_acquire);
+    EARSHOT_ASSERT(finished == chunks);
+    static_cast<void>(finished);
+    for (const std::exception_ptr& failure : loop.failures) {
         if (failure) {
             std::rethrow_exception(failure);
         }

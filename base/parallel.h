@@ -7,6 +7,8 @@
 
 namespace earshot {
 
+class Arena;
+
 /// Where loops run. Chunk borders depend on `count` and `grain` only, never on the number of
 /// threads, so a reduction joined in chunk order gives the same bits on any machine.
 class Executor {
@@ -29,7 +31,6 @@ public:
     static Executor& serial();
 
 private:
-    struct Arena;  // keeps oneTBB out of this header
     int threads_;
     std::unique_ptr<Arena> arena_;
 };

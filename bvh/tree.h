@@ -11,6 +11,9 @@
 
 namespace earshot::bvh {
 
+/// No leaf lies deeper; the root has depth 0.
+inline constexpr std::size_t kMaxDepth = 64;
+
 /// One node in 32 bytes. Children of an inner node stand side by side.
 struct Node {
     geometry::Aabb box;
@@ -20,6 +23,8 @@ struct Node {
 
     bool is_leaf() const noexcept { return count != 0; }
 };
+
+static_assert(sizeof(Node) == 32);
 
 struct BuildOptions {
     int leaf_size = 4;            ///< most primitives in a leaf, 1..15
@@ -39,7 +44,7 @@ public:
                       Executor& executor = Executor::serial());
 
     /// Moves every node to its new box, bottom-up, keeping the topology.
-    /// Precondition: boxes.size() == primitives().size().
+    /// Precondition: boxes.size() == primitives().size(). O(n).
     void refit(std::span<const geometry::Aabb> boxes, Executor& executor = Executor::serial());
 
     /// Nodes in depth-first order, the root first; none if there are no boxes.

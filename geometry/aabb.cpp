@@ -6,18 +6,27 @@
 
 namespace earshot::geometry {
 
+namespace {
+
+constexpr float kLargest = std::numeric_limits<float>::max();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+}  // namespace
+
+// A conversion that overflows is undefined, so what lies beyond float's range never gets to it.
 float round_down(double value) noexcept {
+    if (value >= static_cast<double>(kLargest)) {
+        return std::isinf(value) ? kInfinity : kLargest;
+    }
+    if (value < -static_cast<double>(kLargest)) {
+        return -kInfinity;
+    }
     const auto nearest = static_cast<float>(value);
-    return static_cast<double>(nearest) <= value
-               ? nearest
-               : std::nextafter(nearest, -std::numeric_limits<float>::infinity());
+    return static_cast<double>(nearest) <= value ? nearest : std::nextafter(nearest, -kInfinity);
 }
 
 float round_up(double value) noexcept {
-    const auto nearest = static_cast<float>(value);
-    return static_cast<double>(nearest) >= value
-               ? nearest
-               : std::nextafter(nearest, std::numeric_limits<float>::infinity());
+    return -round_down(-value);
 }
 
 void Aabb::include(const Vec3& point) noexcept {

@@ -30,7 +30,8 @@ struct Aabb {
     friend bool operator==(const Aabb&, const Aabb&) = default;
 };
 
-/// The largest float not above, and the smallest not below, `value`.
+/// The largest float not above, and the smallest not below, `value`; among the floats are the
+/// infinities, so 1e300 goes down to the largest finite float and up to infinity.
 float round_down(double value) noexcept;
 float round_up(double value) noexcept;
 

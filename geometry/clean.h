@@ -17,9 +17,9 @@ struct CleanReport {
     std::size_t degenerate_triangles = 0;  ///< dropped: a vertex repeated, or zero area
     std::size_t duplicate_triangles = 0;   ///< dropped: the same three vertices as an earlier one
     std::size_t open_edges = 0;            ///< edges with one triangle (borders of holes)
-    std::size_t holes = 0;                 ///< connected loops of open edges
+    std::size_t holes = 0;                 ///< connected groups of open edges
     std::size_t non_manifold_edges = 0;    ///< edges with more than two triangles
-    std::size_t t_junctions = 0;           ///< vertices in the interior of an open edge
+    std::size_t t_junctions = 0;           ///< ends of open edges that lie inside another open edge
     friend bool operator==(const CleanReport&, const CleanReport&) = default;
 };
 
@@ -34,8 +34,9 @@ struct CleanMesh {
 
 /// Welds vertices whose positions are equal to the last bit (-0 equals +0), finds degenerate and
 /// duplicate triangles, and counts what a modeller would want to mend. Triangles of zero area are
-/// found by an exact test. O(n log n) but for T-junctions, which use a grid over open edges.
-/// Precondition: indices in range, positions finite.
+/// found by an exact test; a vertex lies inside an edge if it is within coplanar_tolerance() of it
+/// (tolerance.h) and farther than that from its ends. O(n log n), but for T-junctions where many
+/// long open edges run close to many vertices. Precondition: indices in range, positions finite.
 CleanMesh clean(const MeshView& mesh);
 
 }  // namespace earshot::geometry

@@ -23,4 +23,8 @@ struct SceneOptions {
 /// understood. Throws Error naming the file and the fault; nothing is half read.
 LoadedScene load_scene(const std::filesystem::path& file, const SceneOptions& options = {});
 
+/// Coordinates beyond this (metres) are taken for a damaged file: double precision still resolves
+/// a tenth of a millimetre there, and squares of distances stay far from overflow.
+inline constexpr double kLargestCoordinate = 1e12;
+
 }  // namespace earshot::io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace earshot::io {
@@ -9,5 +10,8 @@ namespace earshot::io {
 /// Writes a file whole or not at all: beside its place first, then renamed over it. Throws Error
 /// naming the file; a partial file never remains.
 void write_whole_file(const std::filesystem::path& file, std::string_view bytes);
+
+/// All bytes of a file. Throws Error naming the file if it is missing, a directory or unreadable.
+std::string read_whole_file(const std::filesystem::path& file);
 
 }  // namespace earshot::io

@@ -21,12 +21,13 @@ public:
     };
 
     EnergyCoefficient() = default;
-    explicit EnergyCoefficient(double value);  ///< the same at every frequency
-    /// Sorts the points. Throws Error if there is none, a frequency is not positive or stands
-    /// twice, or a value is not in 0..1.
+    /// The same at every frequency. Throws Error if `value` is not in 0..1.
+    explicit EnergyCoefficient(double value);
+    /// Sorts the points. Throws Error if there is none, a frequency is not positive and finite or
+    /// stands twice, or a value is not in 0..1.
     explicit EnergyCoefficient(std::vector<Point> points);
 
-    double at(double frequency_hz) const noexcept;
+    double at(double frequency_hz) const noexcept;  ///< precondition: frequency_hz > 0
     audio::Spectrum over(const audio::Bands& bands) const noexcept;  ///< at the nominal centres
     std::span<const Point> points() const noexcept { return points_; }
 

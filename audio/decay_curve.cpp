@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/audio/internal/decay_curve.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/base/math.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::audio {
+
+namespace {
+
+// Where a decay was cut off or thinned out, its curve bends down. The bend is looked for in steps
+// of 10 dB, from the lower end of the range down to the depth that the longest range needs (T30
+// with 10 dB to spare): a step bends if it takes less than a share of the time that the decay took
+// so far per decibel. The share allows for the chance fluctuations of a decay in a narrow band,
+// which go with 1 / sqrt(bandwidth * time) (Davy, Dunn and Dubout 1979). The three numbers are
+// chosen over shoe-boxes and decaying noise: docs/algorithms/audio.md.
+constexpr int kStepDb = 10;
+constexpr int kLastStepFromDb = 45;
+constexpr double kLeastSlowness = 0.7;
+constexpr double kFluctuation = 2.0;
+constexpr double kLeastSlownessOfAll = 0.3;
+
+constexpr int kDeepestDb = kLastStepFromDb + kStepDb;
+
+// Shorter decays are those of the filter (ISO 3382-2:2008, 7.3; Jacobsen 1987).
+constexpr double kLeastBandwidthTimesDecay = 16.0;
+
+std::string rounded_ms(double time) {
+    return std::to_string(std::lround(1000.0 * time));
+}
+
+}  // namespace
+
+DecayCurve::DecayCurve(std::span<const double> squared, std::size_t onset, double sample_rate)
+    : sample_rate_(sample_rate), remaining_(squared.size() - onset) {
+    EARSHOT_ASSERT(onset < squared.size());
+    double sum = 0.0;
+    for (std::size_t n = squared.size(); n-- > 0;) {
+        sum += squared[n];
+        if (n >= onset) {
+            remaining_[n - onset] = sum;
+        }
+    }
+    energy_ = sum;
+    EARSHOT_ASSERT(energy_ > 0.0);
+
+    const double least = energy_ * math::pow10(-kDeepestDb / 10.0);
+    for (const double remaining : remaining_) {
+        if (remaining < least) {
+            break;
+        }
+        level_db_.push_back(10.0 * math::log10(remaining / energy_));
+    }
+    std::size_t sample = 0;
+    for (int depth = 0; depth <= kDeepestDb; ++depth) {
+        while (sample < level_db_.size() && level_db_[sample] >= -depth) {
+            ++sample;
+        }
+        first_below_db_.push_back(sample);
+    }
+}
+
+double DecayCurve::energy_from(double time) const noexcept {
+    const auto sample = static_cast<std::size_t>(std::llround(time * sample_rate_));
+    return sample < remaining_.size() ? remaining_[sample] : 0.0;
+}
+
+// Time per decibel in the step after a depth, relative to that from the start down to it.
+double DecayCurve::slowness_after(int depth_db) const noexcept {
+    const auto at = [&](int depth) {
+        return static_cast<double>(first_below_db_[static_cast<std::size_t>(depth)]);
+    };
+    const double next_step = (at(depth_db + kStepDb) - at(depth_db)) / kStepDb;
+    const double so_far = at(depth_db) / depth_db;
+    return so_far > 0.0 ? next_step / so_far : 0.0;
+}
+
+// For 60 dB, from when the curve enters the range and leaves it.
+double DecayCurve::time_between(const DecayRange& range) const noexcept {
+    const auto at = [&](int depth) {
+        return static_cast<double>(first_below_db_[static_cast<std::size_t>(depth)]);
+    };
+    const double samples = at(range.to_db) - (range.from_db == 0 ? 0.0 : at(range.from_db));
+    return 60.0 / (range.to_db - range.from_db) * samples / sample_rate_;
+}
+
+// Decibels per second, by least squares over the samples whose level is in the range; 0 if fewer
+// than two are.
+double DecayCurve::slope(const DecayRange& range) const noexcept {
+    const std::size_t begin =
+        range.from_db == 0 ? 0 : first_below_db_[static_cast<std::size_t>(range.from_db)];
+    const std::size_t end = first_below_db_[static_cast<std::size_t>(range.to_db)];
+    if (end < begin + 2) {
+        return 0.0;
+    }
+    const auto count = static_cast<double>(end - begin);
+    const double middle = (count - 1.0) / 2.0;
+    double time_and_level = 0.0;
+    for (std::size_t n = begin; n < end; ++n) {
+        time_and_level += (static_cast<double>(n - begin) - middle) * level_db_[n];
+    }
+    const double time_squared = count * (count * count - 1.0) / 12.0;
+    return time_and_level / time_squared * sample_rate_;
+}
+
+DecayCurve::Reading DecayCurve::read(const DecayRange& range, double bandwidth_hz) const {
+    const double db_per_second = slope(range);
+    const double time = db_per_second < 0.0 ? -60.0 / db_per_second : 0.0;
+    // A line through a few samples can be flatter than the decay that they are taken from.
+    const double shortest = std::min(time, time_between(range));
+    if (bandwidth_hz * shortest < kLeastBandwidthTimesDecay) {
+        return {std::nullopt,
+                false,
+                "decay of " + rounded_ms(shortest) + " ms, the band's filter needs " +
+                    rounded_ms(kLeastBandwidthTimesDecay / bandwidth_hz) + " ms"};
+    }
+    const double least = std::max(kLeastSlowness - kFluctuation / std::sqrt(bandwidth_hz * time),
+                                  kLeastSlownessOfAll);
+    for (int depth = range.to_db; depth <= kLastStepFromDb; ++depth) {
+        if (slowness_after(depth) < least) {
+            const int usable = depth - (kLastStepFromDb - kT30.to_db);
+            return {std::nullopt,
+                    true,
+                    "decay range " + std::to_string(usable) + " dB, " +
+                        std::to_string(range.to_db) + " dB needed"};
+        }
+    }
+    return {time, false, {}};
+}
+
+}  // namespace earshot::audio

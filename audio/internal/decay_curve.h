@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace earshot::audio {
+
+/// The part of a decay that a reverberation time is read from, in decibels below its start.
+struct DecayRange {
+    const char* name = "";  ///< as in metrics.json
+    int from_db = 0;
+    int to_db = 0;
+};
+
+inline constexpr DecayRange kEarlyDecay{"edt", 0, 10};
+inline constexpr DecayRange kT20{"t20", 5, 25};
+inline constexpr DecayRange kT30{"t30", 5, 35};
+
+/// Energy still to come, in decibels of the whole, by backward integration (Schroeder 1965; ISO
+/// 3382-1:2009, 5.3.3).
+class DecayCurve {
+public:
+    /// The curve begins at sample `onset`; its 0 dB is the energy of all samples, those before the
+    /// onset included. Precondition: a sample is positive, onset < squared.size().
+    DecayCurve(std::span<const double> squared, std::size_t onset, double sample_rate);
+
+    double energy() const noexcept { return energy_; }
+    /// Energy from `time` seconds after the onset on.
+    double energy_from(double time) const noexcept;
+
+    struct Reading {
+        std::optional<double> time;  ///< for 60 dB, seconds
+        bool ends_early = false;     ///< there is none because the response ends before its decay
+        std::string why_not;         ///< where there is no time
+    };
+    /// Reverberation time from a straight line through the range by least squares, or why the curve
+    /// does not support it (docs/algorithms/audio.md). `bandwidth_hz`: of the filter that the
+    /// samples went through.
+    Reading read(const DecayRange& range, double bandwidth_hz) const;
+
+private:
+    double slowness_after(int depth_db) const noexcept;
+    double time_between(const DecayRange& range) const noexcept;
+    double slope(const DecayRange& range) const noexcept;
+
+    double sample_rate_;
+    double energy_ = 0.0;
+    std::vector<double> remaining_;            // energy from each sample on
+    std::vector<double> level_db_;             // of remaining_, to the lowest depth of interest
+    std::vector<std::size_t> first_below_db_;  // entry d: first sample below -d dB
+};
+
+}  // namespace earshot::audio

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/simd.h"
+
+#include "earshot/base/error.h"
+
+#include <hwy/targets.h>
+
+#include <array>
+#include <cstdint>
+
+namespace earshot {
+namespace {
+
+struct NamedTarget {
+    std::string_view name;
+    std::int64_t bit;
+};
+
+constexpr std::array<NamedTarget, 5> kTargets = {{{"avx512_dl", HWY_AVX3_DL},
+                                                  {"avx512", HWY_AVX3},
+                                                  {"avx2", HWY_AVX2},
+                                                  {"sse4", HWY_SSE4},
+                                                  {"ssse3", HWY_SSSE3}}};
+
+constexpr std::string_view kScalar = "scalar";
+
+void choose(std::int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);  // 0: what the CPU has
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace
+
+std::vector<std::string> simd_targets() {
+    static const std::int64_t of_cpu = hwy::SupportedTargets();
+    std::vector<std::string> names;
+    for (const NamedTarget& target : kTargets) {
+        if ((of_cpu & target.bit) != 0) {
+            names.emplace_back(target.name);
+        }
+    }
+    names.emplace_back(kScalar);
+    return names;
+}
+
+void use_simd_target(std::string_view name) {
+    std::string known = "auto";
+    for (const std::string& target : simd_targets()) {
+        known += ", " + target;
+        if (target != name) {
+            continue;
+        }
+        std::int64_t bits = HWY_EMU128;
+        for (const NamedTarget& candidate : kTargets) {
+            bits = candidate.name == name ? candidate.bit : bits;
+        }
+        choose(bits);
+        return;
+    }
+    if (name != "auto") {
+        throw Error(
+            std::string(name), "is no instruction set of this machine", "use one of " + known);
+    }
+    choose(0);
+}
+
+}  // namespace earshot

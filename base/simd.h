@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace earshot {
+
+// Wide kernels are compiled once per instruction set and chosen when the program runs. They only
+// cull, conservatively, so the choice changes speed and nothing else.
+
+/// Names of the instruction sets that this CPU and this build have, best first: "avx512_dl",
+/// "avx512", "avx2", "sse4", "ssse3", and always "scalar" at the end.
+std::vector<std::string> simd_targets();
+
+/// Makes wide kernels use the named set from now on, or the best one for "auto". Not to be called
+/// while kernels run. Throws Error if the name is not one of simd_targets().
+void use_simd_target(std::string_view name);
+
+}  // namespace earshot

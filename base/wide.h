@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+//
+// Lanes of doubles for kernels that are compiled once per instruction set; the only place that
+// knows Highway's operations. A kernel file starts with
+//     #undef HWY_TARGET_INCLUDE
+//     #define HWY_TARGET_INCLUDE "earshot/FOLDER/NAME_kernel.cpp"
+//     #include <hwy/foreach_target.h>
+//     #include "earshot/base/wide.h"
+// and is then included again for every set, which is why this header has a guard per target.
+
+#include <hwy/highway.h>
+
+#include <cstddef>
+
+#if defined(EARSHOT_BASE_WIDE_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BASE_WIDE_H
+#undef EARSHOT_BASE_WIDE_H
+#else
+#define EARSHOT_BASE_WIDE_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/// As many doubles as a register holds, at most 8. No operation fuses a product with a sum, so
+/// every set computes the same bits.
+using DoubleTag = hn::CappedTag<double, 8>;
+using Doubles = hn::Vec<DoubleTag>;
+
+HWY_INLINE std::size_t lanes() {
+    return hn::Lanes(DoubleTag());
+}
+HWY_INLINE Doubles load(const double* aligned) {
+    return hn::Load(DoubleTag(), aligned);
+}
+HWY_INLINE Doubles broadcast(double value) {
+    return hn::Set(DoubleTag(), value);
+}
+HWY_INLINE Doubles add(Doubles a, Doubles b) {
+    return hn::Add(a, b);
+}
+HWY_INLINE Doubles multiply(Doubles a, Doubles b) {
+    return hn::Mul(a, b);
+}
+HWY_INLINE bool any_less(Doubles a, Doubles b) {
+    return !hn::AllFalse(DoubleTag(), hn::Lt(a, b));
+}
+
+}  // namespace earshot::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

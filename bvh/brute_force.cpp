@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/brute_force.h"
+
+#include "earshot/geometry/intersect.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::bvh::brute_force {
+namespace {
+
+// As reach_of() of a tree over the mesh.
+double reach_of(const geometry::MeshView& mesh) noexcept {
+    geometry::Aabb box;
+    for (const geometry::Triangle& triangle : mesh.triangles) {
+        for (const geometry::VertexId vertex : triangle) {
+            box.include(mesh.positions[vertex]);
+        }
+    }
+    double reach = 0.0;
+    for (std::size_t k = 0; k < 3 && !box.is_empty(); ++k) {
+        reach = std::max({reach,
+                          std::abs(static_cast<double>(box.lower[k])),
+                          std::abs(static_cast<double>(box.upper[k]))});
+    }
+    return reach;
+}
+
+}  // namespace
+
+std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
+                                         const geometry::Ray& ray) noexcept {
+    const geometry::PreparedRay prepared(ray, reach_of(mesh));
+    std::optional<geometry::Hit> best;
+    for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
+        const geometry::Triangle& triangle = mesh.triangles[i];
+        auto hit = prepared.hit(mesh.positions[triangle[0]],
+                                mesh.positions[triangle[1]],
+                                mesh.positions[triangle[2]],
+                                prepared.t_max());
+        if (hit && (!best || hit->t < best->t)) {
+            hit->triangle = static_cast<geometry::TriangleId>(i);
+            best = hit;
+        }
+    }
+    return best;
+}
+
+bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) noexcept {
+    return std::any_of(
+        mesh.triangles.begin(), mesh.triangles.end(), [&](const geometry::Triangle& triangle) {
+            return geometry::touches(segment,
+                                     mesh.positions[triangle[0]],
+                                     mesh.positions[triangle[1]],
+                                     mesh.positions[triangle[2]]);
+        });
+}
+
+}  // namespace earshot::bvh::brute_force

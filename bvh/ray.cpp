@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/ray.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::bvh {
+
+using geometry::Hit;
+using geometry::TriangleId;
+
+double reach_of(const Tree& tree) noexcept {
+    double reach = 0.0;
+    if (!tree.nodes().empty()) {
+        const geometry::Aabb& box = tree.nodes().front().box;
+        for (std::size_t k = 0; k < 3; ++k) {
+            reach = std::max({reach,
+                              std::abs(static_cast<double>(box.lower[k])),
+                              std::abs(static_cast<double>(box.upper[k]))});
+        }
+    }
+    return reach;
+}
+
+std::optional<Hit> closest_hit(const Tree& tree,
+                               const geometry::MeshView& mesh,
+                               const geometry::Ray& ray) noexcept {
+    const geometry::PreparedRay prepared(ray, reach_of(tree));
+    const auto nodes = tree.nodes();
+    if (nodes.empty() || !prepared.is_valid()) {
+        return std::nullopt;
+    }
+    std::optional<Hit> best;
+    double most = prepared.t_max();
+    const auto try_leaf = [&](const Node& leaf) {
+        for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
+            const TriangleId id = tree.primitives()[i];
+            const geometry::Triangle& triangle = mesh.triangles[id];
+            auto hit = prepared.hit(mesh.positions[triangle[0]],
+                                    mesh.positions[triangle[1]],
+                                    mesh.positions[triangle[2]],
+                                    most);
+            if (hit && (!best || hit->t < best->t || id < best->triangle)) {
+                hit->triangle = id;
+                best = hit;
+                most = hit->t;
+            }
+        }
+    };
+
+    struct Waiting {
+        std::uint32_t node = 0;
+        double near = 0.0;
+    };
+    std::array<Waiting, kMaxDepth + 1> waiting;
+    std::size_t count = 0;
+    if (const auto root = prepared.passage(nodes[0].box, most)) {
+        waiting[count++] = {0, root->near};
+    }
+    while (count > 0) {
+        Waiting current = waiting[--count];
+        // A box that begins at the distance of the best hit may hold a triangle of lower index.
+        if (current.near > most) {
+            continue;
+        }
+        while (!nodes[current.node].is_leaf()) {
+            const std::uint32_t left = nodes[current.node].first;
+            const auto to_left = prepared.passage(nodes[left].box, most);
+            const auto to_right = prepared.passage(nodes[left + 1].box, most);
+            if (to_left && to_right) {
+                const bool left_first = to_left->near <= to_right->near;
+                waiting[count++] =
+                    left_first ? Waiting{left + 1, to_right->near} : Waiting{left, to_left->near};
+                current.node = left_first ? left : left + 1;
+            } else if (to_left || to_right) {
+                current.node = to_left ? left : left + 1;
+            } else {
+                break;
+            }
+        }
+        if (nodes[current.node].is_leaf()) {
+            try_leaf(nodes[current.node]);
+        }
+    }
+    return best;
+}
+
+bool occluded(const Tree& tree,
+              const geometry::MeshView& mesh,
+              const geometry::Segment& segment) noexcept {
+    return any_touching(tree, mesh, segment, [](TriangleId, double) { return true; });
+}
+
+}  // namespace earshot::bvh

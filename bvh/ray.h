@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/bvh/traverse.h"
+#include "earshot/geometry/intersect.h"
+#include "earshot/geometry/mesh.h"
+
+#include <concepts>
+#include <optional>
+
+namespace earshot::bvh {
+
+// Queries over a tree whose primitive i is triangle i of the mesh, in the box triangle_boxes()
+// gives it. Answers depend on the mesh alone, never on the tree. They do not allocate; const trees
+// may be asked from many threads.
+
+/// Nearest intersection, two-sided; of hits at the same t the lowest TriangleId. Decided by
+/// geometry::PreparedRay.
+std::optional<geometry::Hit> closest_hit(const Tree& tree,
+                                         const geometry::MeshView& mesh,
+                                         const geometry::Ray& ray) noexcept;
+
+/// Whether a triangle shares a point with the closed segment, decided exactly (geometry::touches),
+/// and `blocks(triangle, parameter)` holds for it, where the parameter (0 ... 1, rounded) is where
+/// the segment first touches it. Triangles are asked in any order until one blocks.
+template <std::predicate<geometry::TriangleId, double> Blocks>
+bool any_touching(const Tree& tree,
+                  const geometry::MeshView& mesh,
+                  const geometry::Segment& segment,
+                  Blocks&& blocks);
+
+/// Whether any triangle shares a point with the closed segment.
+bool occluded(const Tree& tree,
+              const geometry::MeshView& mesh,
+              const geometry::Segment& segment) noexcept;
+
+/// The largest absolute coordinate of the tree's root box, metres; 0 without boxes.
+double reach_of(const Tree& tree) noexcept;
+
+template <std::predicate<geometry::TriangleId, double> Blocks>
+bool any_touching(const Tree& tree,
+                  const geometry::MeshView& mesh,
+                  const geometry::Segment& segment,
+                  Blocks&& blocks) {
+    // The far end may be a rounding past 1; the padding of Slabs has room for that.
+    const geometry::Slabs slabs(segment.from, segment.to - segment.from, reach_of(tree));
+    bool is_blocked = false;
+    traverse(
+        tree,
+        [&](const Node& node) { return slabs.passage(node.box, 1.0).has_value(); },
+        [&](geometry::TriangleId id) {
+            const geometry::Triangle& triangle = mesh.triangles[id];
+            const auto touch = geometry::first_touch(segment,
+                                                     mesh.positions[triangle[0]],
+                                                     mesh.positions[triangle[1]],
+                                                     mesh.positions[triangle[2]]);
+            is_blocked = touch && blocks(id, *touch);
+            return !is_blocked;
+        });
+    return is_blocked;
+}
+
+}  // namespace earshot::bvh

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/cli/arguments.h"
+
+#include <string>
+
+namespace earshot::cli {
+
+/// One subcommand: declares its options when it is made and does its work in run(). It must outlive
+/// the parsing of the command line, which writes into its members.
+class Command {
+public:
+    /// Adds the subcommand to `program`, common options included.
+    Command(CLI::App& program, const std::string& name, const std::string& description);
+    virtual ~Command() = default;
+    Command(const Command&) = delete;
+    Command& operator=(const Command&) = delete;
+
+    /// The work. Throws Error if the input or the work fails, UsageError if the command line is
+    /// wrong in a way that only the command can tell.
+    virtual void run() = 0;
+
+    bool is_chosen() const { return app_->parsed(); }
+
+protected:
+    CLI::App& app() { return *app_; }
+    const CommonOptions& common() const { return common_; }
+
+private:
+    CLI::App* app_ = nullptr;  // owned by the program it was added to
+    CommonOptions common_;
+};
+
+}  // namespace earshot::cli

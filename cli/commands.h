@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/cli/command.h"
+
+#include <memory>
+
+namespace earshot::cli {
+
+// One per command, each in a file of its name; main.cpp holds the table of them.
+
+std::unique_ptr<Command> make_ir_command(CLI::App& program);
+std::unique_ptr<Command> make_materials_command(CLI::App& program);
+
+}  // namespace earshot::cli

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/commands.h"
+#include "earshot/cli/output.h"
+
+#include <exception>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+// The table of commands, in the order of the help.
+constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
+    make_ir_command,
+    make_materials_command,
+};
+
+void run(int argc, const char* const* argv) {
+    CLI::App program("How a room sounds: exact sound paths and impulse responses from a 3D scene");
+    program.name("earshot");
+    program.set_version_flag(
+        "--version", std::string("earshot ") + EARSHOT_VERSION, "Print the version and exit");
+    constexpr std::size_t kHelpColumn = 26;
+    program.get_formatter()->column_width(kHelpColumn);
+    program.get_formatter()->label("SUBCOMMAND", "COMMAND");
+    program.require_subcommand(1);
+    program.footer(
+        "earshot COMMAND --help explains a command.\n"
+        "Exit status: 0 done, 1 the input or the work failed, 2 the command line is wrong.");
+    std::vector<std::unique_ptr<Command>> commands;
+    for (const auto make_command : kCommands) {
+        commands.push_back(make_command(program));
+    }
+    try {
+        parse_command_line(program, argc, argv);
+    } catch (const CLI::CallForHelp&) {
+        write_output(program.help());
+        return;
+    } catch (const CLI::CallForVersion& version) {
+        write_output(version.what() + std::string("\n"));
+        return;
+    }
+    for (const std::unique_ptr<Command>& command : commands) {
+        if (command->is_chosen()) {
+            command->run();
+        }
+    }
+}
+
+}  // namespace
+}  // namespace earshot::cli
+
+int main(int argc, char** argv) {
+    constexpr int kDone = 0;
+    constexpr int kFailed = 1;
+    constexpr int kWrongUsage = 2;
+    using earshot::cli::print_error;
+    earshot::cli::prepare_standard_streams();
+    try {
+        earshot::cli::run(argc, argv);
+        return kDone;
+    } catch (const earshot::cli::UsageError& error) {
+        print_error(error.line());
+        return kWrongUsage;
+    } catch (const earshot::Error& error) {
+        print_error(error.line());
+    } catch (const std::bad_alloc&) {
+        print_error("out of memory; use a smaller scene, a lower order or a shorter response");
+    } catch (const std::exception& error) {
+        print_error(std::string("internal: ") + error.what() + "; please report this");
+    }
+    return kFailed;
+}

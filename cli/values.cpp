@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/values.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <system_error>
+
+namespace earshot::cli {
+namespace {
+
+template <typename Number>
+std::optional<Number> parse_whole(std::string_view text) {
+    if (text.starts_with('+')) {
+        text.remove_prefix(1);
+    }
+    Number value{};
+    const char* const end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc() || stopped != end) {
+        return std::nullopt;
+    }
+    return value;
+}
+
+// Exactly three numbers between separators.
+std::optional<std::array<double, 3>> parse_three(std::string_view text, char separator) {
+    std::array<double, 3> values{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t end = text.find(separator);
+        if ((end == std::string_view::npos) != (i == 2)) {
+            return std::nullopt;
+        }
+        const std::optional<double> value = parse_number(text.substr(0, end));
+        if (!value) {
+            return std::nullopt;
+        }
+        values[i] = *value;
+        text.remove_prefix(i == 2 ? text.size() : end + 1);
+    }
+    return values;
+}
+
+}  // namespace
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+    return parse_whole<std::int64_t>(text);
+}
+
+std::optional<double> parse_number(std::string_view text) {
+    const std::optional<double> value = parse_whole<double>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<NamedPoint> parse_named_point(std::string_view text) {
+    NamedPoint point;
+    const std::size_t equals = text.find('=');
+    if (equals != std::string_view::npos) {
+        if (equals == 0) {
+            return std::nullopt;
+        }
+        point.name = text.substr(0, equals);
+        text.remove_prefix(equals + 1);
+    }
+    const auto position = parse_three(text, ',');
+    if (!position) {
+        return std::nullopt;
+    }
+    point.position = *position;
+    return point;
+}
+
+std::optional<std::vector<double>> parse_frames(std::string_view text) {
+    // Rounding of (B - A) / STEP is a few 2^-53 of at most 100,000 steps, so far below this.
+    constexpr double kStepRounding = 1e-9;
+    constexpr double kMostSteps = 99'999.0;
+    const auto range = parse_three(text, ':');
+    if (!range) {
+        return std::nullopt;
+    }
+    const auto [first, last, step] = *range;
+    const double steps = std::floor((last - first) / step + kStepRounding);
+    if (!(step > 0.0) || !(first <= last) || !(steps <= kMostSteps)) {
+        return std::nullopt;
+    }
+    std::vector<double> instants;
+    for (int i = 0; i <= static_cast<int>(steps); ++i) {
+        instants.push_back(first + i * step);
+    }
+    return instants;
+}
+
+}  // namespace earshot::cli

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace earshot::cli {
+
+// How values on the command line are written. Numbers are read whole or not at all and the same in
+// every locale; an empty result means that the text is not of the form.
+
+std::optional<std::int64_t> parse_integer(std::string_view text);
+std::optional<double> parse_number(std::string_view text);  ///< finite
+
+/// `X,Y,Z` in metres, or `NAME=X,Y,Z`.
+struct NamedPoint {
+    std::string name;  ///< empty where none is given
+    std::array<double, 3> position{};
+};
+std::optional<NamedPoint> parse_named_point(std::string_view text);
+
+/// `A:B:STEP` in seconds: the instants A, A + STEP, ... up to B. STEP is positive, A is not after
+/// B, and there are at most 100,000 instants. B counts as reached if rounding alone keeps the last
+/// step from it.
+std::optional<std::vector<double>> parse_frames(std::string_view text);
+
+}  // namespace earshot::cli

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/frustum/trace.h"
+
+namespace earshot::frustum {
+
+/// The same question as find_specular_paths, answered by trying every facet sequence up to
+/// `max_order` (the image-source method without pruning: facets^order candidates per listener). The
+/// oracle for frusta and the baseline of benchmarks; same verification, same bits.
+TraceResult find_specular_paths_brute_force(const Surroundings& surroundings,
+                                            const geometry::Vec3& source,
+                                            std::span<const geometry::Vec3> listeners,
+                                            int max_order);
+
+}  // namespace earshot::frustum

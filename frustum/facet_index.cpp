@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/facet_index.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::frustum {
+
+using geometry::Vec3;
+
+int dominant_axis(const Vec3& normal) noexcept {
+    const Vec3 size = {std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)};
+    if (size.x >= size.y && size.x >= size.z) {
+        return 0;
+    }
+    return size.y >= size.z ? 1 : 2;
+}
+
+Vec3 snap_to_plane(const geometry::Plane& plane, const Vec3& point, int axis) noexcept {
+    Vec3 snapped = point;
+    snapped[axis] -= plane.distance(point) / plane.normal[axis];
+    return snapped;
+}
+
+FacetIndex::FacetIndex(const Surroundings& surroundings)
+    : facets_(&surroundings.facets.facets),
+      one_sided_(surroundings.one_sided),
+      tolerance_(surroundings.facets.tolerance) {
+    for (const geometry::Triangle& triangle : surroundings.mesh.triangles) {
+        for (const geometry::VertexId vertex : triangle) {
+            const Vec3& p = surroundings.mesh.positions[vertex];
+            scale_ = std::max({scale_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+        }
+    }
+    std::vector<geometry::Aabb> boxes(facets_->size());
+    first_loop_.reserve(facets_->size() + 1);
+    for (std::size_t i = 0; i < facets_->size(); ++i) {
+        const geometry::Facet& facet = (*facets_)[i];
+        const int axis = dominant_axis(facet.plane.normal);
+        first_loop_.push_back(static_cast<std::uint32_t>(loops_.size()));
+        for (const geometry::Loop& loop : facet.loops) {
+            const auto begin = static_cast<std::uint32_t>(vertices_.size());
+            for (const Vec3& vertex : loop) {
+                vertices_.push_back(snap_to_plane(facet.plane, vertex, axis));
+                boxes[i].include(vertices_.back());
+                boxes[i].include(vertex);
+            }
+            loops_.push_back({begin, static_cast<std::uint32_t>(vertices_.size())});
+        }
+    }
+    first_loop_.push_back(static_cast<std::uint32_t>(loops_.size()));
+    tree_ = bvh::Tree::build(boxes);
+}
+
+std::span<const FacetIndex::LoopRange> FacetIndex::loops(geometry::FacetId facet) const noexcept {
+    return std::span(loops_).subspan(first_loop_[facet],
+                                     first_loop_[facet + 1] - first_loop_[facet]);
+}
+
+}  // namespace earshot::frustum

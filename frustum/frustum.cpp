@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/frustum.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::frustum {
+
+using geometry::Plane;
+using geometry::Vec3;
+
+namespace {
+
+/// Share of a window's reach in (u, v) by which it grows on every side, so that rounding in its
+/// corners (a few 2^-53 of coordinates below 2) loses nothing.
+constexpr double kWindowSlack = 0x1p-44;
+
+/// Half the variation of a linear function over a rectangle.
+double spread(const InverseDepth& depth, const Rect& rect) noexcept {
+    const glm::dvec2 half = 0.5 * (rect.upper - rect.lower);
+    return std::abs(depth.slope.x) * half.x + std::abs(depth.slope.y) * half.y;
+}
+
+Vec3 mirrored_direction(const Plane& plane, const Vec3& direction) noexcept {
+    return direction - 2.0 * glm::dot(plane.normal, direction) * plane.normal;
+}
+
+}  // namespace
+
+double InverseDepth::least(const Rect& rect) const noexcept {
+    return at(0.5 * (rect.lower + rect.upper)) - spread(*this, rect);
+}
+
+double InverseDepth::greatest(const Rect& rect) const noexcept {
+    return at(0.5 * (rect.lower + rect.upper)) + spread(*this, rect);
+}
+
+Vec3 Frustum::local(const Vec3& point) const noexcept {
+    const Vec3 offset = point - apex;
+    return {glm::dot(offset, right), glm::dot(offset, up), glm::dot(offset, forward)};
+}
+
+// A point at depth t is apex + t (forward + u right + v up); put into the plane's equation and
+// solved for 1 / t.
+InverseDepth Frustum::inverse_depth(const Plane& plane) const noexcept {
+    const double scale = -1.0 / plane.distance(apex);
+    return {.constant = scale * glm::dot(plane.normal, forward),
+            .slope = {scale * glm::dot(plane.normal, right), scale * glm::dot(plane.normal, up)}};
+}
+
+std::vector<Frustum> frusta_around(const Vec3& source, int pieces, int cells, double least_depth) {
+    std::vector<Frustum> frusta;
+    for (int face = 0; face < 6; ++face) {
+        Frustum frustum;
+        frustum.apex = source;
+        frustum.cells = cells;
+        frustum.least_depth = least_depth;
+        frustum.forward = frustum.right = frustum.up = Vec3(0.0);
+        frustum.forward[face / 2] = face % 2 == 0 ? 1.0 : -1.0;
+        frustum.right[(face / 2 + 1) % 3] = 1.0;
+        frustum.up[(face / 2 + 2) % 3] = 1.0;
+        for (int row = 0; row < pieces; ++row) {
+            for (int column = 0; column < pieces; ++column) {
+                const glm::dvec2 lower = {-1.0 + 2.0 * column / pieces, -1.0 + 2.0 * row / pieces};
+                frustum.rect.lower = lower - kWindowSlack;
+                frustum.rect.upper = lower + 2.0 / pieces + kWindowSlack;
+                frusta.push_back(frustum);
+            }
+        }
+    }
+    return frusta;
+}
+
+Frustum mirrored(const Frustum& parent,
+                 const Plane& plane,
+                 geometry::FacetId facet,
+                 const Rect& window) {
+    Frustum child;
+    child.apex = plane.mirror(parent.apex);
+    child.right = mirrored_direction(plane, parent.right);
+    child.up = mirrored_direction(plane, parent.up);
+    child.forward = mirrored_direction(plane, parent.forward);
+    child.rect = {.lower = window.lower - kWindowSlack, .upper = window.upper + kWindowSlack};
+    child.cells = parent.cells;
+    child.starts_at_facet = true;
+    child.facet = facet;
+    child.side = plane.distance(parent.apex) > 0.0 ? 1.0 : -1.0;
+    child.start = child.inverse_depth(plane);
+    // The window lies on the facet: its nearest point starts the frustum.
+    child.least_depth = std::max(parent.least_depth, 0.5 / child.start.greatest(child.rect));
+    return child;
+}
+
+BoxCull::BoxCull(const Frustum& frustum, const Plane* start_plane, double slack) noexcept {
+    std::size_t count = 0;
+    const auto add = [&](const Vec3& normal, double offset) {
+        for (int k = 0; k < 3; ++k) {
+            half_spaces_.positive[k][count] = std::max(normal[k], 0.0);
+            half_spaces_.negative[k][count] = std::min(normal[k], 0.0);
+        }
+        const double norm = std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+        half_spaces_.offset[count++] = offset - slack * norm;
+    };
+    const auto through_apex = [&](const Vec3& normal) {
+        add(normal, glm::dot(normal, frustum.apex));
+    };
+    through_apex(frustum.right - frustum.rect.lower.x * frustum.forward);
+    through_apex(frustum.rect.upper.x * frustum.forward - frustum.right);
+    through_apex(frustum.up - frustum.rect.lower.y * frustum.forward);
+    through_apex(frustum.rect.upper.y * frustum.forward - frustum.up);
+    if (start_plane != nullptr) {
+        add(frustum.side * start_plane->normal, frustum.side * start_plane->offset);
+    } else {
+        through_apex(frustum.forward);
+    }
+}
+
+}  // namespace earshot::frustum

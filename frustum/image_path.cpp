@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/image_path.h"
+
+#include "earshot/bvh/ray.h"
+#include "earshot/bvh/traverse.h"
+#include "earshot/frustum/internal/facet_index.h"
+#include "earshot/geometry/predicates.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::frustum {
+
+using geometry::FacetId;
+using geometry::Plane;
+using geometry::TriangleId;
+using geometry::Vec3;
+
+namespace {
+
+/// A leg that meets a second surface at its reflection point does so within flatness / sin(angle)
+/// of it. Angles below a thousandth of a radian are left to the plane distance alone.
+constexpr double kContactReach = 1024.0;
+
+/// The two coordinates that remain when the plane's dominant axis is dropped.
+glm::dvec2 project(const Vec3& point, int axis) noexcept {
+    return {point[(axis + 1) % 3], point[(axis + 2) % 3]};
+}
+
+double squared_distance_to_edge(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
+    const glm::dvec2 edge = b - a;
+    const double t = std::clamp(glm::dot(p - a, edge) / glm::dot(edge, edge), 0.0, 1.0);
+    const glm::dvec2 gap = p - (a + t * edge);
+    return glm::dot(gap, gap);
+}
+
+enum class Containment { outside, near, inside };
+
+/// Where a point lies relative to a triangle: decided exactly; `near` is outside by up to `slack`.
+Containment locate(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner, double slack) {
+    const int ab = geometry::orient2d(corner[0], corner[1], p);
+    const int bc = geometry::orient2d(corner[1], corner[2], p);
+    const int ca = geometry::orient2d(corner[2], corner[0], p);
+    if ((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)) {
+        return Containment::inside;
+    }
+    const double nearest = std::min({squared_distance_to_edge(p, corner[0], corner[1]),
+                                     squared_distance_to_edge(p, corner[1], corner[2]),
+                                     squared_distance_to_edge(p, corner[2], corner[0])});
+    return nearest <= slack * slack ? Containment::near : Containment::outside;
+}
+
+}  // namespace
+
+PathVerifier::PathVerifier(const Surroundings& surroundings) : surroundings_(&surroundings) {
+    if (!surroundings.tree.nodes().empty()) {
+        const geometry::Aabb& box = surroundings.tree.nodes().front().box;
+        for (std::size_t k = 0; k < 3; ++k) {
+            scale_ = std::max({scale_,
+                               std::abs(static_cast<double>(box.lower[k])),
+                               std::abs(static_cast<double>(box.upper[k]))});
+        }
+    }
+}
+
+double PathVerifier::grazing_distance(double reach) const noexcept {
+    return kRounding * (scale_ + reach);
+}
+
+double PathVerifier::contact_reach() const noexcept {
+    return kContactReach * surroundings_->facets.tolerance;
+}
+
+std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,
+                                                 std::span<const Vec3> images,
+                                                 const Vec3& listener) const {
+    const std::size_t order = sequence.size();
+    SpecularPath path;
+    path.length = glm::distance(images[order], listener);
+    const double slack = grazing_distance(path.length);
+
+    // From the listener back to the source: the leg towards image i meets facet i.
+    path.points.resize(order + 2);
+    path.triangles.resize(order);
+    path.points[order + 1] = listener;
+    for (std::size_t i = order; i > 0; --i) {
+        const FacetId facet = sequence[i - 1];
+        const Plane& plane = surroundings_->facets.facets[facet].plane;
+        const Vec3& target = path.points[i + 1];
+        const double before = plane.distance(images[i - 1]);  // of the side that reflects
+        const double behind = plane.distance(images[i]);
+        const double ahead = plane.distance(target);
+        const bool front = before > 0.0;
+        if (std::abs(before) <= slack || (front ? ahead < -slack : ahead > slack)) {
+            return std::nullopt;
+        }
+        if (!front && !surroundings_->one_sided.empty() && surroundings_->one_sided[facet] != 0) {
+            return std::nullopt;
+        }
+        path.points[i] = target + (ahead / (ahead - behind)) * (images[i] - target);
+        const auto triangle = triangle_at(facet, path.points[i], slack);
+        if (!triangle) {
+            return std::nullopt;
+        }
+        path.triangles[i - 1] = *triangle;
+    }
+    path.points[0] = images[0];
+
+    for (std::size_t i = 0; i <= order; ++i) {
+        const FacetId* from_facet = i > 0 ? &sequence[i - 1] : nullptr;
+        const FacetId* to_facet = i < order ? &sequence[i] : nullptr;
+        if (!leg_is_free(path.points[i], path.points[i + 1], from_facet, to_facet)) {
+            return std::nullopt;
+        }
+    }
+    return path;
+}
+
+std::optional<TriangleId> PathVerifier::triangle_at(FacetId facet,
+                                                    const Vec3& point,
+                                                    double slack) const {
+    const geometry::Facet& surface = surroundings_->facets.facets[facet];
+    const int axis = dominant_axis(surface.plane.normal);
+    const glm::dvec2 p = project(point, axis);
+    // The point lies in the plane, the triangles within the facet's deviation of it, measured along
+    // the dominant axis at most sqrt(3) times as far.
+    const double reach = 2.0 * surface.deviation + slack;
+    std::optional<TriangleId> inside, near;
+    bvh::traverse(
+        surroundings_->tree,
+        [&](const bvh::Node& node) {
+            for (int k = 0; k < 3; ++k) {
+                const auto index = static_cast<std::size_t>(k);
+                if (point[k] < static_cast<double>(node.box.lower[index]) - reach ||
+                    point[k] > static_cast<double>(node.box.upper[index]) + reach) {
+                    return false;
+                }
+            }
+            return true;
+        },
+        [&](TriangleId id) {
+            if (surroundings_->facets.of_triangle[id] == facet) {
+                const geometry::Triangle& triangle = surroundings_->mesh.triangles[id];
+                std::array<glm::dvec2, 3> corner;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    corner[k] = project(surroundings_->mesh.positions[triangle[k]], axis);
+                }
+                const Containment where = locate(p, corner, slack);
+                if (where == Containment::inside && (!inside || id < *inside)) {
+                    inside = id;
+                } else if (where == Containment::near && (!near || id < *near)) {
+                    near = id;
+                }
+            }
+            return true;
+        });
+    return inside ? inside : near;
+}
+
+PathVerifier::LegEnd PathVerifier::end_of_leg(const FacetId* facet, const Vec3& other_end) const {
+    if (facet == nullptr) {
+        return {};
+    }
+    const geometry::Facet& surface = surroundings_->facets.facets[*facet];
+    return {.facet = facet,
+            .rise = std::abs(surface.plane.distance(other_end)),
+            .flatness = surface.deviation + surroundings_->facets.tolerance};
+}
+
+bool PathVerifier::leg_is_free(const Vec3& from,
+                               const Vec3& to,
+                               const FacetId* from_facet,
+                               const FacetId* to_facet) const {
+    const LegEnd start = end_of_leg(from_facet, to);
+    const LegEnd finish = end_of_leg(to_facet, from);
+    const double reach = contact_reach() / glm::distance(from, to);  // in parameters of the leg
+    const auto blocks = [&](TriangleId id, double t) {
+        const FacetId facet = surroundings_->facets.of_triangle[id];
+        return !start.joins(facet, t, reach) && !finish.joins(facet, 1.0 - t, reach);
+    };
+    return !bvh::any_touching(
+        surroundings_->tree, surroundings_->mesh, geometry::Segment{from, to}, blocks);
+}
+
+}  // namespace earshot::frustum

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/frustum/trace.h"
+
+#include <optional>
+#include <span>
+
+namespace earshot::frustum {
+
+/// Decides, in double precision and independently of how a sequence was found, whether the facets
+/// `sequence` reflect sound from source to listener, and constructs the path. This is the only
+/// place where a specular path comes into being.
+///
+/// The path is built backwards from the listener towards the image sources (Allen and Berkley 1979;
+/// Borish 1984). It is valid if every reflection point lies in its facet (borders included, within
+/// rounding), both neighbours of a reflection point are on one side of its facet (the front, if the
+/// facet is one-sided), and no leg touches a triangle on the way.
+class PathVerifier {
+public:
+    explicit PathVerifier(const Surroundings& surroundings);
+
+    /// `images[i]` is the source mirrored in the first i facets: images[0] is the source itself.
+    /// Preconditions: images.size() == sequence.size() + 1, each made by Plane::mirror from the one
+    /// before. The listener's index in the result is 0.
+    std::optional<SpecularPath> verify(std::span<const geometry::FacetId> sequence,
+                                       std::span<const geometry::Vec3> images,
+                                       const geometry::Vec3& listener) const;
+
+    /// Metres: a point this close to a plane counts as in it. Sources and images within it of a
+    /// facet's plane are not reflected there (the sound would graze the facet).
+    double grazing_distance(double reach) const noexcept;
+
+    /// Metres: triangles met by a leg this close to a reflection point belong to the surface that
+    /// reflects: neighbours across a corner, or a coplanar layer (see kContactReach).
+    double contact_reach() const noexcept;
+
+    /// Largest absolute coordinate of the scene, metres.
+    double scale() const noexcept { return scale_; }
+
+private:
+    /// One end of a leg, for telling obstacles from the surface that reflects there.
+    struct LegEnd {
+        const geometry::FacetId* facet = nullptr;  // null: a source or listener
+        double rise = 0.0;                         // metres of the other end over the facet's plane
+        double flatness = 0.0;                     // metres
+
+        /// Whether a triangle of `other`, met a share `t` of the leg from this end, belongs to the
+        /// surface: it is of the facet, or joins or coats it. `reach` as a share of the leg.
+        bool joins(geometry::FacetId other, double t, double reach) const noexcept {
+            return facet != nullptr && (other == *facet || (t * rise <= flatness && t <= reach));
+        }
+    };
+
+    LegEnd end_of_leg(const geometry::FacetId* facet, const geometry::Vec3& other_end) const;
+    std::optional<geometry::TriangleId> triangle_at(geometry::FacetId facet,
+                                                    const geometry::Vec3& point,
+                                                    double slack) const;
+    bool leg_is_free(const geometry::Vec3& from,
+                     const geometry::Vec3& to,
+                     const geometry::FacetId* from_facet,
+                     const geometry::FacetId* to_facet) const;
+
+    const Surroundings* surroundings_;
+    double scale_ = 0.0;
+};
+
+}  // namespace earshot::frustum

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <glm/vec2.hpp>
+
+#include <cstdint>
+#include <span>
+
+namespace earshot::frustum {
+
+/// One bit per sub-frustum of an 8 x 8 grid; bit 8 * row + column.
+using CellMask = std::uint64_t;
+
+inline constexpr int kGridSide = 8;
+inline constexpr CellMask kAllCells = ~CellMask{0};
+
+/// An axis-aligned rectangle in a frustum's (u, v) plane.
+struct Rect {
+    glm::dvec2 lower{0.0};
+    glm::dvec2 upper{0.0};
+    friend bool operator==(const Rect&, const Rect&) = default;
+};
+
+/// Which cells of a grid a polygon touches and which it fills.
+struct Coverage {
+    CellMask touched = 0;  ///< superset of the cells that share a point with the polygon
+    CellMask filled = 0;   ///< subset of the cells that lie wholly inside the polygon
+    CellMask centred = 0;  ///< cells whose centre lies inside, as computed without slack
+};
+
+/// Draws closed polygons into a grid of n x n cells (n <= 8) over a rectangle, erring to the safe
+/// side: positions may be off by `slack` (in cells) without a cell going missing from `touched` or
+/// appearing in `filled`. Loops are drawn together under the non-zero winding rule, so holes and
+/// overlapping parts are understood.
+class CellRaster {
+public:
+    CellRaster(const Rect& rect, int cells) noexcept;
+
+    void start(double slack_in_cells) noexcept;
+    /// Adds a closed loop; points in (u, v).
+    void add_loop(std::span<const glm::dvec2> loop) noexcept;
+    Coverage finish() const noexcept;
+
+    /// The cells that a box of (u, v) grown by slack_in_cells meets.
+    CellMask cells_of(const Rect& box, double slack_in_cells) const noexcept;
+
+    int cells() const noexcept { return cells_; }
+    glm::dvec2 cell_size() const noexcept { return cell_size_; }
+    Rect cell_rect(int row, int column) const noexcept;
+
+private:
+    void mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
+    void wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
+
+    Rect rect_;
+    int cells_;
+    glm::dvec2 cell_size_;
+    glm::dvec2 scale_;
+    double slack_ = 0.0;
+    CellMask edge_ = 0;
+    std::int32_t winding_[kGridSide][kGridSide] = {};
+};
+
+/// Bits first ... last (inclusive, within 0..7) of one row.
+constexpr CellMask row_bits(int row, int first, int last) noexcept {
+    const CellMask bits = (CellMask{0xff} >> (7 - (last - first))) << first;
+    return bits << (8 * row);
+}
+
+}  // namespace earshot::frustum

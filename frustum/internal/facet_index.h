@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/bvh/tree.h"
+#include "earshot/frustum/trace.h"
+
+#include <vector>
+
+namespace earshot::frustum {
+
+/// Facets prepared for frusta: outlines that lie exactly in the facet's plane (up to rounding), a
+/// hierarchy over their boxes, and the tolerances that the search and the verification share.
+class FacetIndex {
+public:
+    explicit FacetIndex(const Surroundings& surroundings);
+
+    struct LoopRange {
+        std::uint32_t begin = 0, end = 0;  ///< into vertices()
+    };
+
+    std::size_t size() const noexcept { return facets_->size(); }
+    const geometry::Plane& plane(geometry::FacetId facet) const noexcept {
+        return (*facets_)[facet].plane;
+    }
+    bool is_one_sided(geometry::FacetId facet) const noexcept {
+        return !one_sided_.empty() && one_sided_[facet] != 0;
+    }
+    /// Metres: how far the facet's triangles may lie from its plane, and their border from its
+    /// outline.
+    double flatness(geometry::FacetId facet) const noexcept {
+        return (*facets_)[facet].deviation + tolerance_;
+    }
+
+    /// Border loops of a facet: ranges of vertices().
+    std::span<const LoopRange> loops(geometry::FacetId facet) const noexcept;
+    /// Border vertices moved into the facet's plane along the plane's dominant axis, the direction
+    /// in which the verification projects (image_path.cpp), so that search and verification mean
+    /// the same polygon.
+    std::span<const geometry::Vec3> vertices() const noexcept { return vertices_; }
+    const bvh::Tree& tree() const noexcept { return tree_; }
+
+    /// Largest absolute coordinate of the scene, metres.
+    double scale() const noexcept { return scale_; }
+
+private:
+    const std::vector<geometry::Facet>* facets_;
+    std::span<const std::uint8_t> one_sided_;
+    std::vector<std::uint32_t> first_loop_;  // per facet, and one past the last
+    std::vector<LoopRange> loops_;
+    std::vector<geometry::Vec3> vertices_;
+    bvh::Tree tree_;
+    double scale_ = 0.0;
+    double tolerance_ = 0.0;
+};
+
+/// Rounding slack of constructed points, metres: mirrored points and intersections are off by a few
+/// units in the last place (2^-53) of the distances involved for each of up to ~16 reflections;
+/// 2^-42 leaves a factor of about a hundred.
+inline constexpr double kRounding = 0x1p-42;
+
+/// The axis of the largest component of a normal; lowest of equals.
+int dominant_axis(const geometry::Vec3& normal) noexcept;
+
+/// Moves a point into a plane along the given axis.
+geometry::Vec3 snap_to_plane(const geometry::Plane& plane,
+                             const geometry::Vec3& point,
+                             int axis) noexcept;
+
+}  // namespace earshot::frustum

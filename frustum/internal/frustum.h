@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/frustum/internal/box_cull.h"
+#include "earshot/frustum/internal/cell_grid.h"
+#include "earshot/geometry/aabb.h"
+#include "earshot/geometry/facets.h"
+
+#include <vector>
+
+namespace earshot::frustum {
+
+/// A linear function of (u, v): the inverse depth at which a frustum's rays meet a plane. Larger is
+/// nearer; negative is behind the apex.
+struct InverseDepth {
+    double constant = 0.0;
+    glm::dvec2 slope{0.0};
+
+    double at(const glm::dvec2& uv) const noexcept {
+        return constant + slope.x * uv.x + slope.y * uv.y;
+    }
+    double least(const Rect& rect) const noexcept;
+    double greatest(const Rect& rect) const noexcept;
+};
+
+/// A four-sided pyramid of sound from a source or an image source, from the facet it was mirrored
+/// in onwards. Directions are w + u * right + v * up with (u, v) in `rect`, divided into
+/// cells x cells sub-frusta of which those in `alive` carry sound.
+///
+/// Mirroring a frustum mirrors apex and axes, so (u, v) of a direction never changes along a
+/// sequence of reflections: a window cut from the parent's rectangle is the child's rectangle.
+struct Frustum {
+    geometry::Vec3 apex{0.0};
+    geometry::Vec3 right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0}, forward{0.0, 0.0, 1.0};
+    Rect rect;
+    int cells = kGridSide;
+    CellMask alive = kAllCells;
+
+    bool starts_at_facet = false;
+    geometry::FacetId facet = 0;  ///< where it starts, if it does
+    double side = 1.0;            ///< +1: sound leaves the facet's front, -1: its back
+    InverseDepth start{};         ///< of the facet's plane
+    double least_depth = 0.0;     ///< along `forward`: nothing nearer belongs to the frustum
+
+    /// Coordinates along (right, up, forward) relative to the apex.
+    geometry::Vec3 local(const geometry::Vec3& point) const noexcept;
+    InverseDepth inverse_depth(const geometry::Plane& plane) const noexcept;
+};
+
+/// The frusta that together cover every direction from a point: six faces of a cube, each cut into
+/// `pieces` x `pieces` with a grid of `cells` x `cells`. `least_depth` in metres.
+std::vector<Frustum> frusta_around(const geometry::Vec3& source,
+                                   int pieces,
+                                   int cells,
+                                   double least_depth);
+
+/// The frustum mirrored in a plane, restricted to a window of the parent's (u, v) rectangle. The
+/// new grid is all alive. Precondition: the apex is not in the plane.
+Frustum mirrored(const Frustum& parent,
+                 const geometry::Plane& plane,
+                 geometry::FacetId facet,
+                 const Rect& window);
+
+/// Culls boxes that a frustum cannot meet. Conservative: `slack` metres of rounding on either side.
+class BoxCull {
+public:
+    BoxCull(const Frustum& frustum, const geometry::Plane* start_plane, double slack) noexcept;
+
+    bool may_meet(const geometry::Aabb& box) const noexcept {
+        return !lies_outside(half_spaces_, box.lower.data(), box.upper.data());
+    }
+
+private:
+    HalfSpaces half_spaces_;
+};
+
+}  // namespace earshot::frustum

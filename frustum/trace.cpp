@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/trace.h"
+
+#include "earshot/base/error.h"
+#include "earshot/frustum/image_path.h"
+#include "earshot/frustum/internal/facet_index.h"
+#include "earshot/frustum/internal/path_order.h"
+#include "earshot/frustum/internal/visible_facets.h"
+
+#include <algorithm>
+#include <string>
+
+namespace earshot::frustum {
+
+using geometry::FacetId;
+using geometry::Vec3;
+
+namespace {
+
+constexpr int kDefaultResolution = 32;
+constexpr int kMaxResolution = 1024;
+constexpr int kMaxOrder = 64;
+
+/// What one task of the search brings home.
+struct Harvest {
+    std::vector<SpecularPath> paths;
+    TraceStatistics statistics;
+
+    void append(Harvest&& other) {
+        std::move(other.paths.begin(), other.paths.end(), std::back_inserter(paths));
+        statistics.frusta += other.statistics.frusta;
+        statistics.candidates += other.statistics.candidates;
+    }
+};
+
+/// Everything that the tasks of one trace share and only read.
+struct Task {
+    const FacetIndex& index;
+    const PathVerifier& verifier;
+    std::span<const Vec3> listeners;
+    const TraceOptions& options;
+};
+
+/// Follows one frustum and all its reflections, depth first. One object per thread of work: it
+/// keeps a search per order so that a parent's findings survive its children's searches.
+class FrustumWalk {
+public:
+    FrustumWalk(const Task& task, const Vec3& source) : task_(task), images_{source} {
+        for (int order = 0; order <= task.options.max_order; ++order) {
+            searches_.emplace_back(task.index, task.options.mode, task.verifier.contact_reach());
+        }
+    }
+
+    /// The reflected frusta of a source's frustum.
+    std::vector<Frustum> first_reflections(const Frustum& frustum) {
+        VisibleFacets& search = searches_[0];
+        search.search(frustum);
+        ++harvest_.statistics.frusta;
+        std::vector<Frustum> children;
+        for (const VisibleFacet& visible : search.found()) {
+            children.push_back(search.reflect(visible));
+        }
+        return children;
+    }
+
+    /// Visits a reflected frustum, proposes its sequence to the listeners in it, and goes on.
+    void follow(const Frustum& frustum) {
+        sequence_.push_back(frustum.facet);
+        images_.push_back(frustum.apex);
+        VisibleFacets& search = searches_[sequence_.size()];
+        ++harvest_.statistics.frusta;
+        const bool is_last = static_cast<int>(sequence_.size()) == task_.options.max_order;
+        if (is_last) {
+            search.enter(frustum);
+        } else {
+            search.search(frustum);
+        }
+        propose_to_listeners(search);
+        for (const VisibleFacet& visible : search.found()) {
+            follow(search.reflect(visible));
+        }
+        sequence_.pop_back();
+        images_.pop_back();
+    }
+
+    Harvest take_harvest() { return std::move(harvest_); }
+
+private:
+    void propose_to_listeners(const VisibleFacets& search) {
+        for (std::size_t i = 0; i < task_.listeners.size(); ++i) {
+            if (!search.may_reach(task_.listeners[i])) {
+                continue;
+            }
+            ++harvest_.statistics.candidates;
+            if (auto path = task_.verifier.verify(sequence_, images_, task_.listeners[i])) {
+                path->listener = i;
+                harvest_.paths.push_back(std::move(*path));
+            }
+        }
+    }
+
+    const Task& task_;
+    std::vector<VisibleFacets> searches_;
+    std::vector<FacetId> sequence_;
+    std::vector<Vec3> images_;
+    Harvest harvest_;
+};
+
+void check_options(const TraceOptions& options) {
+    if (options.max_order < 0 || options.max_order > kMaxOrder) {
+        throw Error("order",
+                    "must be 0 to " + std::to_string(kMaxOrder) + ", not " +
+                        std::to_string(options.max_order));
+    }
+    if (options.resolution < 0 || options.resolution > kMaxResolution) {
+        throw Error("resolution",
+                    "must be 0 (the default) to " + std::to_string(kMaxResolution) + ", not " +
+                        std::to_string(options.resolution));
+    }
+}
+
+Harvest find_direct_paths(const Task& task, const Vec3& source) {
+    Harvest harvest;
+    for (std::size_t i = 0; i < task.listeners.size(); ++i) {
+        ++harvest.statistics.candidates;
+        if (auto path = task.verifier.verify({}, std::span(&source, 1), task.listeners[i])) {
+            path->listener = i;
+            harvest.paths.push_back(std::move(*path));
+        }
+    }
+    return harvest;
+}
+
+/// Runs body(walk, i) for i in [0, count), a walk per chunk, and joins the harvests in order.
+template <typename Body>
+Harvest walk_all(
+    const Task& task, const Vec3& source, std::size_t count, Executor& executor, Body&& body) {
+    constexpr std::size_t kGrain = 4;
+    std::vector<Harvest> harvests(chunk_count(count, kGrain));
+    executor.for_each(count, kGrain, [&](std::size_t begin, std::size_t end) {
+        FrustumWalk walk(task, source);
+        for (std::size_t i = begin; i < end; ++i) {
+            body(walk, i);
+        }
+        harvests[begin / kGrain] = walk.take_harvest();
+    });
+    Harvest all;
+    for (Harvest& harvest : harvests) {
+        all.append(std::move(harvest));
+    }
+    return all;
+}
+
+}  // namespace
+
+TraceResult find_specular_paths(const Surroundings& surroundings,
+                                const Vec3& source,
+                                std::span<const Vec3> listeners,
+                                const TraceOptions& options,
+                                Executor& executor) {
+    check_options(options);
+    const FacetIndex index(surroundings);
+    const PathVerifier verifier(surroundings);
+    const Task task{index, verifier, listeners, options};
+    Harvest harvest = find_direct_paths(task, source);
+
+    if (options.max_order > 0) {
+        const int resolution = options.resolution > 0 ? options.resolution : kDefaultResolution;
+        const int cells = std::min(resolution, kGridSide);
+        const int pieces = (resolution + cells - 1) / cells;
+        const double least_depth = 0.5 * kRounding * index.scale();
+        const auto roots = frusta_around(source, pieces, cells, least_depth);
+
+        std::vector<std::vector<Frustum>> reflections(roots.size());
+        harvest.append(
+            walk_all(task, source, roots.size(), executor, [&](FrustumWalk& walk, std::size_t i) {
+                reflections[i] = walk.first_reflections(roots[i]);
+            }));
+        std::vector<Frustum> first;
+        for (const auto& of_root : reflections) {
+            first.insert(first.end(), of_root.begin(), of_root.end());
+        }
+        harvest.append(
+            walk_all(task, source, first.size(), executor, [&](FrustumWalk& walk, std::size_t i) {
+                walk.follow(first[i]);
+            }));
+    }
+
+    sort_and_unify(harvest.paths, index.scale());
+    harvest.statistics.paths = harvest.paths.size();
+    return {.paths = std::move(harvest.paths), .statistics = harvest.statistics};
+}
+
+}  // namespace earshot::frustum

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/geometry/clean.h"
+
+#include "earshot/geometry/internal/point_tree.h"
+#include "earshot/geometry/predicates.h"
+#include "earshot/geometry/tolerance.h"
+#include "earshot/geometry/topology.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <numeric>
+#include <span>
+#include <utility>
+
+namespace earshot::geometry {
+namespace {
+
+struct PlacedVertex {
+    Vec3 position{0.0};
+    VertexId vertex = 0;
+};
+
+bool comes_before(const PlacedVertex& a, const PlacedVertex& b) noexcept {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (a.position[axis] != b.position[axis]) {
+            return a.position[axis] < b.position[axis];
+        }
+    }
+    return a.vertex < b.vertex;
+}
+
+std::vector<VertexId> weld_equal_positions(std::span<const Vec3> positions) {
+    std::vector<PlacedVertex> placed(positions.size());
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+        placed[i] = {positions[i], static_cast<VertexId>(i)};
+    }
+    std::sort(placed.begin(), placed.end(), comes_before);
+    std::vector<VertexId> weld(positions.size());
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+        const bool repeats = i > 0 && placed[i].position == placed[i - 1].position;
+        weld[placed[i].vertex] = repeats ? weld[placed[i - 1].vertex] : placed[i].vertex;
+    }
+    return weld;
+}
+
+/// Exactly: the components of the normal are the areas of the three projections.
+bool has_zero_area(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
+    return orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y}) == 0 &&
+           orient2d({a.y, a.z}, {b.y, b.z}, {c.y, c.z}) == 0 &&
+           orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
+}
+
+bool is_degenerate(const Triangle& welded, std::span<const Vec3> positions) noexcept {
+    const auto [a, b, c] = welded;
+    return a == b || b == c || c == a || has_zero_area(positions[a], positions[b], positions[c]);
+}
+
+/// The triangles of `candidates` (ascending) that no earlier one repeats with the same vertices.
+std::vector<TriangleId> without_duplicates(std::span<const TriangleId> candidates,
+                                           std::span<const Triangle> welded) {
+    std::vector<std::pair<Triangle, TriangleId>> keyed;
+    keyed.reserve(candidates.size());
+    for (const TriangleId id : candidates) {
+        Triangle key = welded[id];
+        std::sort(key.begin(), key.end());
+        keyed.emplace_back(key, id);
+    }
+    std::sort(keyed.begin(), keyed.end());
+    std::vector<TriangleId> kept;
+    kept.reserve(keyed.size());
+    for (std::size_t i = 0; i < keyed.size(); ++i) {
+        if (i == 0 || keyed[i].first != keyed[i - 1].first) {
+            kept.push_back(keyed[i].second);
+        }
+    }
+    std::sort(kept.begin(), kept.end());
+    return kept;
+}
+
+using Edge = std::pair<VertexId, VertexId>;
+
+/// Connected components of the graph that the edges make.
+std::size_t count_components(std::span<const Edge> edges, std::size_t vertex_count) {
+    std::vector<VertexId> parent(vertex_count);
+    std::iota(parent.begin(), parent.end(), VertexId{0});
+    const auto root_of = [&parent](VertexId v) {
+        while (parent[v] != v) {
+            parent[v] = parent[parent[v]];
+            v = parent[v];
+        }
+        return v;
+    };
+    std::size_t joined = 0;
+    std::vector<bool> seen(vertex_count, false);
+    std::size_t vertices = 0;
+    for (const auto& [a, b] : edges) {
+        for (const VertexId v : {a, b}) {
+            vertices += seen[v] ? 0 : 1;
+            seen[v] = true;
+        }
+        const VertexId root_a = root_of(a);
+        const VertexId root_b = root_of(b);
+        joined += root_a == root_b ? 0 : 1;
+        parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+    }
+    return vertices - joined;
+}
+
+/// Within `tolerance` of the segment, but not of its ends.
+bool lies_inside(const Vec3& point, const Segment& segment, double tolerance) noexcept {
+    const Vec3 along = segment.to - segment.from;
+    const Vec3 from = point - segment.from;
+    const Vec3 to = point - segment.to;
+    const double limit = tolerance * tolerance;
+    const Vec3 normal = glm::cross(from, along);
+    return glm::dot(from, along) > 0.0 && glm::dot(to, along) < 0.0 &&
+           glm::dot(from, from) > limit && glm::dot(to, to) > limit &&
+           glm::dot(normal, normal) <= limit * glm::dot(along, along);
+}
+
+std::size_t count_t_junctions(std::span<const Edge> open_edges,
+                              std::span<const Vec3> positions,
+                              double tolerance) {
+    std::vector<bool> is_end(positions.size(), false);
+    std::vector<PointTree::Point> ends;
+    for (const auto& [a, b] : open_edges) {
+        for (const VertexId v : {a, b}) {
+            if (!is_end[v]) {
+                is_end[v] = true;
+                ends.push_back({positions[v], v});
+            }
+        }
+    }
+    const PointTree tree(std::move(ends));
+    std::vector<bool> is_junction(positions.size(), false);
+    std::size_t count = 0;
+    for (const auto& [a, b] : open_edges) {
+        const Segment edge{positions[a], positions[b]};
+        tree.near_segment(edge, tolerance, [&](const PointTree::Point& point) {
+            if (!is_junction[point.vertex] && lies_inside(point.position, edge, tolerance)) {
+                is_junction[point.vertex] = true;
+                ++count;
+            }
+        });
+    }
+    return count;
+}
+
+void count_edges(std::span<const Triangle> triangles,
+                 std::span<const Vec3> positions,
+                 CleanReport& report) {
+    const EdgeTable edges(triangles, positions.size());
+    std::vector<Edge> open;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        const std::span<const HalfEdgeId> uses = edges.uses(e);
+        if (uses.size() == 1) {
+            open.emplace_back(start_of(triangles, uses[0]), end_of(triangles, uses[0]));
+        }
+        report.non_manifold_edges += uses.size() > 2 ? 1 : 0;
+    }
+    report.open_edges = open.size();
+    report.holes = count_components(open, positions.size());
+    const double tolerance = coplanar_tolerance({positions, triangles});
+    report.t_junctions = count_t_junctions(open, positions, tolerance);
+}
+
+}  // namespace
+
+CleanMesh clean(const MeshView& mesh) {
+    CleanMesh result;
+    CleanReport& report = result.report;
+    report.triangles_read = mesh.triangles.size();
+    report.vertices_read = mesh.positions.size();
+
+    result.weld = weld_equal_positions(mesh.positions);
+    for (std::size_t v = 0; v < result.weld.size(); ++v) {
+        report.vertices_welded += result.weld[v] != v ? 1 : 0;
+    }
+
+    std::vector<Triangle> welded(mesh.triangles.size());
+    std::vector<TriangleId> with_area;
+    with_area.reserve(welded.size());
+    for (std::size_t t = 0; t < welded.size(); ++t) {
+        const auto [a, b, c] = mesh.triangles[t];
+        welded[t] = {result.weld[a], result.weld[b], result.weld[c]};
+        if (!is_degenerate(welded[t], mesh.positions)) {
+            with_area.push_back(static_cast<TriangleId>(t));
+        }
+    }
+    report.degenerate_triangles = welded.size() - with_area.size();
+    result.kept = without_duplicates(with_area, welded);
+    report.duplicate_triangles = with_area.size() - result.kept.size();
+
+    // In place: kept is ascending, so nothing is overwritten before it is read.
+    for (std::size_t i = 0; i < result.kept.size(); ++i) {
+        welded[i] = welded[result.kept[i]];
+    }
+    welded.resize(result.kept.size());
+    count_edges(welded, mesh.positions, report);
+    return result;
+}
+
+}  // namespace earshot::geometry

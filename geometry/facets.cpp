@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/geometry/facets.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/base/error_free.h"
+#include "earshot/geometry/internal/border_loops.h"
+#include "earshot/geometry/tolerance.h"
+#include "earshot/geometry/topology.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+// The adjacency is a sorted table of edges (topology.h), not a half-edge mesh: scenes have edges
+// with three and more triangles and neighbours of opposite winding, which a half-edge mesh such as
+// OpenMesh's refuses to add, and the triangles that it refuses still reflect sound.
+
+namespace earshot::geometry {
+namespace {
+
+constexpr FacetId kNoFacet = std::numeric_limits<FacetId>::max();
+
+using Corners = std::array<Vec3, 3>;
+
+/// The corners from the smallest position on, so that nothing depends on which one a file names
+/// first.
+Corners corners_of_triangle(const MeshView& mesh, TriangleId id) noexcept {
+    const auto [a, b, c] = mesh.triangles[id];
+    Corners corners{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+    const auto key = [](const Vec3& p) { return std::tuple(p.x, p.y, p.z); };
+    const auto smallest =
+        std::min_element(corners.begin(), corners.end(), [&](const Vec3& p, const Vec3& q) {
+            return key(p) < key(q);
+        });
+    std::rotate(corners.begin(), smallest, corners.end());
+    return corners;
+}
+
+/// a d - b c with products to twice the precision: a thin triangle's normal is a small difference
+/// of large products.
+double difference_of_products(double a, double d, double b, double c) noexcept {
+    const DoublePair left = two_product(a, d);
+    const DoublePair right = two_product(b, c);
+    const DoublePair sum = two_sum(left.hi, -right.hi);
+    return sum.hi + (sum.lo + (left.lo - right.lo));
+}
+
+/// Twice the area, along the normal.
+Vec3 area_normal(const Corners& p) noexcept {
+    const Vec3 u = p[1] - p[0];
+    const Vec3 v = p[2] - p[0];
+    return {difference_of_products(u.y, v.z, u.z, v.y),
+            difference_of_products(u.z, v.x, u.x, v.z),
+            difference_of_products(u.x, v.y, u.y, v.x)};
+}
+
+double longest_edge(const Corners& p) noexcept {
+    const Vec3 a = p[1] - p[0];
+    const Vec3 b = p[2] - p[1];
+    const Vec3 c = p[0] - p[2];
+    return std::sqrt(std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)}));
+}
+
+/// Exact for axis-aligned triangles: a component of 0 stays 0 (never -0), the other becomes 1, and
+/// the offset is the coordinate.
+Plane plane_of(const Corners& corners) noexcept {
+    Vec3 normal = area_normal(corners);
+    Vec3 size = glm::abs(normal);
+    if (size == Vec3(0.0)) {
+        // Thinner than rounding: all planes through its line are as good as each other.
+        const Vec3 along = corners[1] - corners[0];
+        const Vec3 a = glm::abs(along);
+        const Vec3 axis = a.x <= a.y && a.x <= a.z ? Vec3(1.0, 0.0, 0.0) : Vec3(0.0, 0.0, 1.0);
+        normal = glm::cross(along, axis);
+        size = glm::abs(normal);
+    }
+    // First to about 1, so that squares neither overflow nor underflow.
+    normal /= std::max({size.x, size.y, size.z});
+    normal /= std::sqrt(glm::dot(normal, normal));
+    normal += 0.0;
+    return {normal, glm::dot(normal, corners[0]) + 0.0};
+}
+
+/// What belongs to a facet, judged by its largest triangle alone, so that a chain of small
+/// deviations cannot lead away from it.
+class Membership {
+public:
+    Membership(const Corners& seed, double tolerance)
+        : plane_(plane_of(seed)), origin_(seed[0]), tolerance_(tolerance) {
+        // Moving the seed's vertices by their rounding tilts its plane by at most tolerance / h, h
+        // its smallest height. A seed so thin that the tilt is no longer small has a plane only
+        // near itself.
+        constexpr double kSteepest = 0x1p-12;
+        const Vec3 normal = area_normal(seed);
+        const double height = std::sqrt(glm::dot(normal, normal)) / longest_edge(seed);
+        tilt_ = tolerance <= kSteepest * height ? tolerance / height : 0.0;
+    }
+
+    const Plane& plane() const noexcept { return plane_; }
+
+    /// Slivers have no normal to speak of, so all tests are on distances of vertices.
+    bool includes(const Corners& p) const noexcept {
+        const std::array<double, 3> distance{
+            plane_.distance(p[0]), plane_.distance(p[1]), plane_.distance(p[2])};
+        for (std::size_t i = 0; i < 3; ++i) {
+            if (std::abs(distance[i]) > allowed(p[i] - origin_)) {
+                return false;
+            }
+            // Far out, where the tilt allows more, small steps are still steps.
+            const std::size_t j = (i + 1) % 3;
+            if (std::abs(distance[i] - distance[j]) > allowed(p[i] - p[j])) {
+                return false;
+            }
+        }
+        // Folded back, and by more than the width that rounding may give a triangle of none.
+        const double facing = glm::dot(glm::cross(p[1] - p[0], p[2] - p[0]), plane_.normal);
+        return facing >= -tolerance_ * longest_edge(p);
+    }
+
+private:
+    double allowed(const Vec3& reach) const noexcept {
+        return tolerance_ + tilt_ * std::sqrt(glm::dot(reach, reach));
+    }
+
+    Plane plane_;
+    Vec3 origin_{0.0};
+    double tolerance_ = 0.0;
+    double tilt_ = 0.0;
+};
+
+/// Triangles from the largest to the smallest, the lowest index first among equals.
+std::vector<TriangleId> by_descending_area(const MeshView& mesh) {
+    std::vector<std::pair<double, TriangleId>> keyed(mesh.triangles.size());
+    for (std::size_t t = 0; t < keyed.size(); ++t) {
+        const auto id = static_cast<TriangleId>(t);
+        const Vec3 normal = area_normal(corners_of_triangle(mesh, id));
+        keyed[t] = {-glm::dot(normal, normal), id};
+    }
+    std::sort(keyed.begin(), keyed.end());
+    std::vector<TriangleId> order(keyed.size());
+    std::transform(
+        keyed.begin(), keyed.end(), order.begin(), [](const auto& key) { return key.second; });
+    return order;
+}
+
+/// Per facet, in the order they were grown.
+struct Groups {
+    std::vector<Plane> planes;
+    std::vector<FacetId> of_triangle;
+};
+
+Groups grow_groups(const MeshView& mesh,
+                   std::span<const HalfEdgeId> twins,
+                   std::span<const std::uint32_t> labels,
+                   double tolerance) {
+    Groups groups;
+    groups.of_triangle.assign(mesh.triangles.size(), kNoFacet);
+    std::vector<TriangleId> waiting;
+    for (const TriangleId seed : by_descending_area(mesh)) {
+        if (groups.of_triangle[seed] != kNoFacet) {
+            continue;
+        }
+        const Membership membership(corners_of_triangle(mesh, seed), tolerance);
+        const auto facet = static_cast<FacetId>(groups.planes.size());
+        groups.planes.push_back(membership.plane());
+        groups.of_triangle[seed] = facet;
+        waiting.assign(1, seed);
+        while (!waiting.empty()) {
+            const TriangleId member = waiting.back();
+            waiting.pop_back();
+            for (HalfEdgeId h = 3 * member; h < 3 * member + 3; ++h) {
+                if (twins[h] == kNoHalfEdge) {
+                    continue;
+                }
+                const TriangleId next = triangle_of(twins[h]);
+                if (groups.of_triangle[next] == kNoFacet && labels[next] == labels[seed] &&
+                    membership.includes(corners_of_triangle(mesh, next))) {
+                    groups.of_triangle[next] = facet;
+                    waiting.push_back(next);
+                }
+            }
+        }
+    }
+    return groups;
+}
+
+/// The groups as facets, numbered by their lowest triangle; loops are still missing.
+Facets numbered(const Groups& groups) {
+    Facets result;
+    result.facets.resize(groups.planes.size());
+    result.of_triangle.resize(groups.of_triangle.size());
+    std::vector<FacetId> number(groups.planes.size(), kNoFacet);
+    FacetId count = 0;
+    for (std::size_t t = 0; t < groups.of_triangle.size(); ++t) {
+        const FacetId group = groups.of_triangle[t];
+        if (number[group] == kNoFacet) {
+            number[group] = count++;
+            result.facets[number[group]].plane = groups.planes[group];
+        }
+        result.of_triangle[t] = number[group];
+        result.facets[number[group]].triangles.push_back(static_cast<TriangleId>(t));
+    }
+    return result;
+}
+
+double deviation_of(const Facet& facet, const MeshView& mesh) noexcept {
+    double deviation = 0.0;
+    for (const TriangleId triangle : facet.triangles) {
+        for (const VertexId vertex : mesh.triangles[triangle]) {
+            const double distance = std::abs(facet.plane.distance(mesh.positions[vertex]));
+            deviation = std::max(deviation, distance);
+        }
+    }
+    return deviation;
+}
+
+void find_loops(Facet& facet, BorderWalk& walk, std::span<const Vec3> positions, double tolerance) {
+    std::vector<Vec3> polygon;
+    for (const std::vector<VertexId>& border : walk.loops(facet.triangles)) {
+        polygon.clear();
+        for (const VertexId vertex : border) {
+            polygon.push_back(positions[vertex]);
+        }
+        facet.loops.push_back(corners_of(polygon, tolerance));
+    }
+    const auto comes_before = [](const Vec3& a, const Vec3& b) {
+        return std::tuple(a.x, a.y, a.z) < std::tuple(b.x, b.y, b.z);
+    };
+    std::sort(facet.loops.begin(), facet.loops.end(), [&](const Loop& a, const Loop& b) {
+        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), comes_before);
+    });
+}
+
+}  // namespace
+
+double Plane::distance(const Vec3& point) const noexcept {
+    return glm::dot(normal, point) - offset;
+}
+
+Vec3 Plane::mirror(const Vec3& point) const noexcept {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (normal[(axis + 1) % 3] == 0.0 && normal[(axis + 2) % 3] == 0.0) {
+            Vec3 image = point;
+            image[axis] = 2.0 * offset * normal[axis] - point[axis];
+            return image;
+        }
+    }
+    return point - 2.0 * distance(point) * normal;
+}
+
+Facets find_facets(const MeshView& mesh,
+                   std::span<const VertexId> weld,
+                   std::span<const std::uint32_t> labels) {
+    EARSHOT_ASSERT(weld.size() == mesh.positions.size());
+    EARSHOT_ASSERT(labels.size() == mesh.triangles.size());
+    std::vector<Triangle> welded(mesh.triangles.size());
+    std::transform(
+        mesh.triangles.begin(), mesh.triangles.end(), welded.begin(), [&](const Triangle& t) {
+            return Triangle{weld[t[0]], weld[t[1]], weld[t[2]]};
+        });
+    const double tolerance = coplanar_tolerance(mesh);
+    const std::vector<HalfEdgeId> twins =
+        twins_of(EdgeTable(welded, mesh.positions.size()), welded);
+
+    Facets result = numbered(grow_groups(mesh, twins, labels, tolerance));
+    result.tolerance = tolerance;
+    BorderWalk walk(welded, twins, result.of_triangle, mesh.positions.size());
+    for (Facet& facet : result.facets) {
+        facet.deviation = deviation_of(facet, mesh);
+        find_loops(facet, walk, mesh.positions, tolerance);
+    }
+    return result;
+}
+
+}  // namespace earshot::geometry

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/io/internal/gltf_file.h"
+
+#include "earshot/base/error.h"
+#include "earshot/io/whole_file.h"
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+namespace earshot::io {
+namespace {
+
+using Json = nlohmann::json;
+
+static_assert(std::endian::native == std::endian::little, "glTF numbers are read as they stand");
+
+constexpr std::string_view kMagic = "glTF";
+constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
+constexpr std::uint32_t kBinaryChunk = 0x004E4942;
+constexpr int kDeepestJson = 100;  // levels; tinygltf and the writer of JSON text are recursive
+constexpr const char* kTruncated = "copy or export the file again";
+
+std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, bytes.data() + offset, sizeof word);
+    return word;
+}
+
+/// Removes a chunk from the front of `rest`.
+std::string_view take_chunk(std::string_view& rest, std::uint32_t type, const std::string& name) {
+    if (rest.size() < 8) {
+        throw Error(name, "is truncated: a GLB chunk header is missing", kTruncated);
+    }
+    const std::size_t length = word_at(rest, 0);
+    if (length > rest.size() - 8) {
+        throw Error(name,
+                    "is truncated: a GLB chunk claims " + std::to_string(length) + " bytes, " +
+                        std::to_string(rest.size() - 8) + " are left",
+                    kTruncated);
+    }
+    const std::string_view chunk =
+        word_at(rest, 4) == type ? rest.substr(8, length) : std::string_view();
+    rest.remove_prefix(8 + length);
+    return chunk;
+}
+
+void refuse_deep_nesting(std::string_view json, const std::string& name) {
+    int depth = 0;
+    bool is_in_string = false;
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const char c = json[i];
+        if (is_in_string) {
+            i += c == '\\' ? 1 : 0;
+            is_in_string = c != '"';
+        } else if (c == '"') {
+            is_in_string = true;
+        } else if (c == '[' || c == '{') {
+            if (++depth > kDeepestJson) {
+                throw Error(
+                    name,
+                    "JSON is nested more than " + std::to_string(kDeepestJson) + " levels deep",
+                    "export the file again");
+            }
+        } else if (c == ']' || c == '}') {
+            --depth;
+        }
+    }
+}
+
+Json parse_json(std::string_view text, const std::string& name) {
+    refuse_deep_nesting(text, name);
+    try {
+        return Json::parse(text);
+    } catch (const Json::exception& error) {
+        throw Error(name, "JSON cannot be read: " + condensed(error.what()), "mend the JSON text");
+    }
+}
+
+/// What concerns geometry and motion. Images may be absent and cameras do not sound; buffers are
+/// read by load_gltf_buffers, materials by acoustics_extras.
+std::string structure_text(const Json& json) {
+    Json kept = Json::object();
+    for (const char* key : {"asset",
+                            "scene",
+                            "scenes",
+                            "nodes",
+                            "meshes",
+                            "skins",
+                            "animations",
+                            "accessors",
+                            "bufferViews"}) {
+        if (json.contains(key)) {
+            kept[key] = json[key];
+        }
+    }
+    return kept.dump();
+}
+
+}  // namespace
+
+std::string condensed(std::string_view message) {
+    constexpr std::size_t kLongest = 160;
+    if (message.starts_with("[json.exception")) {
+        message.remove_prefix(std::min(message.size(), message.find("] ") + 2));
+    }
+    std::string line;
+    for (const char c : message.substr(0, kLongest)) {
+        const bool is_blank = static_cast<unsigned char>(c) <= ' ';
+        if (!is_blank || (!line.empty() && line.back() != ' ')) {
+            line += is_blank ? ' ' : c;
+        }
+    }
+    while (!line.empty() && (line.back() == ' ' || line.back() == '.')) {
+        line.pop_back();
+    }
+    return message.size() > kLongest ? line + " ..." : line;
+}
+
+void GltfFile::fail(const std::string& element,
+                    const std::string& what,
+                    const std::string& remedy) const {
+    throw Error(name, element.empty() ? what : element + ": " + what, remedy);
+}
+
+GltfChunks split_gltf(std::string_view bytes, const std::string& name) {
+    if (!bytes.starts_with(kMagic)) {
+        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+        if (bytes.starts_with(kByteOrderMark)) {
+            bytes.remove_prefix(kByteOrderMark.size());
+        }
+        return {bytes, {}};
+    }
+    if (bytes.size() < 12) {
+        throw Error(name, "is truncated: the GLB header is incomplete", kTruncated);
+    }
+    const std::uint32_t version = word_at(bytes, 4);
+    if (version != 2) {
+        throw Error(name,
+                    "GLB version " + std::to_string(version) + " is not understood",
+                    "export it as glTF 2.0");
+    }
+    const std::size_t length = word_at(bytes, 8);
+    if (length > bytes.size() || length < 12) {
+        throw Error(name,
+                    "is truncated: the header claims " + std::to_string(length) +
+                        " bytes, the file has " + std::to_string(bytes.size()),
+                    kTruncated);
+    }
+    std::string_view rest = bytes.substr(12, length - 12);
+    GltfChunks chunks;
+    chunks.json = take_chunk(rest, kJsonChunk, name);
+    if (chunks.json.empty()) {
+        throw Error(name, "the first GLB chunk is not JSON", "export the file again");
+    }
+    if (!rest.empty()) {
+        chunks.binary = take_chunk(rest, kBinaryChunk, name);
+    }
+    return chunks;
+}
+
+GltfFile read_gltf_file(const std::filesystem::path& path) {
+    const std::string bytes = read_whole_file(path);
+    GltfFile file;
+    file.name = path.string();
+    const GltfChunks chunks = split_gltf(bytes, file.name);
+    file.json = parse_json(chunks.json, file.name);
+    check_gltf_structure(file);
+
+    tinygltf::TinyGLTF reader;
+    std::string error;
+    std::string warning;
+    const std::string text = structure_text(file.json);
+    if (text.size() > std::numeric_limits<unsigned>::max()) {
+        throw Error(file.name, "its JSON is longer than 4 GB", "store numbers in binary buffers");
+    }
+    const bool is_read = reader.LoadASCIIFromString(
+        &file.model, &error, &warning, text.data(), static_cast<unsigned>(text.size()), "");
+    if (!is_read) {
+        throw Error(file.name, condensed(error), "export the file again");
+    }
+    load_gltf_buffers(file, path.parent_path(), chunks.binary);
+    return file;
+}
+
+}  // namespace earshot::io

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/geometry/mesh.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace earshot::io {
+
+/// What a plain mesh file holds.
+struct PolygonMesh {
+    geometry::Mesh mesh;
+    std::vector<std::string> material_names;          ///< in order of first use; may be empty
+    std::vector<std::uint32_t> material_of_triangle;  ///< empty where the format knows none
+};
+
+PolygonMesh parse_obj(std::string_view text, const std::string& file);
+PolygonMesh parse_ply(std::string_view bytes, const std::string& file);
+PolygonMesh parse_stl(std::string_view bytes, const std::string& file);
+PolygonMesh parse_off(std::string_view text, const std::string& file);
+
+/// More corners than any modelled face has; ear cutting takes up to their cube.
+inline constexpr std::size_t kMostCorners = 1000;
+
+/// Appends one face's triangles. Throws Error naming `face` ("face 3", "line 7") if a corner is not
+/// a vertex that stands before it or there are more than kMostCorners; faces of fewer than three
+/// corners are points and lines, which are left out.
+void add_polygon(PolygonMesh& mesh,
+                 std::span<const std::int64_t> corners,
+                 const std::string& file,
+                 const std::string& face);
+
+/// Appends the triangles of a simple polygon, of the same winding: ears cut off in the plane of its
+/// area vector, so concave polygons come out right. A polygon that crosses itself becomes a fan
+/// from where no ear is left. Fewer than three corners give nothing.
+/// Precondition: every corner is below positions.size(). O(n^2) for n corners where convex.
+void triangulate(std::span<const geometry::Vec3> positions,
+                 std::span<const geometry::VertexId> corners,
+                 std::vector<geometry::Triangle>& triangles);
+
+}  // namespace earshot::io

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/io/internal/acoustics_extras.h"
+#include "earshot/io/internal/polygons.h"
+#include "earshot/io/internal/scene_parts.h"
+#include "earshot/io/whole_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace earshot::io {
+namespace {
+
+PolygonMesh parse(std::string_view bytes, MeshFormat format, const std::string& file) {
+    switch (format) {
+        case MeshFormat::obj:
+            return parse_obj(bytes, file);
+        case MeshFormat::ply:
+            return parse_ply(bytes, file);
+        case MeshFormat::stl:
+            return parse_stl(bytes, file);
+        case MeshFormat::off:
+            break;
+    }
+    return parse_off(bytes, file);
+}
+
+void check_positions(const geometry::Mesh& mesh, const std::string& file) {
+    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
+    if (mesh.positions.size() > kMost || mesh.triangles.size() > kMost) {
+        throw Error(file, "has more than 2^32 vertices or triangles", "split it");
+    }
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        const geometry::Vec3& p = mesh.positions[i];
+        const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+        const bool is_number = !std::isnan(p.x) && !std::isnan(p.y) && !std::isnan(p.z);
+        if (!is_number || largest > kLargestCoordinate) {
+            throw Error(file,
+                        "vertex " + std::to_string(i) +
+                            (is_number ? " lies beyond 1e12 m" : " is not a number"),
+                        "check the units of the export");
+        }
+    }
+}
+
+}  // namespace
+
+LoadedScene load_mesh_file(const std::filesystem::path& path, MeshFormat format) {
+    const std::string file = path.string();
+    PolygonMesh read = parse(read_whole_file(path), format, file);
+    check_positions(read.mesh, file);
+    LoadedScene loaded;
+    if (read.material_names.empty()) {
+        read.material_names.emplace_back("default");
+        read.material_of_triangle.assign(read.mesh.triangles.size(), 0);
+    }
+    for (const std::string& name : read.material_names) {
+        loaded.scene.materials.push_back(material_named(name, file, loaded.warnings));
+    }
+    loaded.scene.material_of_triangle = std::move(read.material_of_triangle);
+    loaded.scene.mesh = geometry::AnimatedMesh::fixed(std::move(read.mesh));
+    return loaded;
+}
+
+}  // namespace earshot::io

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/io/scene_file.h"
+
+#include "earshot/io/internal/scene_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+namespace earshot::io {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower_case_suffix(const fs::path& file) {
+    std::string suffix = file.extension().string();
+    std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](char c) {
+        return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    });
+    return suffix;
+}
+
+void check_file(const fs::path& file) {
+    std::error_code ignored;
+    const fs::file_status status = fs::status(file, ignored);
+    if (!fs::exists(status)) {
+        throw Error(file.string(), "no such file", "check the name and the directory");
+    }
+    if (fs::is_directory(status)) {
+        throw Error(file.string(), "is a directory, not a scene", "name a file in it");
+    }
+    if (fs::is_regular_file(status) && fs::file_size(file, ignored) == 0) {
+        throw Error(file.string(), "is empty", "copy or export the file again");
+    }
+}
+
+LoadedScene load_by_suffix(const fs::path& file, const SceneOptions& options) {
+    const std::string suffix = lower_case_suffix(file);
+    if (suffix == ".gltf" || suffix == ".glb") {
+        return load_gltf(file, options);
+    }
+    if (suffix == ".obj") {
+        return load_mesh_file(file, MeshFormat::obj);
+    }
+    if (suffix == ".ply") {
+        return load_mesh_file(file, MeshFormat::ply);
+    }
+    if (suffix == ".stl") {
+        return load_mesh_file(file, MeshFormat::stl);
+    }
+    if (suffix == ".off") {
+        return load_mesh_file(file, MeshFormat::off);
+    }
+    throw Error(file.string(),
+                suffix.empty() ? "has no suffix that tells its format"
+                               : "has a suffix that no reader knows: " + suffix,
+                "use .gltf, .glb, .obj, .ply, .stl or .off");
+}
+
+}  // namespace
+
+void check_extent(const geometry::AnimatedMesh& mesh, const std::string& file) {
+    if (mesh.triangles().empty()) {
+        throw Error(file, "holds no triangles", "export at least one surface");
+    }
+    for (const geometry::Vec3& p : mesh.positions_at(0.0)) {
+        const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+        if (!(largest <= kLargestCoordinate)) {  // also where it is not a number
+            throw Error(file,
+                        "a vertex lies beyond 1e12 m once its node has moved it",
+                        "check scales and units of the export");
+        }
+    }
+}
+
+LoadedScene load_scene(const fs::path& file, const SceneOptions& options) {
+    check_file(file);
+    try {
+        LoadedScene loaded = load_by_suffix(file, options);
+        check_extent(loaded.scene.mesh, file.string());
+        loaded.scene.name = file.filename().string();
+        return loaded;
+    } catch (const Error& error) {
+        if (error.subject() == file.string()) {
+            throw;
+        }
+        throw Error(file.string(), error.subject() + ": " + error.what(), error.remedy());
+    } catch (const std::bad_alloc&) {
+        throw Error(file.string(), "needs more memory than there is", "split the scene");
+    } catch (const std::length_error&) {
+        throw Error(file.string(), "needs more memory than there is", "split the scene");
+    }
+}
+
+}  // namespace earshot::io

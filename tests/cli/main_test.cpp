@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#include "run_earshot.h"
+
+namespace earshot::test {
+namespace {
+
+TEST(Program, HelpListsTheCommandsAndExitStatus) {
+    const RunResult result = run_earshot({"--help"});
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.err, "");
+    for (const char* part :
+         {"Usage: earshot", "materials", "Exit status: 0 done, 1", "--version"}) {
+        EXPECT_NE(result.out.find(part), std::string::npos) << part << " in\n" << result.out;
+    }
+}
+
+TEST(Program, EveryCommandListedHasHelpThatShowsAnExample) {
+    const std::string help = run_earshot({"--help"}).out;
+    std::size_t line = help.find('\n', help.find("Commands:")) + 1;
+    int commands = 0;
+    while (help.compare(line, 2, "  ") == 0) {
+        const std::size_t begin = line + 2;
+        const std::string name = help.substr(begin, help.find(' ', begin) - begin);
+        const RunResult result = run_earshot({name, "--help"});
+        EXPECT_EQ(result.status, 0) << name;
+        EXPECT_NE(result.out.find("  earshot " + name), std::string::npos) << result.out;
+        EXPECT_NE(result.out.find("--threads"), std::string::npos) << result.out;
+        line = help.find('\n', line) + 1;
+        ++commands;
+    }
+    EXPECT_GE(commands, 1);
+}
+
+TEST(Program, PrintsItsVersion) {
+    const RunResult result = run_earshot({"--version"});
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.out, "earshot " EARSHOT_VERSION "\n");
+}
+
+TEST(Program, RefusesToGuessACommand) {
+    EXPECT_TRUE(failed_with(run_earshot({}), 2, "no command is given; see earshot --help"));
+    EXPECT_TRUE(failed_with(run_earshot({"materails"}), 2, "did you mean materials?"));
+    EXPECT_TRUE(failed_with(run_earshot({"xyzzy"}), 2, "xyzzy: no such command; see"));
+    EXPECT_TRUE(failed_with(run_earshot({""}), 2, "no such command"));
+}
+
+TEST(Program, SuggestsTheOptionThatWasMeant) {
+    EXPECT_TRUE(failed_with(run_earshot({"materials", "--theads", "2"}),
+                            2,
+                            "--theads: earshot materials has no such "
+                            "option; did you mean --threads?"));
+    EXPECT_TRUE(failed_with(run_earshot({"materials", "--jsno"}), 2, "did you mean --json?"));
+    EXPECT_TRUE(failed_with(run_earshot({"materials", "-x"}), 2, "no such option; see"));
+    EXPECT_TRUE(
+        failed_with(run_earshot({"--threads", "2", "materials"}), 2, "put it after: earshot"));
+}
+
+TEST(Program, RefusesValuesThatAreNotWhatTheOptionTakes) {
+    for (const char* value :
+         {"-1", "1025", "1.5", "2x", "", "0x2", "99999999999999999999", "nan"}) {
+        EXPECT_TRUE(failed_with(run_earshot({"materials", "--threads", value}),
+                                2,
+                                "is not a whole number from 0 to 1024"));
+    }
+    EXPECT_TRUE(failed_with(
+        run_earshot({"materials", "--seed", "-1"}), 2, "is not a whole number of at least 0"));
+    EXPECT_TRUE(failed_with(run_earshot({"materials", "--seed"}), 2, "--seed: needs a value"));
+    EXPECT_TRUE(failed_with(
+        run_earshot({"materials", "--seed", "1", "--seed", "2"}), 2, "stands more than once"));
+    EXPECT_TRUE(
+        failed_with(run_earshot({"materials", "a", "b"}), 2, "b: is one argument too many"));
+}
+
+TEST(Program, PutsErrorsOnOneLineWhateverTheArgumentsHold) {
+    EXPECT_TRUE(failed_with(run_earshot({"two\nlines"}), 2, "two?lines"));
+    EXPECT_TRUE(failed_with(run_earshot({"materials", "\x1b[31mred\r"}), 2, "?[31mred?"));
+}
+
+TEST(Program, FailsIfItsOutputCannotBeWritten) {
+    const RunResult full = run_earshot({"materials"}, {.standard_output = "/dev/full"});
+    EXPECT_TRUE(failed_with(full, 1, "standard output: cannot be written"));
+    const RunResult closed = run_earshot({"--help"}, {.closes_standard_output = true});
+    EXPECT_TRUE(failed_with(closed, 1, "standard output: cannot be written"));
+}
+
+TEST(Program, TakesAReaderThatHasGoneAwayForContent) {
+    const RunResult result = run_program(
+        {"/bin/sh", "-c", "{ sleep 0.1; \"$0\" materials; echo $? >&2; } | true", EARSHOT_PROGRAM});
+    EXPECT_EQ(result.err, "0\n");
+}
+
+}  // namespace
+}  // namespace earshot::test

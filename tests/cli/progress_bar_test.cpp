@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/progress_bar.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+namespace earshot::test {
+namespace {
+
+// A terminal that nobody looks at, 60 columns wide.
+class Terminal {
+public:
+    Terminal() : screen_(posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
+        if (grantpt(screen_) == 0 && unlockpt(screen_) == 0) {
+            keyboard_ = open(ptsname(screen_), O_RDWR | O_NOCTTY);
+        }
+        const winsize size{24, 60, 0, 0};
+        ioctl(keyboard_, TIOCSWINSZ, &size);
+    }
+    ~Terminal() {
+        close(keyboard_);
+        close(screen_);
+    }
+    Terminal(const Terminal&) = delete;
+    Terminal& operator=(const Terminal&) = delete;
+
+    int descriptor() const { return keyboard_; }
+
+    // What has been written since the last call.
+    std::string shown() const {
+        std::array<char, 4096> buffer{};
+        const ssize_t count = read(screen_, buffer.data(), buffer.size());
+        return {buffer.data(), count > 0 ? static_cast<std::size_t>(count) : 0};
+    }
+
+private:
+    int screen_ = -1;
+    int keyboard_ = -1;
+};
+
+constexpr std::chrono::milliseconds kAtOnce{0};
+constexpr std::chrono::hours kNever{1};
+
+TEST(ProgressBar, DrawsOneLineAndErasesItAtTheEnd) {
+    const Terminal terminal;
+    ASSERT_GE(terminal.descriptor(), 0);
+    {
+        cli::ProgressBar bar(false, terminal.descriptor(), kAtOnce);
+        bar.report("tracing", 45, 100);
+        const std::string line = terminal.shown();
+        const std::string erase = "\r\x1b[K";
+        ASSERT_TRUE(line.starts_with(erase)) << line;
+        EXPECT_LT(line.size() - erase.size(), 60U);
+        EXPECT_NE(line.find("tracing [====="), std::string::npos) << line;
+        EXPECT_TRUE(line.ends_with("] 45 %")) << line;
+    }
+    EXPECT_EQ(terminal.shown(), "\r\x1b[K");
+}
+
+TEST(ProgressBar, ShowsNothingOfQuickWork) {
+    const Terminal terminal;
+    {
+        cli::ProgressBar bar(false, terminal.descriptor(), kNever);
+        bar.report("tracing", 100, 100);
+    }
+    EXPECT_EQ(terminal.shown(), "");
+}
+
+TEST(ProgressBar, ReplacesWhatItDrewBefore) {
+    const Terminal terminal;
+    cli::ProgressBar bar(false, terminal.descriptor(), kAtOnce);
+    bar.report("tracing", 1, 100);
+    EXPECT_TRUE(terminal.shown().ends_with(" 1 %"));
+    bar.report("writing", 2, 2);
+    const std::string line = terminal.shown();
+    EXPECT_TRUE(line.starts_with("\r\x1b[Kwriting [=")) << line;
+    EXPECT_TRUE(line.ends_with("=] 100 %")) << line;
+}
+
+TEST(ProgressBar, DrawsNothingWhereItIsQuietOrNotATerminal) {
+    const Terminal terminal;
+    cli::ProgressBar quiet(true, terminal.descriptor(), kAtOnce);
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe2(ends.data(), O_NONBLOCK), 0);
+    {
+        cli::ProgressBar piped(false, ends[1], kAtOnce);
+        quiet.report("tracing", 1, 2);
+        piped.report("tracing", 1, 2);
+    }
+    char byte = 0;
+    EXPECT_EQ(read(ends[0], &byte, 1), -1);
+    EXPECT_EQ(terminal.shown(), "");
+    close(ends[0]);
+    close(ends[1]);
+}
+
+}  // namespace
+}  // namespace earshot::test

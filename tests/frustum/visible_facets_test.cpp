@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/visible_facets.h"
+
+#include "earshot/frustum/image_path.h"
+
+#include <gtest/gtest.h>
+
+#include "frustum/quad_room.h"
+#include <optional>
+#include <set>
+
+namespace earshot::frustum {
+namespace {
+
+using geometry::FacetId;
+using geometry::Vec3;
+
+// The facet that a ray meets first at t > 0 (in multiples of `direction`), by trying every triangle
+// with the textbook formula; nothing where two hits lie too close together to tell.
+std::optional<FacetId> first_facet(const Surroundings& s,
+                                   const Vec3& origin,
+                                   const Vec3& direction) {
+    double nearest = 1e30;
+    std::optional<FacetId> first;
+    for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) {
+        const auto& triangle = s.mesh.triangles[i];
+        const Vec3& a = s.mesh.positions[triangle[0]];
+        const Vec3 ab = s.mesh.positions[triangle[1]] - a;
+        const Vec3 ac = s.mesh.positions[triangle[2]] - a;
+        const Vec3 p = glm::cross(direction, ac);
+        const double determinant = glm::dot(ab, p);
+        const Vec3 offset = origin - a;
+        const double u = glm::dot(offset, p) / determinant;
+        const Vec3 q = glm::cross(offset, ab);
+        const double v = glm::dot(direction, q) / determinant;
+        const double t = glm::dot(ac, q) / determinant;
+        if (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 1e-9 && t < nearest) {
+            nearest = t;
+            first = s.facets.of_triangle[i];
+        }
+    }
+    return first;
+}
+
+TEST(VisibleFacets, EveryFirstHitOfARayIsFound) {
+    int rays = 0;
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        const RandomRoom random(seed, static_cast<int>(seed % 9));
+        const Surroundings surroundings = random.room.surroundings();
+        const FacetIndex index(surroundings);
+        const PathVerifier verifier(surroundings);
+        VisibleFacets search(index, Mode::complete, verifier.contact_reach());
+        for (const Frustum& frustum : frusta_around(random.source, 2, 8, 1e-12)) {
+            search.search(frustum);
+            std::set<FacetId> found;
+            for (const VisibleFacet& visible : search.found()) {
+                found.insert(visible.facet);
+            }
+            for (std::uint64_t ray = 0; ray < 40; ++ray, ++rays) {
+                const double u =
+                    random_between(seed, 900 + ray, 0, frustum.rect.lower.x, frustum.rect.upper.x);
+                const double v =
+                    random_between(seed, 900 + ray, 1, frustum.rect.lower.y, frustum.rect.upper.y);
+                const Vec3 direction = frustum.forward + u * frustum.right + v * frustum.up;
+                const auto facet = first_facet(surroundings, random.source, direction);
+                if (facet) {
+                    ASSERT_EQ(found.count(*facet), 1U) << "seed " << seed << " ray " << ray;
+                }
+            }
+        }
+    }
+    EXPECT_GT(rays, 30000);
+}
+
+TEST(VisibleFacets, AWallHidesWhatStandsBehindIt) {
+    QuadRoom room;
+    room.add_quad({-9, -9, 5}, {-9, 9, 5}, {9, 9, 5}, {9, -9, 5});  // 0: a large wall
+    room.add_quad({-1, -1, 7}, {-1, 1, 7}, {1, 1, 7}, {1, -1, 7});  // 1: behind it
+    room.add_quad({-1, -1, 3}, {-1, 1, 3}, {1, 1, 3}, {1, -1, 3});  // 2: before it
+    room.finish();
+    const Surroundings surroundings = room.surroundings();
+    const FacetIndex index(surroundings);
+    VisibleFacets search(index, Mode::complete, 1e-3);
+    std::set<FacetId> found;
+    for (const Frustum& frustum : frusta_around(Vec3(0.0), 1, 8, 1e-12)) {
+        search.search(frustum);
+        for (const VisibleFacet& visible : search.found()) {
+            found.insert(visible.facet);
+        }
+        if (frustum.forward.z > 0.5) {
+            EXPECT_TRUE(search.may_reach({0, 0, 2}));
+            EXPECT_TRUE(search.may_reach({3, 3, 4.9}));
+            EXPECT_FALSE(search.may_reach({0, 0, 6}));
+        }
+    }
+    EXPECT_EQ(found, (std::set<FacetId>{0, 2}));
+}
+
+TEST(VisibleFacets, AReflectedFrustumIsAsWideAsTheFacetAllows) {
+    QuadRoom room;
+    room.add_quad({-1, -1, 4}, {-1, 1, 4}, {1, 1, 4}, {1, -1, 4});
+    room.finish();
+    const Surroundings surroundings = room.surroundings();
+    const FacetIndex index(surroundings);
+    VisibleFacets search(index, Mode::complete, 1e-3);
+    const auto frusta = frusta_around(Vec3(0.0), 1, 8, 1e-12);
+    search.search(frusta[4]);  // towards +z
+    ASSERT_EQ(search.found().size(), 1U);
+    const Frustum child = search.reflect(search.found().front());
+    EXPECT_NEAR(glm::distance(child.apex, Vec3(0, 0, 8)), 0.0, 1e-12);
+    EXPECT_NEAR(child.rect.lower.x, -0.25, 1e-5);
+    EXPECT_NEAR(child.rect.upper.y, 0.25, 1e-5);
+    search.enter(child);
+    EXPECT_TRUE(search.may_reach({0, 0, 1}));
+    EXPECT_TRUE(search.may_reach({1.49, 0, 2.01}));   // just inside the mirrored pyramid
+    EXPECT_FALSE(search.may_reach({1.52, 0, 1.98}));  // just outside
+    EXPECT_FALSE(search.may_reach({0, 0, 5}));        // behind the mirror
+}
+
+}  // namespace
+}  // namespace earshot::frustum

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/geometry/intersect.h"
+
+#include "earshot/base/random.h"
+
+#include <glm/vec3.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace earshot::geometry {
+namespace {
+
+using Lattice = glm::i64vec3;
+
+Lattice cross(const Lattice& a, const Lattice& b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+std::int64_t dot(const Lattice& a, const Lattice& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+// The oracle: closed convex sets are disjoint if and only if an axis separates them, and for a
+// segment and a triangle one of these does (separating axis theorem), in whole numbers.
+bool oracle_touches(const std::array<Lattice, 2>& segment, const std::array<Lattice, 3>& triangle) {
+    const Lattice along = segment[1] - segment[0];
+    const Lattice normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+    std::vector<Lattice> axes = {normal, cross(normal, along)};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Lattice edge = triangle[(i + 1) % 3] - triangle[i];
+        axes.push_back(cross(along, edge));
+        axes.push_back(cross(normal, edge));
+    }
+    return std::none_of(axes.begin(), axes.end(), [&](const Lattice& axis) {
+        const auto [s0, s1] = std::minmax(dot(axis, segment[0]), dot(axis, segment[1]));
+        const auto [t0, t1] =
+            std::minmax({dot(axis, triangle[0]), dot(axis, triangle[1]), dot(axis, triangle[2])});
+        return s1 < t0 || t1 < s0;
+    });
+}
+
+Lattice lattice_point(std::uint64_t seed, std::uint64_t index, std::int64_t size) {
+    const auto coordinate = [&](std::uint64_t axis) {
+        return static_cast<std::int64_t>(random_bits(seed, axis, index) %
+                                         static_cast<std::uint64_t>(2 * size + 1)) -
+               size;
+    };
+    return {coordinate(0), coordinate(1), coordinate(2)};
+}
+
+TEST(Touches, EqualsAnExactOracleOnSmallWholeNumbers) {
+    int touching = 0;
+    int tested = 0;
+    for (std::uint64_t seed = 0; seed < 60000; ++seed) {
+        const auto size = static_cast<std::int64_t>(1 + seed % 4);
+        const std::array<Lattice, 3> t = {lattice_point(seed, 0, size),
+                                          lattice_point(seed, 1, size),
+                                          lattice_point(seed, 2, size)};
+        const std::array<Lattice, 2> s = {lattice_point(seed, 3, size),
+                                          lattice_point(seed, 4, size)};
+        if (cross(t[1] - t[0], t[2] - t[0]) == Lattice(0)) {
+            continue;
+        }
+        // A scale that is no power of two would round; an offset shifts the exponents.
+        const double unit = seed % 2 == 0 ? 1.0 : 0x1p-30;
+        const auto real = [&](const Lattice& p) {
+            return unit * Vec3(p) + Vec3(static_cast<double>(seed % 3));
+        };
+        const Segment segment{real(s[0]), real(s[1])};
+        const bool expected = oracle_touches(s, t);
+        ASSERT_EQ(touches(segment, real(t[0]), real(t[1]), real(t[2])), expected)
+            << "seed " << seed;
+        ASSERT_EQ(first_touch(segment, real(t[0]), real(t[1]), real(t[2])).has_value(), expected);
+        touching += expected ? 1 : 0;
+        ++tested;
+    }
+    EXPECT_GT(touching, tested / 10);
+    EXPECT_LT(touching, tested * 9 / 10);
+}
+
+TEST(FirstTouch, IsWhereTheSegmentMeetsTheTriangle) {
+    const Vec3 a(0, 0, 0), b(4, 0, 0), c(0, 4, 0);
+    EXPECT_DOUBLE_EQ(*first_touch({{1, 1, 3}, {1, 1, -1}}, a, b, c), 0.75);
+    EXPECT_DOUBLE_EQ(*first_touch({{1, 1, 0}, {1, 1, -1}}, a, b, c), 0.0);
+    EXPECT_DOUBLE_EQ(*first_touch({{-1, 1, 0}, {4, 1, 0}}, a, b, c), 0.2);  // in the plane
+    EXPECT_DOUBLE_EQ(*first_touch({{1, 1, 0}, {9, 9, 0}}, a, b, c), 0.0);
+    EXPECT_FALSE(first_touch({{1, 1, 3}, {1, 1, 1}}, a, b, c));
+}
+
+double nasty_number(std::uint64_t seed, std::uint64_t index) {
+    constexpr std::array<double, 8> kSpecial = {0.0, -0.0, 1.0, -1.0, 1e-30, 1e30, 5e-324, 0.1};
+    const std::uint64_t bits = random_bits(seed, 9, index);
+    return bits % 3 == 0 ? kSpecial[(bits / 3) % kSpecial.size()]
+                         : random_between(seed, 10, index, -2.0, 2.0);
+}
+
+TEST(Slabs, ABoxInsideAnotherIsPassedInsideItsPassage) {
+    int passed = 0;
+    for (std::uint64_t seed = 0; seed < 100000; ++seed) {
+        const Vec3 origin(nasty_number(seed, 0), nasty_number(seed, 1), nasty_number(seed, 2));
+        const Vec3 direction(nasty_number(seed, 3), nasty_number(seed, 4), nasty_number(seed, 5));
+        Aabb inner, outer;
+        for (std::uint64_t i = 0; i < 4; ++i) {
+            const Vec3 point(nasty_number(seed, 10 + 3 * i),
+                             nasty_number(seed, 11 + 3 * i),
+                             nasty_number(seed, 12 + 3 * i));
+            outer.include(point);
+            if (i < 2) {
+                inner.include(point);
+            }
+        }
+        const Slabs slabs(origin, direction, 1e30);
+        const Slabs exact(origin, direction, 0.0);
+        for (const Slabs& each : {slabs, exact}) {
+            const auto in_inner = each.passage(inner, 1e300);
+            const auto in_outer = each.passage(outer, 1e300);
+            if (in_inner) {
+                ASSERT_TRUE(in_outer) << "seed " << seed;
+                ASSERT_LE(in_outer->near, in_inner->near) << "seed " << seed;
+                ASSERT_GE(in_outer->far, in_inner->far) << "seed " << seed;
+                ++passed;
+            }
+        }
+    }
+    EXPECT_GT(passed, 5000);
+}
+
+TEST(PreparedRay, AHitLiesInThePassageOfEveryBoxAroundTheTriangle) {
+    int hits = 0;
+    for (std::uint64_t seed = 0; seed < 50000; ++seed) {
+        const auto point = [&](std::uint64_t i) {
+            return Vec3(nasty_number(seed, 3 * i),
+                        nasty_number(seed, 3 * i + 1),
+                        nasty_number(seed, 3 * i + 2));
+        };
+        const Vec3 a = point(0);
+        const Vec3 b = point(1);
+        const Vec3 c = seed % 5 == 0 ? b + 1e-13 * point(2) : point(2);  // slivers
+        const Ray ray{.origin = point(3),
+                      .direction = seed % 2 == 0 ? point(4) : a + 0.3 * (b - a) - point(3)};
+        const PreparedRay prepared(ray, 1e30);
+        const auto hit = prepared.hit(a, b, c, prepared.t_max());
+        if (!prepared.is_valid() || !hit) {
+            continue;
+        }
+        Aabb box = triangle_box(a, b, c);
+        box.include(point(6));
+        const auto passage = prepared.passage(box, prepared.t_max());
+        ASSERT_TRUE(passage) << "seed " << seed;
+        ASSERT_GE(hit->t, passage->near) << "seed " << seed;
+        ASSERT_LE(hit->t, passage->far) << "seed " << seed;
+        ++hits;
+    }
+    EXPECT_GT(hits, 2000);
+}
+
+TEST(PreparedRay, BothTrianglesOfASharedEdgeAreHitOnIt) {
+    const Vec3 a(0, 0, 1), b(0, 2, 1), left(-1, 1, 1), right(1, 1, 1);
+    const PreparedRay ray({.origin = {0, 0.7, 0}, .direction = {0, 0, 1}}, 2.0);
+    EXPECT_TRUE(ray.hit(a, b, left, 10.0));
+    EXPECT_TRUE(ray.hit(b, a, right, 10.0));
+    EXPECT_TRUE(ray.hit(a, right, b, 10.0));  // either side
+    EXPECT_FALSE(ray.hit(a, b, right, 0.5));  // too far
+}
+
+TEST(TriangleBox, HoldsTheCornersAndIsTight) {
+    const Aabb box = triangle_box({0.1, -2, 3}, {1, 0.2, 3}, {0.5, 0.3, 3.5});
+    EXPECT_EQ(box.lower, (std::array<float, 3>{round_down(0.1), -2.0F, 3.0F}));
+    EXPECT_EQ(box.upper, (std::array<float, 3>{1.0F, round_up(0.3), 3.5F}));
+}
+
+}  // namespace
+}  // namespace earshot::geometry

@@ -1,0 +1,52 @@
+# Compiles includes from FOLDER's point of view; see CMakeLists.txt for the arguments.
+string(REPLACE "," ";" allowed "${ALLOWED}")
+string(REPLACE "," ";" forbidden "${FORBIDDEN}")
+string(REPLACE "," ";" include_flags "${INCLUDES}")
+list(TRANSFORM include_flags PREPEND "-I")
+
+function(public_headers folder out)
+  file(GLOB headers RELATIVE ${SOURCE_DIR}/${folder} ${SOURCE_DIR}/${folder}/*.h)
+  set(${out} "${headers}" PARENT_SCOPE)
+endfunction()
+
+# Compiles a translation unit of the text; `status` is 0 where it compiles.
+function(compile text status_variable message_variable)
+  file(WRITE ${SCRATCH}/unit.cpp "${text}")
+  execute_process(COMMAND ${COMPILER} -std=c++20 -fsyntax-only ${include_flags} ${SCRATCH}/unit.cpp
+    RESULT_VARIABLE status ERROR_VARIABLE message)
+  set(${status_variable} "${status}" PARENT_SCOPE)
+  set(${message_variable} "${message}" PARENT_SCOPE)
+endfunction()
+
+# One unit with every public header of every allowed folder, the folder's own among them.
+set(text)
+foreach(other IN LISTS allowed)
+  public_headers(${other} headers)
+  if(NOT headers)
+    message(FATAL_ERROR "${other}/ has no public header, so nothing can be said about it")
+  endif()
+  foreach(header IN LISTS headers)
+    string(APPEND text "#include \"earshot/${other}/${header}\"\n")
+  endforeach()
+endforeach()
+compile("${text}" status message)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "${FOLDER}/ cannot include what it is allowed to:\n${message}")
+endif()
+
+# One unit per forbidden folder: it must fail, and for this very include.
+foreach(other IN LISTS forbidden)
+  public_headers(${other} headers)
+  if(NOT headers)
+    message(FATAL_ERROR "${other}/ has no public header, so nothing can be said about it")
+  endif()
+  list(GET headers 0 header)
+  compile("#include \"earshot/${other}/${header}\"\n" status message)
+  if(status EQUAL 0)
+    message(FATAL_ERROR "${FOLDER}/ can include earshot/${other}/${header} against the order")
+  endif()
+  if(NOT message MATCHES "earshot/${other}/${header}.*(No such file|not found)")
+    message(FATAL_ERROR "earshot/${other}/${header} fails for another reason:\n${message}")
+  endif()
+endforeach()
+message(STATUS "${FOLDER}/ may include ${ALLOWED}, not ${FORBIDDEN}")
