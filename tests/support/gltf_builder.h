@@ -83,7 +83,7 @@ public:
 
     std::string glb() const {
         Json whole = json;
-        if (!whole.contains("buffers")) {
+        if (whole.is_object() && !whole.contains("buffers")) {
             whole["buffers"] = {{{"byteLength", bytes.size()}}};
         }
         return glb_of(whole.dump(), bytes);
