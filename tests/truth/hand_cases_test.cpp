@@ -2,6 +2,7 @@
 // Specular paths in cases that can be worked out by hand (hand_cases.cpp says how).
 #include "truth/hand_cases.h"
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "support/traced_room.h"
@@ -35,10 +36,20 @@ TEST_P(HandCases, PathsPerOrder) {
     EXPECT_EQ(counts, GetParam().paths_per_order);
 }
 
+// Where two facets reflect one way through space, the sampled mode may have found the other.
 TEST_P(HandCases, SampledModeFindsNothingElse) {
     const auto all = trace(Mode::complete);
     for (const auto& path : trace(Mode::sampled)) {
-        EXPECT_EQ(std::count(all.begin(), all.end(), path), 1) << "length " << path.length;
+        const auto same_way = [&](const frustum::SpecularPath& other) {
+            return std::equal(path.points.begin(),
+                              path.points.end(),
+                              other.points.begin(),
+                              other.points.end(),
+                              [](const geometry::Vec3& a, const geometry::Vec3& b) {
+                                  return glm::distance(a, b) < 1e-12;
+                              });
+        };
+        EXPECT_EQ(std::count_if(all.begin(), all.end(), same_way), 1) << "length " << path.length;
     }
 }
 
