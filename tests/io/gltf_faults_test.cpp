@@ -232,6 +232,14 @@ const std::vector<Fault>& faults() {
              b.json["nodes"][1]["scale"] = {1e300, 1e300, 1e300};
              b.json["nodes"].push_back({{"scale", {1e300, 1, 1}}, {"children", {1}}});
          }},
+        {"listener beyond 1e12 m",
+         "listener \"far\" lies beyond 1e12 m",
+         [](auto& b) {
+             b.json["nodes"].push_back({{"name", "far"},
+                                        {"translation", {1e13, 0, 0}},
+                                        {"extras", {{"acoustics", {{"role", "listener"}}}}}});
+             b.json["scenes"][0]["nodes"].push_back(2);
+         }},
         {"too few displacements",
          "target 0 has 2 displacements for 3 vertices",
          [](auto& b) { b.json["accessors"][2]["count"] = 2; }},
