@@ -2,6 +2,7 @@
 // Specular paths in cases that can be worked out by hand (hand_cases.cpp says how).
 #include "truth/hand_cases.h"
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "support/traced_room.h"
@@ -35,10 +36,25 @@ TEST_P(HandCases, PathsPerOrder) {
     EXPECT_EQ(counts, GetParam().paths_per_order);
 }
 
+// It may name other facets of an edge than `complete` mode, of which it may not have seen all;
+// where they meet twice at one point, rounding differs. No two paths of these cases come within
+// this distance of each other.
+constexpr double kSamePoint = 1e-9;
+
 TEST_P(HandCases, SampledModeFindsNothingElse) {
-    const auto all = trace(Mode::complete);
+    std::vector<frustum::SpecularPath> left = trace(Mode::complete);
     for (const auto& path : trace(Mode::sampled)) {
-        EXPECT_EQ(std::count(all.begin(), all.end(), path), 1) << "length " << path.length;
+        const auto found = std::find_if(left.begin(), left.end(), [&](const auto& other) {
+            return std::equal(path.points.begin(),
+                              path.points.end(),
+                              other.points.begin(),
+                              other.points.end(),
+                              [](const geometry::Vec3& p, const geometry::Vec3& q) {
+                                  return glm::length(p - q) <= kSamePoint;
+                              });
+        });
+        ASSERT_NE(found, left.end()) << "false or doubled, length " << path.length;
+        left.erase(found);
     }
 }
 
