@@ -129,6 +129,7 @@ std::vector<Corners> corners_of(const geometry::MeshView& mesh) {
 
 std::vector<std::size_t> largest_first(const std::vector<Corners>& soup) {
     std::vector<Real> areas;
+    areas.reserve(soup.size());
     for (const Corners& t : soup) {
         areas.push_back(glm::length(normal_of(t)));
     }

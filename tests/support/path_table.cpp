@@ -33,7 +33,7 @@ std::vector<TabledPath> read_path_table(const std::string& name) {
     while (std::getline(stream, line)) {
         const std::vector<std::string> cells = split(line, ',');
         if (cells.size() != 9) {
-            throw std::runtime_error(file + ": a line without nine columns: " + line);
+            throw std::runtime_error(file + ": a line lacks nine columns");
         }
         TabledPath path;
         path.order = std::stoi(cells[0]);

@@ -67,6 +67,7 @@ std::vector<std::array<std::size_t, 3>> triangulate(std::span<const glm::dvec2> 
 // The positions of `divisions` equal steps from low to high, the ends to the last bit.
 std::vector<double> steps(double low, double high, int divisions) {
     std::vector<double> result;
+    result.reserve(static_cast<std::size_t>(divisions) + 1);
     for (int i = 0; i < divisions; ++i) {
         result.push_back(low + (high - low) * i / divisions);
     }

@@ -36,7 +36,7 @@ std::vector<ShoeboxImage> shoebox_images(const geometry::Vec3& lower,
                     const int count = std::abs(n);
                     image.order += count;
                     // The last wall met is the high one for n > 0, and they take turns.
-                    const auto low_wall = static_cast<std::size_t>(2 * axis);
+                    const std::size_t low_wall = 2 * static_cast<std::size_t>(axis);
                     image.bounces[low_wall] = n > 0 ? count / 2 : (count + 1) / 2;
                     image.bounces[low_wall + 1] = count - image.bounces[low_wall];
                     image.position[axis] =

@@ -36,20 +36,25 @@ TEST_P(HandCases, PathsPerOrder) {
     EXPECT_EQ(counts, GetParam().paths_per_order);
 }
 
-// Where two facets reflect one way through space, the sampled mode may have found the other.
+// It may name other facets of an edge than `complete` mode, of which it may not have seen all;
+// where they meet twice at one point, rounding differs. No two paths of these cases come within
+// this distance of each other.
+constexpr double kSamePoint = 1e-9;
+
 TEST_P(HandCases, SampledModeFindsNothingElse) {
-    const auto all = trace(Mode::complete);
+    std::vector<frustum::SpecularPath> left = trace(Mode::complete);
     for (const auto& path : trace(Mode::sampled)) {
-        const auto same_way = [&](const frustum::SpecularPath& other) {
+        const auto found = std::find_if(left.begin(), left.end(), [&](const auto& other) {
             return std::equal(path.points.begin(),
                               path.points.end(),
                               other.points.begin(),
                               other.points.end(),
-                              [](const geometry::Vec3& a, const geometry::Vec3& b) {
-                                  return glm::distance(a, b) < 1e-12;
+                              [](const geometry::Vec3& p, const geometry::Vec3& q) {
+                                  return glm::length(p - q) <= kSamePoint;
                               });
-        };
-        EXPECT_EQ(std::count_if(all.begin(), all.end(), same_way), 1) << "length " << path.length;
+        });
+        ASSERT_NE(found, left.end()) << "false or doubled, length " << path.length;
+        left.erase(found);
     }
 }
 

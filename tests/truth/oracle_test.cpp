@@ -153,9 +153,9 @@ TEST(Oracle, PruningLosesNothing) {
         }
         Dice dice(seed + 2000);
         const Vec3 source = random_air_point(room, dice);
-        std::vector<Vec3> listeners;
-        for (int i = 0; i < 4; ++i) {
-            listeners.push_back(aimed_air_point(room, source, dice));
+        std::array<Vec3, 4> listeners{};
+        for (Vec3& listener : listeners) {
+            listener = aimed_air_point(room, source, dice);
         }
         OracleOptions options{.max_order = 3};
         const OracleResult pruned =
