@@ -64,7 +64,7 @@ Vec3 mirrored(const Vec3& point, const std::array<Vec3, 3>& t) {
 }
 
 Vec3 point_beside_an_edge(const std::array<Vec3, 3>& t, Dice& dice) {
-    constexpr double kBeside = 2e-5;
+    constexpr double kBeside = 1e-6;
     const auto first = static_cast<std::size_t>(dice.below(3));
     Vec3 point = glm::mix(t[first], t[(first + 1) % 3], dice.between(0.0, 1.0));
     for (int axis = 0; axis < 3; ++axis) {

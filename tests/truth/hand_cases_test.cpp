@@ -75,6 +75,23 @@ TEST(DirectPath, BetweenCoincidentPointsHasLengthZero) {
     EXPECT_TRUE(paths[0].triangles.empty());
 }
 
+// A partition stands on the floor and closes the hall. The floor's reflection point lies just in
+// front of its foot, so the sound runs into the partition just above the floor.
+TEST(Partition, IsNotSlippedPastAtItsFoot) {
+    Room hall = box_room(geometry::Vec3{0.0}, {10.0, 4.0, 6.0});
+    const std::array<geometry::Vec3, 4> partition = {geometry::Vec3{5.0, 0.0, 0.0},
+                                                     geometry::Vec3{5.0, 4.0, 0.0},
+                                                     geometry::Vec3{5.0, 4.0, 6.0},
+                                                     geometry::Vec3{5.0, 0.0, 6.0}};
+    add_polygon(hall, partition, 6, true);
+    const TracedRoom room(hall);
+    for (const double gap : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
+        const auto paths =
+            room.paths({3.0 - gap, 2.0, 2.9}, {7.0 - gap, 2.0, 3.1}, {.max_order = 1});
+        EXPECT_EQ(paths.size(), 0U) << "reflection " << gap << " m before the partition";
+    }
+}
+
 TEST(Listeners, AreAnsweredEachAsIfAlone) {
     const TracedRoom room(reference_l_room());
     const geometry::Vec3 source = from_z_up(1.0, 4.6, 1.5);
