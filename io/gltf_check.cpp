@@ -78,11 +78,11 @@ public:
 
     /// The items of an array; none if it is not given.
     const Json& items(const char* key) const {
-        static const Json kNone = Json::array();
+        static const Json none = Json::array();
         if (has(key) && !value(key).is_array()) {
             fail(std::string(key) + " is not an array");
         }
-        return has(key) ? value(key) : kNone;
+        return has(key) ? value(key) : none;
     }
 
     Element child(const char* key, const std::string& name) const {

@@ -39,8 +39,7 @@ std::vector<InfluenceSet> read_sets(const GltfFile& file,
         const auto weights = primitive.attributes.find("WEIGHTS_" + number);
         const bool has_joints = joints != primitive.attributes.end();
         if (has_joints != (weights != primitive.attributes.end())) {
-            file.fail(element,
-                      "JOINTS_" + number + " and WEIGHTS_" + number + " do not go together");
+            file.fail(element, "JOINTS and WEIGHTS of set " + number + " do not go together");
         }
         if (!has_joints) {
             break;

@@ -320,7 +320,7 @@ const std::vector<Fault>& faults() {
          "vertex 0 has a negative weight",
          [](auto& b) { put_float(b, 4, 0, -1.0F); }},
         {"joints without weights",
-         "JOINTS_0 and WEIGHTS_0 do not go together",
+         "JOINTS and WEIGHTS of set 0 do not go together",
          [](auto& b) { b.primitive(0)["attributes"].erase("WEIGHTS_0"); }},
         {"skin without joints attribute",
          "it has no JOINTS_0",
