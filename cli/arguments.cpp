@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/arguments.h"
 
+#include "earshot/base/simd.h"
 #include "earshot/cli/spelling.h"
 #include "earshot/cli/values.h"
 
@@ -159,6 +160,12 @@ std::string expected_value(const std::string& kind, Limits<Number> limits) {
     return text.str();
 }
 
+std::vector<std::string> simd_names() {
+    std::vector<std::string> names = simd_targets();
+    names.insert(names.begin(), "auto");
+    return names;
+}
+
 }  // namespace
 
 UsageError wrong_usage(const CLI::App& command, std::string subject, const std::string& what) {
@@ -174,6 +181,11 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
                     {0, kMostThreads},
                     "threads to work with (default: 0, all cores); results do not depend on it"),
         add_integer(command, "--seed", options.seed, {0}, "seed of random numbers (default: 1)"),
+        command
+            .add_option("--simd",
+                        options.simd,
+                        "instruction set to use (default: auto); results do not depend on it")
+            ->check(CLI::IsMember(simd_names())),
         command.add_flag("--quiet", options.quiet, "print nothing but errors"),
         command.add_flag("--json", options.json, "print a machine-readable summary"),
     };

@@ -23,10 +23,11 @@ UsageError wrong_usage(const CLI::App& command, std::string subject, const std::
 
 /// Options that every command takes.
 struct CommonOptions {
-    std::int64_t threads = 0;  ///< 0: one per core
-    std::int64_t seed = 1;     ///< of everything random, >= 0
-    bool quiet = false;        ///< print nothing but errors (and JSON, if asked for)
-    bool json = false;         ///< print the summary as JSON
+    std::int64_t threads = 0;   ///< 0: one per core
+    std::int64_t seed = 1;      ///< of everything random, >= 0
+    std::string simd = "auto";  ///< instruction set of wide kernels
+    bool quiet = false;         ///< print nothing but errors (and JSON, if asked for)
+    bool json = false;          ///< print the summary as JSON
 };
 
 void add_common_options(CLI::App& command, CommonOptions& options);

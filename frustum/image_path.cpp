@@ -163,10 +163,41 @@ PathVerifier::LegEnd PathVerifier::end_of_leg(const FacetId* facet, const Vec3& 
     if (facet == nullptr) {
         return {};
     }
-    const geometry::Facet& surface = surroundings_->facets.facets[*facet];
-    return {.facet = facet,
-            .rise = std::abs(surface.plane.distance(other_end)),
-            .flatness = surface.deviation + surroundings_->facets.tolerance};
+    const Plane& plane = surroundings_->facets.facets[*facet].plane;
+    return {.facet = facet, .rise = std::abs(plane.distance(other_end))};
+}
+
+// Whether a triangle met a share `t` of the leg from its end, at most `reach`, belongs to the
+// surface there: it is of the facet itself; it meets the facet in the reflection point, which is
+// known up to rounding and up to the facet's deviation from its plane; or it coats the facet.
+bool PathVerifier::reflects_at(const LegEnd& end,
+                               TriangleId triangle,
+                               double t,
+                               double reach) const {
+    if (end.facet == nullptr) {
+        return false;
+    }
+    const geometry::Facets& facets = surroundings_->facets;
+    if (facets.of_triangle[triangle] == *end.facet) {
+        return true;
+    }
+    const geometry::Facet& surface = facets.facets[*end.facet];
+    const double height = t * end.rise;
+    const double joint = surface.deviation + grazing_distance(end.rise);
+    return t <= reach &&
+           (height <= joint || (height <= joint + facets.tolerance && coats(surface, triangle)));
+}
+
+// A layer on the facet: all of the triangle lies in the facet's plane, as far as files can tell.
+bool PathVerifier::coats(const geometry::Facet& surface, TriangleId triangle) const {
+    const geometry::Facets& facets = surroundings_->facets;
+    const double deviation =
+        surface.deviation + facets.facets[facets.of_triangle[triangle]].deviation;
+    const geometry::Triangle& corners = surroundings_->mesh.triangles[triangle];
+    return std::all_of(corners.begin(), corners.end(), [&](geometry::VertexId vertex) {
+        return std::abs(surface.plane.distance(surroundings_->mesh.positions[vertex])) <=
+               deviation + facets.tolerance;
+    });
 }
 
 bool PathVerifier::leg_is_free(const Vec3& from,
@@ -177,8 +208,7 @@ bool PathVerifier::leg_is_free(const Vec3& from,
     const LegEnd finish = end_of_leg(to_facet, from);
     const double reach = contact_reach() / glm::distance(from, to);  // in parameters of the leg
     const auto blocks = [&](TriangleId id, double t) {
-        const FacetId facet = surroundings_->facets.of_triangle[id];
-        return !start.joins(facet, t, reach) && !finish.joins(facet, 1.0 - t, reach);
+        return !reflects_at(start, id, t, reach) && !reflects_at(finish, id, 1.0 - t, reach);
     };
     return !bvh::any_touching(
         surroundings_->tree, surroundings_->mesh, geometry::Segment{from, to}, blocks);

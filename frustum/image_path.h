@@ -31,8 +31,8 @@ public:
     /// facet's plane are not reflected there (the sound would graze the facet).
     double grazing_distance(double reach) const noexcept;
 
-    /// Metres: triangles met by a leg this close to a reflection point belong to the surface that
-    /// reflects: neighbours across a corner, or a coplanar layer (see kContactReach).
+    /// Metres: only triangles that a leg meets this close to a reflection point can belong to the
+    /// surface that reflects: neighbours across a corner, or a coplanar layer (see kContactReach).
     double contact_reach() const noexcept;
 
     /// Largest absolute coordinate of the scene, metres.
@@ -43,15 +43,13 @@ private:
     struct LegEnd {
         const geometry::FacetId* facet = nullptr;  // null: a source or listener
         double rise = 0.0;                         // metres of the other end over the facet's plane
-        double flatness = 0.0;                     // metres
-
-        /// Whether a triangle of `other`, met a share `t` of the leg from this end, belongs to the
-        /// surface: it is of the facet, or joins or coats it. `reach` as a share of the leg.
-        bool joins(geometry::FacetId other, double t, double reach) const noexcept {
-            return facet != nullptr && (other == *facet || (t * rise <= flatness && t <= reach));
-        }
     };
 
+    bool reflects_at(const LegEnd& end,
+                     geometry::TriangleId triangle,
+                     double t,
+                     double reach) const;
+    bool coats(const geometry::Facet& surface, geometry::TriangleId triangle) const;
     LegEnd end_of_leg(const geometry::FacetId* facet, const geometry::Vec3& other_end) const;
     std::optional<geometry::TriangleId> triangle_at(geometry::FacetId facet,
                                                     const geometry::Vec3& point,

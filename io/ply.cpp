@@ -181,7 +181,9 @@ private:
             corners_.clear();
             for (const double item : items_) {
                 if (item != std::floor(item) || std::abs(item) > 1e15) {
-                    throw Error(file_, face + ": a vertex index is not a whole number", "");
+                    throw Error(file_,
+                                face + ": a vertex index is not a whole number",
+                                "export the file again");
                 }
                 corners_.push_back(static_cast<std::int64_t>(item));
             }

@@ -90,6 +90,9 @@ void check_room(const PlyHeader& header, std::size_t size, const std::string& fi
     for (const PlyElement& element : header.elements) {
         const std::uint64_t each = least_bytes(element, header.format);
         // The last number of a text may lack the blank after it.
+        if (element.count == 0) {
+            continue;
+        }
         if (each == 0 || element.count > (size - header.size + 1) / each) {
             throw Error(file,
                         "claims " + std::to_string(element.count) + " elements \"" +

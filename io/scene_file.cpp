@@ -57,27 +57,39 @@ LoadedScene load_by_suffix(const fs::path& file, const SceneOptions& options) {
                 "use .gltf, .glb, .obj, .ply, .stl or .off");
 }
 
-}  // namespace
-
-void check_extent(const geometry::AnimatedMesh& mesh, const std::string& file) {
-    if (mesh.triangles().empty()) {
-        throw Error(file, "holds no triangles", "export at least one surface");
-    }
-    for (const geometry::Vec3& p : mesh.positions_at(0.0)) {
-        const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-        if (!(largest <= kLargestCoordinate)) {  // also where it is not a number
-            throw Error(file,
-                        "a vertex lies beyond 1e12 m once its node has moved it",
-                        "check scales and units of the export");
-        }
+void check_place(const geometry::Vec3& p, std::string_view what, const std::string& file) {
+    const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    const bool is_near = largest <= kLargestCoordinate && p == p;  // false for what is no number
+    if (!is_near) {
+        throw Error(file,
+                    std::string(what) + " lies beyond 1e12 m once its node has moved it",
+                    "check scales and units of the export");
     }
 }
+
+/// At time 0.
+void check_extent(const propagation::Scene& scene, const std::string& file) {
+    if (scene.mesh.triangles().empty()) {
+        throw Error(file, "holds no triangles", "export at least one surface");
+    }
+    for (const geometry::Vec3& position : scene.mesh.positions_at(0.0)) {
+        check_place(position, "a vertex", file);
+    }
+    for (const propagation::Emitter& source : scene.sources) {
+        check_place(scene.position_at(source, 0.0), "source \"" + source.name + "\"", file);
+    }
+    for (const propagation::Emitter& listener : scene.listeners) {
+        check_place(scene.position_at(listener, 0.0), "listener \"" + listener.name + "\"", file);
+    }
+}
+
+}  // namespace
 
 LoadedScene load_scene(const fs::path& file, const SceneOptions& options) {
     check_file(file);
     try {
         LoadedScene loaded = load_by_suffix(file, options);
-        check_extent(loaded.scene.mesh, file.string());
+        check_extent(loaded.scene, file.string());
         loaded.scene.name = file.filename().string();
         return loaded;
     } catch (const Error& error) {

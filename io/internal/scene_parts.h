@@ -17,8 +17,4 @@ enum class MeshFormat { obj, ply, stl, off };
 /// A scene of a file that knows polygons and at most names of materials. Throws Error.
 LoadedScene load_mesh_file(const std::filesystem::path& file, MeshFormat format);
 
-/// Throws Error naming the file if there is no triangle, or a vertex at time 0 is not finite or
-/// beyond kLargestCoordinate.
-void check_extent(const geometry::AnimatedMesh& mesh, const std::string& file);
-
 }  // namespace earshot::io

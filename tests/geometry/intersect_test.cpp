@@ -35,7 +35,7 @@ bool oracle_touches(const std::array<Lattice, 2>& segment, const std::array<Latt
         axes.push_back(cross(normal, edge));
     }
     return std::none_of(axes.begin(), axes.end(), [&](const Lattice& axis) {
-        const auto [s0, s1] = std::minmax(dot(axis, segment[0]), dot(axis, segment[1]));
+        const auto [s0, s1] = std::minmax({dot(axis, segment[0]), dot(axis, segment[1])});
         const auto [t0, t1] =
             std::minmax({dot(axis, triangle[0]), dot(axis, triangle[1]), dot(axis, triangle[2])});
         return s1 < t0 || t1 < s0;

@@ -58,6 +58,21 @@ double point_triangle(const Vec3& p, const std::array<Vec3, 3>& t) {
     return is_above ? std::abs(glm::dot(p - t[0], normal)) : closest;
 }
 
+Vec3 mirrored(const Vec3& point, const std::array<Vec3, 3>& t) {
+    const Vec3 normal = glm::normalize(glm::cross(t[1] - t[0], t[2] - t[0]));
+    return point - 2.0 * glm::dot(point - t[0], normal) * normal;
+}
+
+Vec3 point_beside_an_edge(const std::array<Vec3, 3>& t, Dice& dice) {
+    constexpr double kBeside = 1e-6;
+    const auto first = static_cast<std::size_t>(dice.below(3));
+    Vec3 point = glm::mix(t[first], t[(first + 1) % 3], dice.between(0.0, 1.0));
+    for (int axis = 0; axis < 3; ++axis) {
+        point[axis] += dice.between(-kBeside, kBeside);
+    }
+    return point;
+}
+
 }  // namespace
 
 bool is_in_air(const Room& room, const Vec3& point) {
@@ -95,6 +110,28 @@ Vec3 random_air_point(const Room& room, Dice& dice, double clearance) {
         }
     }
     throw std::runtime_error("no air found in room " + room.kind);
+}
+
+Vec3 aimed_air_point(const Room& room, const Vec3& source, Dice& dice) {
+    const auto any_triangle = [&] {
+        const int count = static_cast<int>(room.mesh.triangles.size());
+        return corners_of(room, static_cast<std::size_t>(dice.below(count)));
+    };
+    for (int attempt = 0; attempt < 200; ++attempt) {
+        const std::array<Vec3, 3> mirror = any_triangle();
+        const bool is_direct = dice.chance(0.3);
+        const Vec3 from = is_direct ? source : mirrored(source, mirror);
+        Vec3 through = point_beside_an_edge(dice.chance(0.5) ? mirror : any_triangle(), dice);
+        if (!room.openings.empty() && dice.chance(0.4)) {
+            through = room.openings[static_cast<std::size_t>(
+                dice.below(static_cast<int>(room.openings.size())))];
+        }
+        const Vec3 point = through + dice.between(0.05, 1.0) * (through - from);
+        if (is_in_air(room, point) && distance_to_walls(room, point) >= 0.02) {
+            return point;
+        }
+    }
+    return random_air_point(room, dice);
 }
 
 }  // namespace earshot::support

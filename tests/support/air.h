@@ -17,4 +17,9 @@ double distance_to_walls(const Room& room, const geometry::Vec3& point);
 /// if a thousand throws of the dice find none.
 geometry::Vec3 random_air_point(const Room& room, Dice& dice, double clearance = 0.02);
 
+/// A point in the air where decisions are close: the sound of `source`, or of its image in one
+/// wall, comes to it through one of the room's openings or past an edge of a triangle, a thousandth
+/// of a millimetre from it. Falls back on random_air_point().
+geometry::Vec3 aimed_air_point(const Room& room, const geometry::Vec3& source, Dice& dice);
+
 }  // namespace earshot::support

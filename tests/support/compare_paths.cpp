@@ -4,7 +4,6 @@
 #include <glm/geometric.hpp>
 
 #include "support/oracle_facets.h"
-#include "support/traced_room.h"
 #include <algorithm>
 #include <cmath>
 #include <sstream>
@@ -57,7 +56,7 @@ bool is_named_well(const SpecularPath& path, const geometry::Mesh& mesh, double 
         if (path.triangles[i] >= mesh.triangles.size()) {
             return false;
         }
-        const std::array triangle = {mesh.triangles[path.triangles[i]]};
+        const std::array<geometry::Triangle, 1> triangle = {mesh.triangles[path.triangles[i]]};
         const std::array<std::uint32_t, 1> label{};
         const OracleFacet facet =
             group_facets({mesh.positions, triangle}, label, kMarginCap).front();
@@ -125,29 +124,6 @@ Comparison compare_paths(std::span<const SpecularPath> traced,
         }
     }
     return result;
-}
-
-Comparison compare_with_oracle(const geometry::Mesh& mesh,
-                               std::span<const std::uint32_t> labels,
-                               const geometry::Vec3& source,
-                               std::span<const geometry::Vec3> listeners,
-                               const CompareOptions& options) {
-    OracleOptions search = options.oracle;
-    search.max_order = options.trace.max_order;
-    const OracleResult oracle =
-        search_image_sources(mesh.view(), labels, source, listeners, search);
-    const TracedRoom room(mesh, labels, search.one_sided_labels);
-    return compare_paths(
-        room.trace(source, listeners, options.trace).paths, oracle, mesh, options.tolerance);
-}
-
-Comparison compare_with_oracle(const geometry::Mesh& mesh,
-                               std::span<const std::uint32_t> labels,
-                               const geometry::Vec3& source,
-                               std::span<const geometry::Vec3> listeners,
-                               int max_order) {
-    return compare_with_oracle(
-        mesh, labels, source, listeners, CompareOptions{.trace = {.max_order = max_order}});
 }
 
 }  // namespace earshot::support

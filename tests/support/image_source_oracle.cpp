@@ -127,6 +127,9 @@ private:
         if (next == last || are_coplanar(next, last)) {
             return false;
         }
+        if (!options_.prunes) {
+            return true;
+        }
         // The image stands behind the last mirror: the sound goes to the mirror's other side ...
         const Extent& beyond = extent_of(next, last);
         const bool image_is_low = facets_[last].plane.distance(image) < 0.0L;

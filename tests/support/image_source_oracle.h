@@ -19,6 +19,8 @@ struct OracleOptions {
     double ambiguity_margin = 1e-9;
     /// Per label: 1 if its triangles reflect on their front only. Missing labels: both sides.
     std::vector<std::uint8_t> one_sided_labels{};
+    /// Gives up sequences early. Off: every sequence is tried, for the test of the pruning.
+    bool prunes = true;
 };
 
 struct OraclePath {

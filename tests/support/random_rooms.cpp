@@ -154,8 +154,10 @@ Room passage_room(Dice& dice) {
                                           {a, high},
                                           {a, depth},
                                           {0.0, depth}};
-    Room room = plan_room(plan, dice.between(2.4, 3.5));
+    const double height = dice.between(2.4, 3.5);
+    Room room = plan_room(plan, height);
     room.kind = "rooms coupled by a passage";
+    room.openings = {from_z_up(0.5 * (a + b), 0.5 * (low + high), 0.5 * height)};
     return room;
 }
 
@@ -180,6 +182,7 @@ Room partition_room(Dice& dice) {
     add_upright_sheet(room, x, {0.0, z1}, {size.y, size.z});
     add_upright_sheet(room, x, {0.0, z0}, {y0, z1});
     add_upright_sheet(room, x, {y1, z0}, {size.y, z1});
+    room.openings = {{x, 0.5 * (y0 + y1), 0.5 * (z0 + z1)}};
     return room;
 }
 
@@ -259,6 +262,7 @@ Room sliver_room(Dice& dice) {
     const double gap_z = dice.between(0.3, 0.7) * size.z;
     add_upright_sheet(room, gap_at, {0.0, 0.0}, {size.y, gap_z});
     add_upright_sheet(room, gap_at, {0.0, gap_z + kMillimetre}, {size.y, size.z});
+    room.openings = {{gap_at, 0.4 * size.y, gap_z + 0.5 * kMillimetre}};
     return room;
 }
 
@@ -301,6 +305,9 @@ Room random_room(std::uint64_t seed) {
         const glm::dmat3 turn = random_turn(dice);
         for (Vec3& position : room.mesh.positions) {
             position = turn * position;
+        }
+        for (Vec3& opening : room.openings) {
+            opening = turn * opening;
         }
         room.kind += ", turned";
     }

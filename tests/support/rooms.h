@@ -21,6 +21,8 @@ struct Room {
     std::vector<std::uint32_t> labels{};  ///< per triangle
     /// Per triangle: 1 if it belongs to a single sheet, 0 if to a closed surface.
     std::vector<std::uint8_t> is_sheet{};
+    /// Points inside openings so narrow that random sound would hardly find them.
+    std::vector<geometry::Vec3> openings{};
 };
 
 enum class Facing { inward, outward };

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/simd.h"
+#include "earshot/cli/commands.h"
+#include "earshot/cli/output.h"
+#include "earshot/cli/progress_bar.h"
+#include "earshot/cli/response_job.h"
+#include "earshot/cli/response_summary.h"
+#include "earshot/cli/values.h"
+#include "earshot/io/scene_file.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+using propagation::Emitter;
+
+constexpr const char* kFooter =
+    "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json.\n\n"
+    "Examples:\n"
+    "  earshot ir scenes/concert_hall.gltf -o out\n"
+    "      every source and listener of the scene, reflections up to order 4\n"
+    "  earshot ir room.obj --source 1,1.5,2 --listener seat=4,1.2,3 --order 6 -o out\n"
+    "      points of your own, in metres, beside those of the scene\n"
+    "  earshot ir scenes/door.gltf --frames 0:2:0.1 -o out\n"
+    "      one response per instant of an animation";
+
+class IrCommand : public Command {
+public:
+    explicit IrCommand(CLI::App& program)
+        : Command(program, "ir", "Impulse responses for every source and listener of a scene") {
+        app()
+            .add_option("SCENE", scene_file_, "a .gltf, .glb, .obj, .ply, .stl or .off file")
+            ->required();
+        app()
+            .add_option("-o,--output", directory_, "folder for the results; made if missing")
+            ->required();
+        add_repeatable(app(), "--source", sources_, "a source at [NAME=]X,Y,Z in metres");
+        add_repeatable(app(), "--listener", listeners_, "a listener at [NAME=]X,Y,Z in metres");
+        add_tracing_options();
+        add_sound_options();
+        add_time_options();
+        app().footer(kFooter);
+    }
+
+    void run() override {
+        const std::vector<Emitter> more_sources = parse_emitters(sources_, "source");
+        const std::vector<Emitter> more_listeners = parse_emitters(listeners_, "listener");
+        const std::vector<double> instants = times();
+        use_simd_target(common().simd);
+
+        io::LoadedScene loaded = io::load_scene(scene_file_, {.animation = animation_});
+        add_emitters(loaded.scene.sources, more_sources, "source");
+        add_emitters(loaded.scene.listeners, more_listeners, "listener");
+        const ResponseJob job = {
+            .scene = loaded.scene,
+            .simulation = simulation_options(),
+            .response = {.sample_rate = static_cast<double>(sample_rate_hz_), .length = length_},
+            .times = instants,
+            .is_sequence = !frames_.empty(),
+            .directory = directory_};
+        Executor executor(static_cast<int>(common().threads));
+        ResponseSummary summary;
+        {
+            ProgressBar progress(common().quiet);
+            summary = run_response_job(job, executor, progress);
+        }
+        // Not before the work is done: what fails says one line and no more.
+        if (!common().quiet) {
+            print_warnings(loaded.warnings);
+            print_notes(summary.notes);
+        }
+        if (common().json) {
+            write_output(summary_json(job, summary));
+        } else if (!common().quiet) {
+            write_output(summary_text(job, summary));
+        }
+    }
+
+private:
+    void add_tracing_options() {
+        add_integer(app(), "--order", order_, {0, 64}, "most specular reflections of a path");
+        app()
+            .add_option("--mode",
+                        mode_,
+                        "complete (every path) or sampled (faster, may miss paths at edges)")
+            ->check(CLI::IsMember({"complete", "sampled"}))
+            ->capture_default_str();
+        add_integer(app(),
+                    "--resolution",
+                    resolution_,
+                    {0, 1024},
+                    "sub-frusta along a cube face around the source; 0: the default");
+    }
+
+    void add_sound_options() {
+        add_integer(app(), "--sample-rate", sample_rate_hz_, {1000, 768000}, "of the WAV, hertz");
+        add_number(app(),
+                   "--length",
+                   length_,
+                   {0.0, 3600.0},
+                   "of the WAV, seconds; 0: up to the last arrival");
+        app()
+            .add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
+            ->check(CLI::IsMember({"octave", "third"}))
+            ->capture_default_str();
+        add_number(app(), "--temperature", air_.temperature_c, {}, "of the air, degrees Celsius");
+        add_number(app(), "--humidity", air_.humidity_percent, {}, "relative, percent");
+        add_number(app(), "--pressure", air_.pressure_kpa, {}, "of the air, kilopascal");
+        app().add_flag(
+            "--no-air-absorption", no_air_absorption_, "let air carry sound without loss");
+    }
+
+    void add_time_options() {
+        CLI::Option* time =
+            add_number(app(), "--time", time_, {}, "instant of the scene's animation, seconds");
+        app()
+            .add_option("--frames", frames_, "instants A:B:STEP in seconds, a response for each")
+            ->excludes(time);
+        app().add_option(
+            "--animation", animation_, "name or number of the animation; default: the first");
+    }
+
+    propagation::Options simulation_options() const {
+        return {
+            .specular_order = static_cast<int>(order_),
+            .mode = mode_ == "sampled" ? frustum::Mode::sampled : frustum::Mode::complete,
+            .resolution = static_cast<int>(resolution_),
+            .air = air_,
+            .air_absorption = !no_air_absorption_,
+            .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
+    }
+
+    std::vector<double> times() {
+        if (frames_.empty()) {
+            return {time_};
+        }
+        const auto instants = parse_frames(frames_);
+        if (!instants) {
+            throw wrong_usage(
+                app(), "--frames", "'" + frames_ + "' is not of the form A:B:STEP in seconds");
+        }
+        return *instants;
+    }
+
+    std::vector<Emitter> parse_emitters(const std::vector<std::string>& points,
+                                        const std::string& role) {
+        std::vector<Emitter> emitters;
+        std::size_t unnamed = 0;
+        for (const std::string& text : points) {
+            const auto point = parse_named_point(text);
+            if (!point) {
+                throw wrong_usage(
+                    app(), "--" + role, "'" + text + "' is not of the form [NAME=]X,Y,Z");
+            }
+            const auto& [x, y, z] = point->position;
+            emitters.push_back(
+                {.name = point->name.empty() ? role + std::to_string(++unnamed) : point->name,
+                 .node = -1,
+                 .position = {x, y, z},
+                 .directivity = {}});
+        }
+        return emitters;
+    }
+
+    /// Points of the command line stand beside the scene's; one of the same name replaces it.
+    void add_emitters(std::vector<Emitter>& emitters,
+                      const std::vector<Emitter>& more,
+                      const std::string& role) const {
+        for (const Emitter& emitter : more) {
+            const auto same = std::find_if(emitters.begin(), emitters.end(), [&](const Emitter& e) {
+                return e.name == emitter.name;
+            });
+            if (same != emitters.end()) {
+                *same = emitter;
+            } else {
+                emitters.push_back(emitter);
+            }
+        }
+        if (emitters.empty()) {
+            throw Error(
+                scene_file_, "the scene has no " + role, "give one with --" + role + " X,Y,Z");
+        }
+    }
+
+    static void print_notes(const Warnings& notes) {
+        constexpr std::size_t kMostNotes = 8;
+        Warnings shown(notes.begin(),
+                       notes.begin() + static_cast<long>(std::min(notes.size(), kMostNotes)));
+        if (notes.size() > kMostNotes) {
+            shown.push_back({"...", std::to_string(notes.size() - kMostNotes) + " more"});
+        }
+        print_warnings(shown);
+    }
+
+    std::string scene_file_, directory_, mode_ = "complete", bands_ = "octave", frames_, animation_;
+    std::vector<std::string> sources_, listeners_;
+    std::int64_t order_ = 4;
+    std::int64_t resolution_ = 0;
+    std::int64_t sample_rate_hz_ = 48000;
+    double length_ = 0.0;
+    double time_ = 0.0;
+    propagation::Air air_;
+    bool no_air_absorption_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_ir_command(CLI::App& program) {
+    return std::make_unique<IrCommand>(program);
+}
+
+}  // namespace earshot::cli

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/response_job.h"
+
+#include "earshot/io/results.h"
+#include "earshot/io/wav.h"
+#include "earshot/io/whole_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <cstdio>
+#include <set>
+#include <string>
+#include <system_error>
+
+namespace earshot::cli {
+namespace {
+
+using propagation::PairResult;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void make_directory(const std::filesystem::path& directory) {
+    std::error_code failure;
+    std::filesystem::create_directories(directory, failure);
+    if (failure || !std::filesystem::is_directory(directory, failure)) {
+        throw Error(directory.string(),
+                    "cannot be made a folder" + (failure ? " (" + failure.message() + ")" : ""),
+                    "choose another folder with -o");
+    }
+}
+
+/// Names of sources and listeners as parts of file names: what a file system might not take becomes
+/// `_`, and names that would coincide are numbered.
+std::vector<std::string> file_names(const std::vector<propagation::Emitter>& emitters) {
+    constexpr std::size_t kLongest = 80;
+    std::set<std::string> taken;
+    std::vector<std::string> names;
+    for (const propagation::Emitter& emitter : emitters) {
+        std::string name = emitter.name.substr(0, kLongest);
+        for (char& c : name) {
+            const auto byte = static_cast<unsigned char>(c);
+            const bool is_plain = byte >= 0x80 || std::isalnum(byte) != 0 || c == '-' || c == '_' ||
+                                  c == '.' || c == ' ';
+            c = is_plain ? c : '_';
+        }
+        std::string unique = name;
+        for (int number = 2; !taken.insert(unique).second; ++number) {
+            unique = name + "-" + std::to_string(number);
+        }
+        names.push_back(unique);
+    }
+    return names;
+}
+
+std::string frame_suffix(std::size_t frame) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "__%04zu", frame);
+    return text.data();
+}
+
+/// One job under way.
+class Run {
+public:
+    Run(const ResponseJob& job, Executor& executor, Progress& progress)
+        : job_(job),
+          executor_(executor),
+          progress_(progress),
+          source_names_(file_names(job.scene.sources)),
+          listener_names_(file_names(job.scene.listeners)),
+          assembler_(job.simulation.bands, job.response.sample_rate) {
+        summary_.paths_of_order.resize(static_cast<std::size_t>(job.simulation.specular_order) + 1);
+    }
+
+    ResponseSummary run() {
+        progress_.report("preparing", 0, 1);
+        auto start = std::chrono::steady_clock::now();
+        propagation::Simulator simulator(job_.scene, job_.simulation, executor_);
+        progress_.report("preparing", 1, 1);
+        make_directory(job_.directory);  // before the long work, but not for a scene without sense
+        for (std::size_t frame = 0; frame < job_.times.size(); ++frame) {
+            simulator.set_time(job_.times[frame], executor_);
+            summary_.prepare_seconds += seconds_since(start);
+
+            start = std::chrono::steady_clock::now();
+            progress_.report("tracing", frame, job_.times.size());
+            std::vector<PairResult> pairs = simulator.run(executor_);
+            progress_.report("tracing", frame + 1, job_.times.size());
+            summary_.trace_seconds += seconds_since(start);
+            add_statistics(simulator);
+
+            start = std::chrono::steady_clock::now();
+            write_responses(pairs, frame);
+            std::move(pairs.begin(), pairs.end(), std::back_inserter(all_pairs_));
+            summary_.response_seconds += seconds_since(start);
+            start = std::chrono::steady_clock::now();
+        }
+        write_tables();
+        summary_.response_seconds += seconds_since(start);
+        return std::move(summary_);
+    }
+
+private:
+    void add_statistics(const propagation::Simulator& simulator) {
+        summary_.geometry = simulator.geometry();
+        summary_.statistics.frusta += simulator.statistics().frusta;
+        summary_.statistics.candidates += simulator.statistics().candidates;
+        summary_.statistics.paths += simulator.statistics().paths;
+    }
+
+    void write(const std::string& name, const std::string& bytes) {
+        summary_.files.push_back(job_.directory / name);
+        io::write_whole_file(summary_.files.back(), bytes);
+    }
+
+    void write_responses(const std::vector<PairResult>& pairs, std::size_t frame) {
+        // Pairs are independent; what they make is kept in order and written in order.
+        std::vector<std::string> sounds(pairs.size());
+        const std::size_t first = metrics_.size();
+        metrics_.resize(first + pairs.size());
+        executor_.for_each(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const auto response = assembler_.assemble(
+                    propagation::arrivals_of(pairs[i]), job_.response.length, executor_);
+                sounds[i] = io::encode_wav({.sample_rate = response.sample_rate,
+                                            .channels = 1,
+                                            .samples = response.samples});
+                metrics_[first + i] = {
+                    .source = pairs[i].source,
+                    .listener = pairs[i].listener,
+                    .time = pairs[i].time,
+                    .metrics = audio::room_metrics(job_.simulation.bands, response)};
+            }
+        });
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            const std::string name =
+                source_names_[pairs[i].source] + "__" + listener_names_[pairs[i].listener];
+            if (pairs[i].paths.empty()) {
+                summary_.notes.push_back(
+                    {name, "no path up to the order asked for: the response is silence"});
+            }
+            for (const propagation::Path& path : pairs[i].paths) {
+                ++summary_.paths_of_order[static_cast<std::size_t>(path.order)];
+            }
+            write(name + (job_.is_sequence ? frame_suffix(frame) : "") + ".wav", sounds[i]);
+            progress_.report(
+                "responses", frame * pairs.size() + i + 1, job_.times.size() * pairs.size());
+        }
+    }
+
+    void write_tables() {
+        const io::ResultHeader header = {
+            .scene = job_.scene,
+            .bands = job_.simulation.bands,
+            .speed_of_sound = propagation::speed_of_sound(job_.simulation.air)};
+        write("paths.json", io::encode_paths(header, all_pairs_));
+        write("metrics.json", io::encode_metrics(header, metrics_));
+    }
+
+    const ResponseJob& job_;
+    Executor& executor_;
+    Progress& progress_;
+    std::vector<std::string> source_names_, listener_names_;
+    audio::Assembler assembler_;
+    std::vector<PairResult> all_pairs_;
+    std::vector<io::PairMetrics> metrics_;
+    ResponseSummary summary_;
+};
+
+}  // namespace
+
+ResponseSummary run_response_job(const ResponseJob& job, Executor& executor, Progress& progress) {
+    return Run(job, executor, progress).run();
+}
+
+}  // namespace earshot::cli

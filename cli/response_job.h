@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/impulse_response.h"
+#include "earshot/base/progress.h"
+#include "earshot/propagation/simulator.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace earshot::cli {
+
+/// What `earshot ir` computes and where it goes.
+struct ResponseJob {
+    const propagation::Scene& scene;
+    propagation::Options simulation;
+    audio::ResponseOptions response;
+    std::vector<double> times{0.0};  ///< seconds
+    bool is_sequence = false;        ///< file names carry the number of the time
+    std::filesystem::path directory;
+};
+
+/// What came of a job, for the summary.
+struct ResponseSummary {
+    std::vector<std::filesystem::path> files;  ///< in the order they were written
+    std::vector<std::size_t> paths_of_order;   ///< over all pairs and times
+    Warnings notes;                            ///< pairs without a path, and the like
+    propagation::GeometrySummary geometry;     ///< at the last time
+    frustum::TraceStatistics statistics;       ///< over all times
+    double prepare_seconds = 0.0;              ///< clean-up, facets and hierarchy
+    double trace_seconds = 0.0;
+    double response_seconds = 0.0;  ///< synthesis, metrics and writing
+};
+
+/// Simulates, writes SOURCE__LISTENER.wav per pair (and time), paths.json and metrics.json.
+/// Throws Error; every file that exists afterwards is whole.
+ResponseSummary run_response_job(const ResponseJob& job, Executor& executor, Progress& progress);
+
+}  // namespace earshot::cli

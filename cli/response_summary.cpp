@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/response_summary.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string seconds_text(double seconds) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.3f s", seconds);
+    return text.data();
+}
+
+std::string names_of(const std::vector<propagation::Emitter>& emitters) {
+    constexpr std::size_t kMostNames = 8;
+    std::string text = std::to_string(emitters.size());
+    for (std::size_t i = 0; i < emitters.size() && i < kMostNames; ++i) {
+        text += (i == 0 ? " (" : ", ") + emitters[i].name;
+    }
+    return text + (emitters.size() > kMostNames ? ", ...)" : ")");
+}
+
+/// The clean-up counts under the names that a reader sees, in order.
+std::vector<std::pair<const char*, std::size_t>> clean_counts(const geometry::CleanReport& clean) {
+    return {{"welded vertices", clean.vertices_welded},
+            {"degenerate triangles", clean.degenerate_triangles},
+            {"duplicate triangles", clean.duplicate_triangles},
+            {"open edges", clean.open_edges},
+            {"holes", clean.holes},
+            {"non-manifold edges", clean.non_manifold_edges},
+            {"T-junctions", clean.t_junctions}};
+}
+
+std::string clean_text(const geometry::CleanReport& clean) {
+    std::string text;
+    for (const auto& [name, count] : clean_counts(clean)) {
+        if (count > 0) {
+            text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + name;
+        }
+    }
+    return text.empty() ? "nothing to mend" : text;
+}
+
+std::string line(const char* label, const std::string& value) {
+    std::array<char, 16> head{};
+    std::snprintf(head.data(), head.size(), "%-11s", label);
+    return head.data() + value + "\n";
+}
+
+}  // namespace
+
+std::string summary_text(const ResponseJob& job, const ResponseSummary& summary) {
+    const auto& geometry = summary.geometry;
+    std::string text;
+    text += line("scene",
+                 job.scene.name + ": " + std::to_string(geometry.triangles) + " triangles, " +
+                     std::to_string(geometry.facets) + " facets, " +
+                     std::to_string(job.scene.materials.size()) + " materials");
+    text += line("clean-up", clean_text(geometry.clean));
+    text += line("sources", names_of(job.scene.sources));
+    text += line("listeners", names_of(job.scene.listeners));
+    std::size_t all = 0;
+    std::string orders;
+    for (std::size_t order = 0; order < summary.paths_of_order.size(); ++order) {
+        all += summary.paths_of_order[order];
+        orders += (order == 0 ? "" : ", ") + std::string("order ") + std::to_string(order) + ": " +
+                  std::to_string(summary.paths_of_order[order]);
+    }
+    text += line("paths", std::to_string(all) + " (" + orders + ")");
+    text += line("frusta",
+                 std::to_string(summary.statistics.frusta) + " traced, " +
+                     std::to_string(summary.statistics.candidates) + " sequences verified");
+    text += line("time",
+                 "prepare " + seconds_text(summary.prepare_seconds) + ", trace " +
+                     seconds_text(summary.trace_seconds) + ", responses " +
+                     seconds_text(summary.response_seconds));
+    text += "files\n";
+    for (const std::filesystem::path& file : summary.files) {
+        text += "  " + file.string() + "\n";
+    }
+    return text;
+}
+
+std::string summary_json(const ResponseJob& job, const ResponseSummary& summary) {
+    const auto& geometry = summary.geometry;
+    Json clean = {{"triangles_read", geometry.clean.triangles_read},
+                  {"vertices_read", geometry.clean.vertices_read}};
+    for (auto [name, count] : clean_counts(geometry.clean)) {
+        std::string key = name;
+        for (char& c : key) {
+            c = c == ' ' || c == '-' ? '_' : static_cast<char>(std::tolower(c));
+        }
+        clean[key] = count;
+    }
+    std::vector<std::string> files;
+    for (const std::filesystem::path& file : summary.files) {
+        files.push_back(file.string());
+    }
+    const Json json = {{"version", 1},
+                       {"scene", job.scene.name},
+                       {"triangles", geometry.triangles},
+                       {"facets", geometry.facets},
+                       {"clean_up", std::move(clean)},
+                       {"sources", job.scene.sources.size()},
+                       {"listeners", job.scene.listeners.size()},
+                       {"times", job.times},
+                       {"paths_per_order", summary.paths_of_order},
+                       {"frusta", summary.statistics.frusta},
+                       {"candidates", summary.statistics.candidates},
+                       {"seconds",
+                        {{"prepare", summary.prepare_seconds},
+                         {"trace", summary.trace_seconds},
+                         {"responses", summary.response_seconds}}},
+                       {"files", std::move(files)}};
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace earshot::cli

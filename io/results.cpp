@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/io/results.h"
+
+#include <nlohmann/json.hpp>
+
+#include <optional>
+#include <span>
+
+namespace earshot::io {
+namespace {
+
+using Json = nlohmann::ordered_json;  // keys in the order of the contract
+
+Json to_json(const geometry::Vec3& v) {
+    return Json::array({v.x, v.y, v.z});
+}
+
+Json to_json(const audio::Spectrum& spectrum, std::size_t count) {
+    return Json(std::vector<double>(spectrum.begin(), spectrum.begin() + static_cast<long>(count)));
+}
+
+Json to_json(std::span<const double> values) {
+    return Json(std::vector<double>(values.begin(), values.end()));
+}
+
+Json to_json(const propagation::Path& path, const ResultHeader& header) {
+    Json points = Json::array();
+    for (const geometry::Vec3& point : path.points) {
+        points.push_back(to_json(point));
+    }
+    Json materials = Json::array();
+    for (const std::uint32_t material : path.materials) {
+        materials.push_back(header.scene.materials[material].name);
+    }
+    return {{"kind", propagation::name_of(path.kind)},
+            {"order", path.order},
+            {"length", path.length},
+            {"delay", path.delay},
+            {"points", std::move(points)},
+            {"triangles", path.triangles},
+            {"materials", std::move(materials)},
+            {"pressure", to_json(path.pressure, header.bands.count())},
+            {"departure", to_json(path.departure)},
+            {"arrival", to_json(path.arrival)}};
+}
+
+// nlohmann-json writes either everything on one line or every number on its own; this joins values
+// line by line, which people can read and diff.
+std::string join_lines(const std::vector<std::string>& lines, const std::string& indent) {
+    std::string text;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        text += (i == 0 ? "\n" : ",\n") + indent + lines[i];
+    }
+    return text;
+}
+
+// Names come from files and may not be UTF-8: what is not is replaced rather than refused.
+std::string dump(const Json& value) {
+    return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+/// `{"source": "s", "listener": "l", "time": 0.0` without the closing brace.
+std::string pair_head(const ResultHeader& header,
+                      std::size_t source,
+                      std::size_t listener,
+                      double time) {
+    return "{\"source\":" + dump(header.scene.sources[source].name) +
+           ",\"listener\":" + dump(header.scene.listeners[listener].name) +
+           ",\"time\":" + dump(time);
+}
+
+Json column(const std::vector<audio::BandMetrics>& bands,
+            std::optional<double> audio::BandMetrics::*value) {
+    Json values = Json::array();
+    for (const audio::BandMetrics& band : bands) {
+        values.push_back(band.*value ? Json(*(band.*value)) : Json(nullptr));
+    }
+    return values;
+}
+
+}  // namespace
+
+std::string encode_paths(const ResultHeader& header,
+                         const std::vector<propagation::PairResult>& pairs) {
+    std::vector<std::string> lines;
+    for (const propagation::PairResult& pair : pairs) {
+        std::vector<std::string> paths;
+        for (const propagation::Path& path : pair.paths) {
+            paths.push_back(dump(to_json(path, header)));
+        }
+        lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) + ",\"paths\":[" +
+                        join_lines(paths, "  ") + "]}");
+    }
+    return "{\"version\":1,\"scene\":" + dump(header.scene.name) +
+           ",\"speed_of_sound\":" + dump(header.speed_of_sound) +
+           ",\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) + ",\n\"pairs\":[" +
+           join_lines(lines, " ") + "]}\n";
+}
+
+std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs) {
+    using Band = audio::BandMetrics;
+    std::vector<std::string> lines;
+    for (const PairMetrics& pair : pairs) {
+        const auto& metrics = pair.metrics;
+        const auto& sti = metrics.speech_transmission_index;
+        const Json values = {{"edt", column(metrics.bands, &Band::early_decay_time)},
+                             {"t20", column(metrics.bands, &Band::reverberation_time_t20)},
+                             {"t30", column(metrics.bands, &Band::reverberation_time_t30)},
+                             {"c50", column(metrics.bands, &Band::clarity_c50_db)},
+                             {"c80", column(metrics.bands, &Band::clarity_c80_db)},
+                             {"d50", column(metrics.bands, &Band::definition_d50)},
+                             {"ts", column(metrics.bands, &Band::centre_time)},
+                             {"g", column(metrics.bands, &Band::strength_db)},
+                             {"sti", sti ? Json(*sti) : Json(nullptr)},
+                             {"notes", metrics.notes}};
+        lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) + "," +
+                        dump(values).substr(1));
+    }
+    return "{\"version\":1,\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) +
+           ",\n\"pairs\":[" + join_lines(lines, " ") + "]}\n";
+}
+
+}  // namespace earshot::io

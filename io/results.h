@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/room_metrics.h"
+#include "earshot/propagation/simulator.h"
+
+#include <string>
+#include <vector>
+
+namespace earshot::io {
+
+/// What paths.json and metrics.json say about the run as a whole.
+struct ResultHeader {
+    const propagation::Scene& scene;
+    const audio::Bands& bands;
+    double speed_of_sound = 0.0;  ///< metres per second
+};
+
+/// Metrics of one pair at one time, for metrics.json.
+struct PairMetrics {
+    std::size_t source = 0;
+    std::size_t listener = 0;
+    double time = 0.0;  ///< seconds
+    audio::RoomMetrics metrics;
+};
+
+/// The text of paths.json: one path per line, numbers with the fewest digits that read back as the
+/// same double.
+std::string encode_paths(const ResultHeader& header,
+                         const std::vector<propagation::PairResult>& pairs);
+
+/// The text of metrics.json; a value that the response cannot support is null.
+std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs);
+
+}  // namespace earshot::io

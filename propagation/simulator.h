@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/impulse_response.h"
+#include "earshot/base/error.h"
+#include "earshot/base/parallel.h"
+#include "earshot/frustum/trace.h"
+#include "earshot/geometry/clean.h"
+#include "earshot/propagation/air.h"
+#include "earshot/propagation/scene.h"
+
+#include <memory>
+#include <string_view>
+#include <vector>
+
+namespace earshot::propagation {
+
+struct Options {
+    int specular_order = 4;  ///< most mirror reflections of a path, >= 0
+    frustum::Mode mode = frustum::Mode::complete;
+    int resolution = 0;  ///< sub-frusta along a frustum's side; 0: the mode's default
+    Air air{};
+    bool air_absorption = true;
+    audio::Bands bands = audio::Bands::octaves();
+};
+
+enum class PathKind { direct, specular };
+
+/// The name of a kind in paths.json.
+std::string_view name_of(PathKind kind) noexcept;
+
+/// One way of sound from a source to a listener.
+struct Path {
+    PathKind kind = PathKind::direct;
+    int order = 0;
+    double length = 0.0;                 ///< metres
+    double delay = 0.0;                  ///< seconds since emission
+    std::vector<geometry::Vec3> points;  ///< source, interactions, listener
+    std::vector<geometry::TriangleId>
+        triangles;                         ///< of the scene in file order, one per interaction
+    std::vector<std::uint32_t> materials;  ///< index into Scene::materials, one per interaction
+    audio::Spectrum pressure{};     ///< linear amplitude per band, spreading and air included
+    geometry::Vec3 departure{0.0};  ///< unit direction of travel at the source
+    geometry::Vec3 arrival{0.0};    ///< unit direction of travel at the listener
+};
+
+/// What one listener gets from one source.
+struct PairResult {
+    std::size_t source = 0;    ///< index into Scene::sources
+    std::size_t listener = 0;  ///< index into Scene::listeners
+    double time = 0.0;         ///< seconds, of the scene's animation
+    std::vector<Path> paths;   ///< sorted by delay, order, triangles
+};
+
+/// What the scene amounts to at the current time.
+struct GeometrySummary {
+    geometry::CleanReport clean;
+    std::size_t triangles = 0;  ///< that take part
+    std::size_t facets = 0;
+};
+
+/// Simulates sound between the sources and listeners of one scene, which must outlive it.
+class Simulator {
+public:
+    /// Prepares the scene at time 0. Throws Error if an option is out of range or no triangle is
+    /// left after clean-up.
+    explicit Simulator(const Scene& scene,
+                       const Options& options = {},
+                       Executor& executor = Executor::serial());
+    ~Simulator();
+    Simulator(Simulator&&) noexcept;
+    Simulator& operator=(Simulator&&) noexcept;
+
+    /// Moves the geometry, sources and listeners to `time` (seconds). Results never depend on the
+    /// times visited before.
+    void set_time(double time, Executor& executor = Executor::serial());
+
+    /// Every pair, ordered by source, then listener. A pair at the same point has no direct path
+    /// (its amplitude would be infinite).
+    std::vector<PairResult> run(Executor& executor = Executor::serial());
+
+    const GeometrySummary& geometry() const noexcept;
+    /// Of the last run, summed over sources.
+    const frustum::TraceStatistics& statistics() const noexcept;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// The arrivals of a pair's paths, in their order.
+std::vector<audio::Arrival> arrivals_of(const PairResult& pair);
+
+}  // namespace earshot::propagation

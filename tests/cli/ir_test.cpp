@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include <nlohmann/json.hpp>
+
+#include "run_earshot.h"
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace earshot::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+const std::string kScenes = EARSHOT_SOURCE_DIR "/scenes/";
+
+std::string read_file(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// A folder of its own for each test, removed at the end.
+class Ir : public testing::Test {
+protected:
+    Ir() { fs::create_directories(folder_); }
+    ~Ir() override {
+        std::error_code ignored;
+        fs::remove_all(folder_, ignored);
+    }
+
+    std::string out() const { return (folder_ / "out").string(); }
+    Json json_of(const std::string& name) const {
+        return Json::parse(read_file(folder_ / "out" / name));
+    }
+
+    const fs::path folder_ =
+        fs::path(testing::TempDir()) /
+        ("earshot_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+TEST_F(Ir, WritesResponsesPathsAndMetrics) {
+    const RunResult result =
+        run_earshot({"ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "2", "--quiet"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.out + result.err, "");
+
+    const Json paths = json_of("paths.json");
+    EXPECT_EQ(paths["version"], 1);
+    EXPECT_EQ(paths["scene"], "shoebox.gltf");
+    EXPECT_NEAR(paths["speed_of_sound"].get<double>(), 343.2, 1e-9);
+    ASSERT_EQ(paths["bands_hz"].size(), 10U);
+    ASSERT_EQ(paths["pairs"].size(), 1U);
+    const Json& pair = paths["pairs"][0];
+    ASSERT_EQ(pair["paths"].size(), 25U);  // 1 + 6 + 18 images
+    double last_delay = 0.0;
+    for (const Json& path : pair["paths"]) {
+        const auto order = path["order"].get<std::size_t>();
+        EXPECT_EQ(path["kind"], order == 0 ? "direct" : "specular");
+        EXPECT_EQ(path["points"].size(), order + 2);
+        EXPECT_EQ(path["triangles"].size(), order);
+        EXPECT_EQ(path["materials"].size(), order);
+        EXPECT_EQ(path["pressure"].size(), 10U);
+        EXPECT_NEAR(path["delay"].get<double>() * 343.2, path["length"].get<double>(), 1e-9);
+        EXPECT_GE(path["delay"].get<double>(), last_delay);
+        last_delay = path["delay"].get<double>();
+    }
+    const Json metrics = json_of("metrics.json");
+    for (const char* name : {"edt", "t20", "t30", "c50", "c80", "d50", "ts", "g"}) {
+        EXPECT_EQ(metrics["pairs"][0][name].size(), 10U) << name;
+    }
+    const std::string wav =
+        pair["source"].get<std::string>() + "__" + pair["listener"].get<std::string>() + ".wav";
+    EXPECT_EQ(read_file(folder_ / "out" / wav).substr(0, 4), "RIFF");
+}
+
+TEST_F(Ir, TheDirectSoundArrivesWhenAndAsLoudAsItShould) {
+    // 10 m apart in the open: a triangle far away makes it a scene.
+    const fs::path scene = folder_ / "field.obj";
+    std::ofstream(scene) << "v 900 900 900\nv 901 900 900\nv 900 901 900\nf 1 2 3\n";
+    const RunResult result = run_earshot({"ir",
+                                          scene.string(),
+                                          "-o",
+                                          out(),
+                                          "--source",
+                                          "0,0,0",
+                                          "--listener",
+                                          "far=10,0,0",
+                                          "--no-air-absorption",
+                                          "--sample-rate",
+                                          "34320",
+                                          "--json"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const Json path = json_of("paths.json")["pairs"][0]["paths"][0];
+    EXPECT_EQ(path["length"], 10.0);
+    for (const Json& pressure : path["pressure"]) {
+        EXPECT_DOUBLE_EQ(pressure.get<double>(), 0.1);
+    }
+    EXPECT_EQ(path["departure"], (Json{1.0, 0.0, 0.0}));
+    // At 34320 Hz the delay is 1000 samples exactly; the header of a float WAV ends with "data".
+    const std::string wav = read_file(folder_ / "out" / "source1__far.wav");
+    const std::size_t data = wav.find("data") + 8;
+    const auto sample = [&](std::size_t i) {
+        float value = 0.0F;
+        std::memcpy(&value, wav.data() + data + 4 * i, 4);
+        return value;
+    };
+    EXPECT_NEAR(sample(1000), 0.1, 1e-4);
+    EXPECT_NEAR(sample(900), 0.0, 1e-6);
+    const Json summary = Json::parse(result.out);
+    EXPECT_EQ(summary["paths_per_order"], (Json{1, 0, 0, 0, 0}));
+    EXPECT_EQ(summary["files"].size(), 3U);
+}
+
+TEST_F(Ir, SilenceIsAnAnswer) {
+    const fs::path scene = folder_ / "sealed.obj";
+    std::ofstream(scene)
+        << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
+           "f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 4 8 5\n";
+    const RunResult result = run_earshot(
+        {"ir", scene.string(), "-o", out(), "--source", "5,1,1", "--listener", "in=1,1.1,0.9"});
+    EXPECT_EQ(result.status, 0);
+    EXPECT_NE(result.err.find("earshot: warning: source1__in: no path"), std::string::npos)
+        << result.err;
+    EXPECT_TRUE(json_of("paths.json")["pairs"][0]["paths"].empty());
+    const Json metrics = json_of("metrics.json")["pairs"][0];
+    EXPECT_TRUE(metrics["c80"][3].is_null());
+    EXPECT_FALSE(metrics["notes"].empty());
+    const std::string wav = read_file(folder_ / "out" / "source1__in.wav");
+    const std::string samples = wav.substr(wav.find("data") + 8);
+    EXPECT_FALSE(samples.empty());
+    EXPECT_EQ(samples.find_first_not_of('\0'), std::string::npos);
+}
+
+TEST_F(Ir, FramesMakeOneResponsePerInstant) {
+    const RunResult result = run_earshot({"ir",
+                                          kScenes + "door.gltf",
+                                          "-o",
+                                          out(),
+                                          "--order",
+                                          "1",
+                                          "--frames",
+                                          "0:1:0.5",
+                                          "--json"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const Json paths = json_of("paths.json");
+    std::vector<double> times;
+    for (const Json& pair : paths["pairs"]) {
+        times.push_back(pair["time"]);
+    }
+    EXPECT_EQ(times, (std::vector<double>{0.0, 0.5, 1.0}));
+    std::size_t numbered = 0;
+    for (const auto& entry : fs::directory_iterator(out())) {
+        const std::string name = entry.path().filename().string();
+        numbered += name.ends_with("__0000.wav") || name.ends_with("__0001.wav") ||
+                            name.ends_with("__0002.wav")
+                        ? 1
+                        : 0;
+    }
+    EXPECT_EQ(numbered, 3U);
+
+    // One instant alone gives the same as that instant of the sequence.
+    ASSERT_EQ(
+        run_earshot(
+            {"ir", kScenes + "door.gltf", "-o", out(), "--order", "1", "--time", "0.5", "--quiet"})
+            .status,
+        0);
+    EXPECT_EQ(json_of("paths.json")["pairs"][0], paths["pairs"][1]);
+}
+
+TEST_F(Ir, ThirdOctavesGiveThirtyOneBands) {
+    ASSERT_EQ(run_earshot({"ir",
+                           kScenes + "shoebox.gltf",
+                           "-o",
+                           out(),
+                           "--order",
+                           "0",
+                           "--bands",
+                           "third",
+                           "--quiet"})
+                  .status,
+              0);
+    EXPECT_EQ(json_of("paths.json")["pairs"][0]["paths"][0]["pressure"].size(), 31U);
+}
+
+TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
+    const auto with = [&](std::vector<std::string> extra) {
+        std::vector<std::string> arguments = {"ir", kScenes + "shoebox.gltf", "-o", out()};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        return run_earshot(arguments);
+    };
+    EXPECT_TRUE(failed_with(with({"--order", "-1"}), 2, "--order"));
+    EXPECT_TRUE(failed_with(with({"--order", "3.5"}), 2, "--order"));
+    EXPECT_TRUE(failed_with(with({"--sample-rate", "0"}), 2, "--sample-rate"));
+    EXPECT_TRUE(failed_with(with({"--length", "-1"}), 2, "--length"));
+    EXPECT_TRUE(failed_with(with({"--bands", "quarter"}), 2, "--bands"));
+    EXPECT_TRUE(failed_with(with({"--mode", "guess"}), 2, "--mode"));
+    EXPECT_TRUE(failed_with(with({"--resolution", "9999"}), 2, "--resolution"));
+    EXPECT_TRUE(failed_with(with({"--source", "1,2"}), 2, "[NAME=]X,Y,Z"));
+    EXPECT_TRUE(failed_with(with({"--listener", "1,2,nan"}), 2, "[NAME=]X,Y,Z"));
+    EXPECT_TRUE(failed_with(with({"--frames", "1:0:0.1"}), 2, "A:B:STEP"));
+    EXPECT_TRUE(failed_with(with({"--frames", "0:1:0"}), 2, "A:B:STEP"));
+    EXPECT_TRUE(failed_with(with({"--time", "abc"}), 2, "--time"));
+    EXPECT_TRUE(failed_with(with({"--time", "1", "--frames", "0:1:1"}), 2, "--"));
+    EXPECT_TRUE(failed_with(with({"--simd", "avx1024"}), 2, "--simd"));
+    EXPECT_TRUE(failed_with(with({"--odrer", "2"}), 2, "did you mean --order?"));
+    EXPECT_TRUE(failed_with(run_earshot({"ir", "-o", out()}), 2, "SCENE"));
+    EXPECT_TRUE(failed_with(run_earshot({"ir", kScenes + "shoebox.gltf"}), 2, "output"));
+}
+
+TEST_F(Ir, RefusesBadInputWithStatusOne) {
+    const auto with = [&](const std::string& scene, std::vector<std::string> extra = {}) {
+        std::vector<std::string> arguments = {"ir", scene, "-o", out()};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        return run_earshot(arguments);
+    };
+    EXPECT_TRUE(failed_with(with("missing.gltf"), 1, "missing.gltf"));
+    EXPECT_TRUE(failed_with(with(folder_.string()), 1, folder_.string()));
+    const fs::path plain = folder_ / "plain.obj";
+    std::ofstream(plain) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    EXPECT_TRUE(failed_with(with(plain.string()), 1, "no source"));
+    EXPECT_TRUE(failed_with(with(plain.string(), {"--source", "1,1,1"}), 1, "no listener"));
+    const fs::path flat = folder_ / "flat.obj";
+    std::ofstream(flat) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
+    EXPECT_TRUE(failed_with(
+        with(flat.string(), {"--source", "1,1,1", "--listener", "2,2,2"}), 1, "no triangle"));
+    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--temperature", "900"}), 1, "900"));
+    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--humidity", "120"}), 1, "120"));
+    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--pressure", "0"}), 1, "0"));
+    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--animation", "dance"}), 1, "dance"));
+    EXPECT_FALSE(fs::exists(out()));
+}
+
+TEST_F(Ir, LeavesNothingWhereItCannotWrite) {
+    const fs::path file = folder_ / "file";
+    std::ofstream(file) << "x";
+    const RunResult result = run_earshot({"ir", kScenes + "shoebox.gltf", "-o", file.string()});
+    EXPECT_TRUE(failed_with(result, 1, file.string()));
+    const RunResult below =
+        run_earshot({"ir", kScenes + "shoebox.gltf", "-o", (file / "below").string()});
+    EXPECT_TRUE(failed_with(below, 1, "below"));
+    EXPECT_EQ(read_file(file), "x");
+}
+
+TEST_F(Ir, AFileNameNeverLeavesTheFolder) {
+    const RunResult result = run_earshot({"ir",
+                                          kScenes + "shoebox.gltf",
+                                          "-o",
+                                          out(),
+                                          "--order",
+                                          "0",
+                                          "--quiet",
+                                          "--source",
+                                          "../../evil=1,1,1",
+                                          "--source",
+                                          "a/b=1,1.2,1"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+        EXPECT_TRUE(entry.is_directory() || entry.path().parent_path() == folder_ / "out")
+            << entry.path();
+    }
+}
+
+}  // namespace
+}  // namespace earshot::test

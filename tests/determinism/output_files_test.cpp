@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/simd.h"
+
+#include <gtest/gtest.h>
+
+#include "support/run_program.h"
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+
+namespace earshot::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Files = std::map<std::string, std::string>;  // name to bytes
+
+/// Runs `earshot ir` on a scene and returns all that it wrote.
+Files output_of(const std::vector<std::string>& job,
+                const std::vector<std::string>& extra,
+                const RunOptions& options = {}) {
+    const fs::path folder = fs::path(testing::TempDir()) / "earshot_determinism";
+    fs::remove_all(folder);
+    std::vector<std::string> command = {EARSHOT_PROGRAM, "ir"};
+    command.insert(command.end(), job.begin(), job.end());
+    command.insert(command.end(), {"-o", folder.string(), "--quiet"});
+    command.insert(command.end(), extra.begin(), extra.end());
+    const RunResult result = run_program(command, options);
+    EXPECT_EQ(result.status, 0) << result.err;
+    Files files;
+    for (const auto& entry : fs::directory_iterator(folder)) {
+        std::ifstream stream(entry.path(), std::ios::binary);
+        files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(stream), {}};
+    }
+    fs::remove_all(folder);
+    return files;
+}
+
+void expect_same(const Files& expected, const Files& files, const std::string& what) {
+    ASSERT_EQ(expected.size(), files.size()) << what;
+    for (const auto& [name, bytes] : expected) {
+        ASSERT_EQ(files.count(name), 1U) << what;
+        EXPECT_TRUE(files.at(name) == bytes) << name << " differs with " << what;
+    }
+}
+
+/// Everything a run may differ in without its results differing.
+void expect_determinism(const std::vector<std::string>& job) {
+    const Files expected = output_of(job, {});
+    ASSERT_GE(expected.size(), 3U);
+    expect_same(expected, output_of(job, {}), "a second run");
+    for (const char* threads : {"1", "2", "8"}) {
+        expect_same(
+            expected, output_of(job, {"--threads", threads}), std::string(threads) + " threads");
+    }
+    for (const std::string& target : simd_targets()) {
+        expect_same(expected, output_of(job, {"--simd", target}), target);
+    }
+    const RunOptions masked = {
+        .environment = {{"GLIBC_TUNABLES",
+                         "glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2,-AVX512F,-AVX2_Usable,-FMA_Usable"}}};
+    expect_same(expected, output_of(job, {"--simd", "scalar"}, masked), "masked CPU features");
+}
+
+const std::string kScenes = EARSHOT_SOURCE_DIR "/scenes/";
+
+TEST(OutputFiles, AreTheSameBytesForARoom) {
+    expect_determinism({kScenes + "classroom.gltf", "--order", "2"});
+}
+
+TEST(OutputFiles, AreTheSameBytesForAMovingScene) {
+    expect_determinism({kScenes + "curtain.gltf", "--order", "2", "--frames", "0:0.6:0.3"});
+}
+
+// A refitted hierarchy (the second frame of the sequence) and a freshly built one (that frame
+// alone) give the same paths and the same sound.
+TEST(OutputFiles, DoNotDependOnTheFramesBefore) {
+    const Files sequence =
+        output_of({kScenes + "curtain.gltf", "--order", "2"}, {"--frames", "0:0.6:0.3"});
+    const Files alone = output_of({kScenes + "curtain.gltf", "--order", "2"}, {"--time", "0.6"});
+    int compared = 0;
+    for (const auto& [name, bytes] : alone) {
+        if (name.ends_with(".wav")) {
+            const std::string numbered = name.substr(0, name.size() - 4) + "__0002.wav";
+            ASSERT_EQ(sequence.count(numbered), 1U) << numbered;
+            EXPECT_TRUE(sequence.at(numbered) == bytes) << name;
+            ++compared;
+        }
+    }
+    EXPECT_GE(compared, 1);
+}
+
+}  // namespace
+}  // namespace earshot::test

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/io/results.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace earshot::io {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Fixture {
+    propagation::Scene scene;
+    const audio::Bands& bands = audio::Bands::octaves();
+    ResultHeader header{.scene = scene, .bands = bands, .speed_of_sound = 343.2};
+
+    Fixture() {
+        scene.name = "a \"b\".gltf";
+        scene.materials.resize(2);
+        scene.materials[1].name = "br\xffick";  // not UTF-8
+        scene.sources = {{.name = "s", .node = -1, .position = {}, .directivity = {}}};
+        scene.listeners = {{.name = "l", .node = -1, .position = {}, .directivity = {}}};
+    }
+};
+
+TEST(EncodePaths, NumbersReadBackAsTheSameDoubles) {
+    const Fixture fixture;
+    propagation::Path path;
+    path.kind = propagation::PathKind::specular;
+    path.order = 1;
+    path.length = 0.1 + 0.2;
+    path.delay = 1.0 / 3.0;
+    path.points = {{0.1, 1e-300, -0.0}, {1e22, 2, 3}, {4, 5, 6}};
+    path.triangles = {4000000000U};
+    path.materials = {1};
+    path.pressure[9] = 5e-324;
+    const std::string text =
+        encode_paths(fixture.header, {{.source = 0, .listener = 0, .time = 0.1, .paths = {path}}});
+    const Json json = Json::parse(text);
+    EXPECT_EQ(json["version"], 1);
+    EXPECT_EQ(json["scene"], "a \"b\".gltf");
+    EXPECT_EQ(json["bands_hz"][0], 31.5);
+    const Json& read = json["pairs"][0]["paths"][0];
+    EXPECT_EQ(json["pairs"][0]["time"], 0.1);
+    EXPECT_EQ(read["length"].get<double>(), path.length);
+    EXPECT_EQ(read["delay"].get<double>(), path.delay);
+    EXPECT_EQ(read["points"][0][1].get<double>(), 1e-300);
+    EXPECT_EQ(read["points"][1][0].get<double>(), 1e22);
+    EXPECT_EQ(read["triangles"][0], 4000000000U);
+    EXPECT_EQ(read["pressure"].size(), 10U);
+    EXPECT_EQ(read["pressure"][9].get<double>(), 5e-324);
+    EXPECT_EQ(read["materials"][0], "br\xef\xbf\xbdick");
+}
+
+TEST(EncodePaths, APairWithoutPathsHasAnEmptyList) {
+    const Fixture fixture;
+    const Json json = Json::parse(encode_paths(fixture.header, {{}}));
+    EXPECT_EQ(json["pairs"][0]["paths"], Json::array());
+}
+
+TEST(EncodeMetrics, WhatIsNotSupportedIsNull) {
+    const Fixture fixture;
+    PairMetrics pair;
+    pair.metrics.bands.resize(10);
+    pair.metrics.bands[3].clarity_c80_db = -1.5;
+    pair.metrics.bands[4].early_decay_time = 0.7;
+    pair.metrics.notes = {"a note"};
+    const Json json = Json::parse(encode_metrics(fixture.header, {pair}));
+    const Json& read = json["pairs"][0];
+    EXPECT_EQ(read["source"], "s");
+    EXPECT_EQ(read["c80"].size(), 10U);
+    EXPECT_EQ(read["c80"][3], -1.5);
+    EXPECT_EQ(read["edt"][4], 0.7);
+    EXPECT_TRUE(read["c80"][2].is_null());
+    EXPECT_TRUE(read["sti"].is_null());
+    EXPECT_EQ(read["notes"][0], "a note");
+}
+
+}  // namespace
+}  // namespace earshot::io

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/propagation/simulator.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace earshot::propagation {
+namespace {
+
+using geometry::Vec3;
+
+/// The six walls of a 6 x 3 x 5 m box, two triangles each, with degenerate and duplicate triangles
+/// strewn in; floor (triangles 1 and 2) of material 1, the rest of material 0.
+Scene box_scene() {
+    geometry::Mesh mesh;
+    for (int i = 0; i < 8; ++i) {
+        mesh.positions.emplace_back(i & 1 ? 6.0 : 0.0, i & 2 ? 3.0 : 0.0, i & 4 ? 5.0 : 0.0);
+    }
+    mesh.triangles = {{0, 0, 1},  // degenerate
+                      {0, 4, 5},
+                      {0, 5, 1},  // floor
+                      {2, 3, 7},
+                      {2, 7, 6},
+                      {0, 1, 3},
+                      {0, 3, 2},
+                      {4, 6, 7},
+                      {4, 7, 5},
+                      {0, 2, 6},
+                      {0, 6, 4},
+                      {0, 2, 6},  // duplicate
+                      {1, 5, 7},
+                      {1, 7, 3}};
+    Scene scene;
+    scene.name = "box";
+    scene.material_of_triangle.assign(mesh.triangles.size(), 0);
+    scene.material_of_triangle[1] = scene.material_of_triangle[2] = 1;
+    scene.materials.resize(2);
+    scene.materials[0].name = "wall";
+    scene.materials[0].absorption = EnergyCoefficient(0.19);
+    scene.materials[1].name = "floor";
+    scene.materials[1].absorption = EnergyCoefficient(0.36);
+    scene.materials[1].scattering = EnergyCoefficient(0.75);
+    scene.sources = {{.name = "s", .node = -1, .position = {1, 1, 1}, .directivity = {}}};
+    scene.listeners = {{.name = "l", .node = -1, .position = {4, 2, 3}, .directivity = {}}};
+    scene.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
+    return scene;
+}
+
+TEST(Simulator, DescribesDirectAndReflectedSound) {
+    const Scene scene = box_scene();
+    Simulator simulator(scene, {.specular_order = 1, .air_absorption = false});
+    const auto pairs = simulator.run();
+    ASSERT_EQ(pairs.size(), 1U);
+    const auto& paths = pairs[0].paths;
+    ASSERT_EQ(paths.size(), 7U);
+    EXPECT_EQ(paths[0].kind, PathKind::direct);
+    EXPECT_DOUBLE_EQ(paths[0].length, std::sqrt(14.0));
+    EXPECT_DOUBLE_EQ(paths[0].delay, std::sqrt(14.0) / 343.2);
+    EXPECT_DOUBLE_EQ(paths[0].pressure[3], 1.0 / std::sqrt(14.0));
+    EXPECT_EQ(paths[0].pressure[10], 0.0);  // past the last octave
+    int on_floor = 0;
+    for (std::size_t i = 1; i < paths.size(); ++i) {
+        const Path& path = paths[i];
+        EXPECT_EQ(path.kind, PathKind::specular);
+        EXPECT_GE(path.delay, paths[i - 1].delay);
+        const bool floor = path.materials[0] == 1;
+        on_floor += floor ? 1 : 0;
+        EXPECT_EQ(path.triangles[0] == 1 || path.triangles[0] == 2, floor);
+        EXPECT_NE(path.triangles[0], 11U);  // the duplicate takes no part
+        // sqrt(1 - 0.19) = 0.9; sqrt((1 - 0.36) (1 - 0.75)) = 0.4
+        EXPECT_NEAR(path.pressure[0] * path.length, floor ? 0.4 : 0.9, 1e-15);
+        EXPECT_NEAR(glm::distance(path.points[0] + path.departure * glm::distance(path.points[0],
+                                                                                  path.points[1]),
+                                  path.points[1]),
+                    0.0,
+                    1e-12);
+    }
+    EXPECT_EQ(on_floor, 1);
+    const auto& clean = simulator.geometry().clean;
+    EXPECT_EQ(clean.degenerate_triangles, 1U);
+    EXPECT_EQ(clean.duplicate_triangles, 1U);
+    EXPECT_EQ(simulator.geometry().triangles, 12U);
+    EXPECT_EQ(simulator.geometry().facets, 6U);
+    EXPECT_EQ(simulator.statistics().paths, 7U);
+}
+
+TEST(Simulator, AirTakesItsShare) {
+    const Scene scene = box_scene();
+    const Air air = {.temperature_c = 5.0, .humidity_percent = 20.0};
+    const auto with = Simulator(scene, {.specular_order = 1, .air = air}).run();
+    const auto without =
+        Simulator(scene, {.specular_order = 1, .air = air, .air_absorption = false}).run();
+    const auto& bands = audio::Bands::octaves();
+    for (std::size_t i = 0; i < with[0].paths.size(); ++i) {
+        const Path& path = with[0].paths[i];
+        EXPECT_DOUBLE_EQ(path.delay * speed_of_sound(air), path.length);
+        for (std::size_t band = 0; band < bands.count(); ++band) {
+            const double loss_db =
+                absorption_db_per_metre(air, bands.exact_hz()[band]) * path.length;
+            EXPECT_NEAR(path.pressure[band] / without[0].paths[i].pressure[band],
+                        std::pow(10.0, -loss_db / 20.0),
+                        1e-12);
+        }
+    }
+}
+
+TEST(Simulator, OneSidedMaterialsReflectOnTheirFront) {
+    Scene scene = box_scene();  // fronts face inside, by the order of the corners
+    scene.materials[0].one_sided = scene.materials[1].one_sided = true;
+    const auto inside = Simulator(scene, {.specular_order = 1}).run()[0].paths.size();
+    scene = box_scene();
+    const auto both = Simulator(scene, {.specular_order = 1}).run()[0].paths.size();
+    EXPECT_EQ(both, 7U);
+    EXPECT_TRUE(inside == 7U || inside == 1U);
+    // Turned inside out, the other number.
+    auto turned = box_scene();
+    auto triangles = turned.mesh.triangles();
+    for (auto& triangle : triangles) {
+        std::swap(triangle[1], triangle[2]);
+    }
+    turned.mesh = geometry::AnimatedMesh::fixed(
+        {.positions = turned.mesh.positions_at(0.0), .triangles = triangles});
+    turned.materials[0].one_sided = turned.materials[1].one_sided = true;
+    EXPECT_EQ(Simulator(turned, {.specular_order = 1}).run()[0].paths.size(), 8U - inside);
+}
+
+TEST(Simulator, NoDirectSoundAtTheSourceItself) {
+    Scene scene = box_scene();
+    scene.listeners[0].position = scene.sources[0].position;
+    const auto paths = Simulator(scene, {.specular_order = 1}).run()[0].paths;
+    ASSERT_EQ(paths.size(), 6U);
+    EXPECT_TRUE(std::isfinite(paths[0].pressure[0]));
+}
+
+TEST(Simulator, TimesMayBeVisitedInAnyOrder) {
+    // A wall that slides between source and listener and away again.
+    geometry::Mesh wall{{{0, -5, -5}, {0, 5, -5}, {0, 5, 5}, {0, -5, 5}}, {{0, 1, 2}, {0, 2, 3}}};
+    geometry::Node node;
+    node.translation = {.interpolation = geometry::Interpolation::linear,
+                        .times = {0.0, 1.0, 2.0},
+                        .values = {0, 20, 0, 0, 0, 0, 0, -20, 0}};
+    geometry::Part part;
+    part.node = 0;
+    part.positions = wall.positions;
+    Scene scene;
+    scene.mesh = geometry::AnimatedMesh({node}, {}, {part}, wall.triangles);
+    scene.materials.resize(1);
+    scene.material_of_triangle = {0, 0};
+    scene.sources = {{.name = "s", .node = -1, .position = {-3, 0, 0}, .directivity = {}}};
+    scene.listeners = {{.name = "l", .node = -1, .position = {3, 1, 0}, .directivity = {}},
+                       {.name = "m", .node = 0, .position = {3, 1, 0}, .directivity = {}}};
+    Simulator simulator(scene, {.specular_order = 1});
+    const auto paths_at = [&](double time) {
+        simulator.set_time(time);
+        return simulator.run()[0].paths.size();
+    };
+    EXPECT_EQ(paths_at(0.0), 1U);
+    EXPECT_EQ(paths_at(1.0), 0U);
+    EXPECT_EQ(paths_at(2.0), 1U);
+    EXPECT_EQ(paths_at(1.0), 0U);
+    EXPECT_EQ(paths_at(0.0), 1U);
+}
+
+TEST(Simulator, RefusesWhatCannotBeSimulated) {
+    const Scene scene = box_scene();
+    EXPECT_THROW(Simulator(scene, {.air = {.humidity_percent = 101.0}}), Error);
+    EXPECT_THROW(Simulator(scene, {.specular_order = -1}).run(), Error);
+    Scene flat = box_scene();
+    flat.mesh = geometry::AnimatedMesh::fixed(
+        {.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, .triangles = {{0, 1, 2}}});
+    flat.material_of_triangle = {0};
+    EXPECT_THROW(Simulator{flat}, Error);
+}
+
+TEST(ArrivalsOf, CarryDelayPressureAndDirection) {
+    const Scene scene = box_scene();
+    const auto pair = Simulator(scene, {.specular_order = 1}).run()[0];
+    const auto arrivals = arrivals_of(pair);
+    ASSERT_EQ(arrivals.size(), pair.paths.size());
+    EXPECT_EQ(arrivals[2].delay, pair.paths[2].delay);
+    EXPECT_EQ(arrivals[2].pressure, pair.paths[2].pressure);
+    EXPECT_EQ(arrivals[2].direction[1], pair.paths[2].arrival.y);
+}
+
+}  // namespace
+}  // namespace earshot::propagation
