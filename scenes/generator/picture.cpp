@@ -261,17 +261,43 @@ std::string stroke(const std::array<double, 3>& colour) {
     return text;
 }
 
-std::string dots(const SceneDraft& draft, const View& view) {
-    std::string text;
-    for (const DraftNode& node : draft.nodes) {
-        if (node.role == Role::none) {
-            continue;
+// Where the labels of the emitters go: beside their dots, but not onto an earlier label.
+std::vector<Drawn> label_places(const std::vector<Drawn>& dots) {
+    constexpr double kLabelWidth = 110.0;
+    constexpr double kLineHeight = 14.0;
+    std::vector<Drawn> places;
+    for (const Drawn& dot : dots) {
+        Drawn place{dot.x + 8.0, dot.y + 4.0, 0.0};
+        const auto covered = [&](const Drawn& other) {
+            return std::fabs(other.x - place.x) < kLabelWidth &&
+                   std::fabs(other.y - place.y) < kLineHeight;
+        };
+        while (std::any_of(places.begin(), places.end(), covered)) {
+            place.y += 1.0;
         }
-        const Drawn at = view.draw(node.translation);
-        const char* colour = node.role == Role::source ? "#c1121f" : "#1d4ed8";
-        text += "<circle cx=\"" + whole(at.x) + "\" cy=\"" + whole(at.y) + "\" r=\"5\" fill=\"" +
-                colour + "\"/><text x=\"" + whole(at.x + 8.0) + "\" y=\"" + whole(at.y + 4.0) +
-                "\" fill=\"" + colour + "\">" + node.name + "</text>\n";
+        places.push_back(place);
+    }
+    return places;
+}
+
+std::string emitters(const SceneDraft& draft, const View& view) {
+    std::vector<const DraftNode*> nodes;
+    std::vector<Drawn> dots;
+    for (const DraftNode& node : draft.nodes) {
+        if (node.role != Role::none) {
+            nodes.push_back(&node);
+            dots.push_back(view.draw(node.translation));
+        }
+    }
+    const std::vector<Drawn> labels = label_places(dots);
+    std::string text;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        const char* colour = nodes[i]->role == Role::source ? "#c1121f" : "#1d4ed8";
+        text += "<circle cx=\"" + whole(dots[i].x) + "\" cy=\"" + whole(dots[i].y) +
+                "\" r=\"5\" fill=\"" + colour + "\"/><text x=\"" + whole(labels[i].x) + "\" y=\"" +
+                whole(labels[i].y) + "\" fill=\"" + colour +
+                "\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\">" + nodes[i]->name +
+                "</text>\n";
     }
     return text;
 }
@@ -312,7 +338,7 @@ std::string draw_picture(const SceneDraft& draft) {
                    "\" d=\"" + paths[material] + "\"/>\n";
         }
     }
-    return svg + dots(draft, view) + "</svg>\n";
+    return svg + emitters(draft, view) + "</svg>\n";
 }
 
 }  // namespace earshot::scenes
