@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/io/scene_file.h"
+#include "earshot/scenes/models.h"
+
+#include "scenes/generated_mesh.h"
+#include <cmath>
+#include <filesystem>
+
+namespace earshot::scenes {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+propagation::Scene load(const std::string& name) {
+    return io::load_scene(std::filesystem::path(EARSHOT_SOURCE_DIR) / "scenes" / name).scene;
+}
+
+// Where the corners of all triangles of one material are at a time.
+std::vector<Vec3> corners_of(const propagation::Scene& scene,
+                             const std::string& material,
+                             double time) {
+    const std::vector<Vec3> positions = scene.mesh.positions_at(time);
+    std::vector<Vec3> corners;
+    for (std::size_t triangle = 0; triangle < scene.material_of_triangle.size(); ++triangle) {
+        if (scene.materials[scene.material_of_triangle[triangle]].name == material) {
+            for (const geometry::VertexId vertex : scene.mesh.triangles()[triangle]) {
+                corners.push_back(positions[vertex]);
+            }
+        }
+    }
+    EXPECT_FALSE(corners.empty()) << material;
+    return corners;
+}
+
+// All that moves stays in the air of the room, at every time.
+void expect_stays_in_the_air(const SceneDraft& draft, const std::string& material) {
+    const propagation::Scene scene = load(draft.name + ".gltf");
+    const geometry::Mesh room = mesh_of(draft.nodes[0]);
+    const double duration = scene.mesh.duration();
+    ASSERT_GT(duration, 1.0);
+    for (int frame = 0; frame <= 60; ++frame) {
+        const double time = duration * frame / 60.0;
+        for (const Vec3& point : corners_of(scene, material, time)) {
+            ASSERT_NEAR(winding_number(room, point), -1.0, 1e-9)
+                << draft.name << " at " << time << " s: " << point.x << ", " << point.y << ", "
+                << point.z;
+        }
+    }
+}
+
+TEST(Motion, DoorNeverMeetsItsFrame) {
+    expect_stays_in_the_air(make_door(), "door-solid-wood");
+}
+
+TEST(Motion, CurtainNeverMeetsTheWalls) {
+    expect_stays_in_the_air(make_curtain(), "curtain-heavy");
+}
+
+TEST(Motion, DoorOpensByItsAngle) {
+    const SceneDraft draft = make_door();
+    const propagation::Scene scene = load("door.gltf");
+    const Vec3 hinge = draft.nodes[1].translation;
+    const auto opening = [&](double time) {
+        double farthest = 0.0;
+        double angle = 0.0;
+        for (const Vec3& point : corners_of(scene, "door-solid-wood", time)) {
+            // The face towards the opening side holds the hinge; its far edge shows the angle.
+            const double radius = std::hypot(point.x - hinge.x, point.z - hinge.z);
+            if (std::fabs(radius - 0.98) < 1e-4) {
+                farthest = radius;
+                angle = std::atan2(point.z - hinge.z, point.x - hinge.x) * 180.0 / kPi;
+            }
+        }
+        EXPECT_GT(farthest, 0.0);
+        return angle;
+    };
+    // Key frames are single precision.
+    EXPECT_NEAR(opening(0.0), 0.0, 1e-3);
+    EXPECT_NEAR(opening(1.0), 50.0, 1e-3);
+    EXPECT_NEAR(opening(2.5), 100.0, 1e-3);
+    EXPECT_NEAR(opening(4.0), 0.0, 1e-3);
+}
+
+TEST(Motion, CurtainIsDrawnToOneSide) {
+    const propagation::Scene scene = load("curtain.gltf");
+    const auto width = [&](double time) {
+        double low = 1e9;
+        double high = -1e9;
+        for (const Vec3& point : corners_of(scene, "curtain-heavy", time)) {
+            low = std::min(low, point.x);
+            high = std::max(high, point.x);
+        }
+        return high - low;
+    };
+    EXPECT_NEAR(width(0.0), 7.4, 1e-5);
+    EXPECT_NEAR(width(0.7), 7.4, 1e-5) << "swaying does not draw it";
+    EXPECT_NEAR(width(5.0), 1.5, 1e-5);
+}
+
+}  // namespace
+}  // namespace earshot::scenes
