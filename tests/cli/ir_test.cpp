@@ -145,9 +145,11 @@ TEST_F(Ir, FramesMakeOneResponsePerInstant) {
                                           "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json paths = json_of("paths.json");
+    const std::size_t listeners = paths["pairs"].size() / 3;
+    ASSERT_GE(listeners, 1U);
     std::vector<double> times;
-    for (const Json& pair : paths["pairs"]) {
-        times.push_back(pair["time"]);
+    for (std::size_t i = 0; i < paths["pairs"].size(); i += listeners) {
+        times.push_back(paths["pairs"][i]["time"]);
     }
     EXPECT_EQ(times, (std::vector<double>{0.0, 0.5, 1.0}));
     std::size_t numbered = 0;
@@ -158,7 +160,7 @@ TEST_F(Ir, FramesMakeOneResponsePerInstant) {
                         ? 1
                         : 0;
     }
-    EXPECT_EQ(numbered, 3U);
+    EXPECT_EQ(numbered, 3 * listeners);
 
     // One instant alone gives the same as that instant of the sequence.
     ASSERT_EQ(
@@ -166,7 +168,7 @@ TEST_F(Ir, FramesMakeOneResponsePerInstant) {
             {"ir", kScenes + "door.gltf", "-o", out(), "--order", "1", "--time", "0.5", "--quiet"})
             .status,
         0);
-    EXPECT_EQ(json_of("paths.json")["pairs"][0], paths["pairs"][1]);
+    EXPECT_EQ(json_of("paths.json")["pairs"][0], paths["pairs"][listeners]);
 }
 
 TEST_F(Ir, ThirdOctavesGiveThirtyOneBands) {

@@ -20,7 +20,8 @@ using Files = std::map<std::string, std::string>;  // name to bytes
 Files output_of(const std::vector<std::string>& job,
                 const std::vector<std::string>& extra,
                 const RunOptions& options = {}) {
-    const fs::path folder = fs::path(testing::TempDir()) / "earshot_determinism";
+    const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
+    const fs::path folder = fs::path(testing::TempDir()) / ("earshot_determinism_" + test);
     fs::remove_all(folder);
     std::vector<std::string> command = {EARSHOT_PROGRAM, "ir"};
     command.insert(command.end(), job.begin(), job.end());
