@@ -136,15 +136,19 @@ private:
     }
 
     void add_concert_hall() {
-        const std::map<std::string, Seats> seats = {
-            {"none", Seats::none}, {"blocks", Seats::blocks}, {"individual", Seats::individual}};
         add_scene("concert_hall",
                   "A concert hall with balconies and seats",
-                  [this] { return make_concert_hall(concert_hall_); })
-            ->add_option("--seats",
-                         concert_hall_.seats,
-                         "in the stalls: none, blocks (few facets) or individual")
-            ->transform(CLI::CheckedTransformer(seats));
+                  [this] {
+                      const std::map<std::string, Seats> seats = {
+                          {"none", Seats::none},
+                          {"blocks", Seats::blocks},
+                          {"individual", Seats::individual}};
+                      concert_hall_.seats = seats.at(seats_);
+                      return make_concert_hall(concert_hall_);
+                  })
+            ->add_option(
+                "--seats", seats_, "in the stalls: none, blocks (few facets) or individual")
+            ->check(CLI::IsMember({"none", "blocks", "individual"}));
     }
 
     void add_moving() {
@@ -167,6 +171,7 @@ private:
     CoupledRoomsOptions coupled_rooms_;
     ClassroomOptions classroom_;
     ConcertHallOptions concert_hall_;
+    std::string seats_ = "individual";
     DoorOptions door_;
     CurtainOptions curtain_;
 };

@@ -7,7 +7,10 @@
 
 #include <cctype>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <limits>
+#include <sstream>
 #include <string>
 
 namespace earshot::propagation {
@@ -175,6 +178,21 @@ TEST(MaterialLibrary, CarriesThePrintedValues) {
     EXPECT_EQ(value("audience-upholstered-seats", 125.0), 0.62);
     EXPECT_EQ(value("audience-upholstered-seats", 8000.0), 0.85);
     EXPECT_EQ(value("opening", 31.5), 1.0);
+}
+
+// The page is what readers check against the books.
+TEST(MaterialLibrary, IsTheTableOfItsPage) {
+    std::ifstream file(EARSHOT_SOURCE_DIR "/docs/materials.md");
+    const std::string page(std::istreambuf_iterator<char>(file), {});
+    for (const LibraryMaterial& row : material_library()) {
+        std::ostringstream line;
+        line << "\n| `" << row.name << "` |";
+        for (const EnergyCoefficient::Point& point : row.material.absorption.points()) {
+            line << " " << point.value << " |";
+        }
+        line << " " << row.source.front() << " | " << row.description << " |\n";
+        EXPECT_NE(page.find(line.str()), std::string::npos) << line.str();
+    }
 }
 
 TEST(MaterialLibrary, FindsEveryRowByNameAndNothingElse) {
