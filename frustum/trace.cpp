@@ -46,20 +46,15 @@ struct Task {
 class FrustumWalk {
 public:
     FrustumWalk(const Task& task, const Vec3& source) : task_(task), images_{source} {
-        for (int order = 0; order <= task.options.max_order; ++order) {
+        for (int order = 0; order < task.options.max_order; ++order) {
             searches_.emplace_back(task.index, task.options.mode, task.verifier.contact_reach());
         }
     }
 
-    /// The reflected frusta of a source's frustum.
+    /// Looks into a source's frustum; the reflected frusta that are worth following.
     std::vector<Frustum> first_reflections(const Frustum& frustum) {
-        VisibleFacets& search = searches_[0];
-        search.search(frustum);
-        ++harvest_.statistics.frusta;
         std::vector<Frustum> children;
-        for (const VisibleFacet& visible : search.found()) {
-            children.push_back(search.reflect(visible));
-        }
+        visit(frustum, [&](const Frustum& child) { children.push_back(child); });
         return children;
     }
 
@@ -67,18 +62,7 @@ public:
     void follow(const Frustum& frustum) {
         sequence_.push_back(frustum.facet);
         images_.push_back(frustum.apex);
-        VisibleFacets& search = searches_[sequence_.size()];
-        ++harvest_.statistics.frusta;
-        const bool is_last = static_cast<int>(sequence_.size()) == task_.options.max_order;
-        if (is_last) {
-            search.enter(frustum);
-        } else {
-            search.search(frustum);
-        }
-        propose_to_listeners(search);
-        for (const VisibleFacet& visible : search.found()) {
-            follow(search.reflect(visible));
-        }
+        visit(frustum, [&](const Frustum& child) { follow(child); });
         sequence_.pop_back();
         images_.pop_back();
     }
@@ -86,9 +70,39 @@ public:
     Harvest take_harvest() { return std::move(harvest_); }
 
 private:
-    void propose_to_listeners(const VisibleFacets& search) {
+    template <typename VisitChild>
+    void visit(const Frustum& frustum, VisitChild&& visit_child) {
+        VisibleFacets& search = searches_[sequence_.size()];
+        search.search(frustum);
+        ++harvest_.statistics.frusta;
+        if (!sequence_.empty()) {
+            propose_if([&](const Vec3& listener) { return search.may_reach(listener); });
+        }
+        const bool next_is_last = static_cast<int>(sequence_.size()) + 1 == task_.options.max_order;
+        for (const VisibleFacet& visible : search.found()) {
+            if (next_is_last) {
+                propose_last(search, visible);
+            } else {
+                visit_child(search.reflect(visible));
+            }
+        }
+    }
+
+    /// The last reflection needs no frustum of its own: whether a listener is in it shows in the
+    /// one before. Nine in ten frusta would be last ones.
+    void propose_last(const VisibleFacets& search, const VisibleFacet& visible) {
+        sequence_.push_back(visible.facet);
+        images_.push_back(task_.index.plane(visible.facet).mirror(images_.back()));
+        propose_if(
+            [&](const Vec3& listener) { return search.may_reach_mirrored(visible, listener); });
+        sequence_.pop_back();
+        images_.pop_back();
+    }
+
+    template <typename MayReach>
+    void propose_if(MayReach&& may_reach) {
         for (std::size_t i = 0; i < task_.listeners.size(); ++i) {
-            if (!search.may_reach(task_.listeners[i])) {
+            if (!may_reach(task_.listeners[i])) {
                 continue;
             }
             ++harvest_.statistics.candidates;

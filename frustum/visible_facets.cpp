@@ -58,17 +58,13 @@ void for_each_cell(CellMask mask, Visit&& visit) {
 VisibleFacets::VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach)
     : index_(index), mode_(mode), contact_reach_(contact_reach), raster_(Rect{}, 1) {}
 
-void VisibleFacets::enter(const Frustum& frustum) {
+void VisibleFacets::search(const Frustum& frustum) {
     frustum_ = frustum;
     raster_ = CellRaster(frustum.rect, frustum.cells);
     moved_ = kRounding * (index_.scale() + glm::length(frustum.apex));
     covered_ = 0;
     candidates_.clear();
     found_.clear();
-}
-
-void VisibleFacets::search(const Frustum& frustum) {
-    enter(frustum);
     if (frustum.starts_at_facet) {
         start_limit_ = pushed_back(
             scaled(frustum.start, 1.0 - depth_error(frustum.facet)), contact_reach_, frustum.rect);
@@ -407,6 +403,23 @@ bool VisibleFacets::may_reach(const Vec3& point) const noexcept {
         return cells != 0;
     }
     return !everything_hides(p.z, cells);
+}
+
+bool VisibleFacets::may_reach_mirrored(const VisibleFacet& visible,
+                                       const Vec3& point) const noexcept {
+    const Plane& plane = index_.plane(visible.facet);
+    const double side = plane.distance(frustum_.apex) > 0.0 ? 1.0 : -1.0;
+    if (side * plane.distance(point) < -moved_) {
+        return false;
+    }
+    // The straight line from the apex to the mirrored point passes the facet where the sound
+    // reflects.
+    const Vec3 p = frustum_.local(plane.mirror(point));
+    if (!(p.z > frustum_.least_depth)) {
+        return false;
+    }
+    const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
+    return (cells_near({.lower = uv, .upper = uv}, p.z) & visible.cells) != 0;
 }
 
 Frustum VisibleFacets::reflect(const VisibleFacet& visible) {

@@ -27,9 +27,6 @@ public:
     /// `contact_reach` in metres, as PathVerifier::contact_reach.
     VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach);
 
-    /// Makes this the current frustum without looking for facets: nothing hides anything in it.
-    void enter(const Frustum& frustum);
-
     /// Makes this the current frustum and finds what it sees.
     void search(const Frustum& frustum);
 
@@ -39,6 +36,11 @@ public:
     /// Whether sound in the current frustum may arrive at the point: false only if every
     /// sub-frustum that may hold it is dead or filled by a facet nearer than the point.
     bool may_reach(const geometry::Vec3& point) const noexcept;
+
+    /// Whether sound in the current frustum may arrive at the point after one more reflection, in a
+    /// facet that the frustum sees. Conservative like may_reach, but for what stands between.
+    bool may_reach_mirrored(const VisibleFacet& visible,
+                            const geometry::Vec3& point) const noexcept;
 
     /// The part of the current frustum that a facet it sees reflects.
     Frustum reflect(const VisibleFacet& visible);

@@ -110,7 +110,13 @@ TEST(VisibleFacets, AReflectedFrustumIsAsWideAsTheFacetAllows) {
     EXPECT_NEAR(glm::distance(child.apex, Vec3(0, 0, 8)), 0.0, 1e-12);
     EXPECT_NEAR(child.rect.lower.x, -0.25, 1e-5);
     EXPECT_NEAR(child.rect.upper.y, 0.25, 1e-5);
-    search.enter(child);
+    // Asked of the parent and of the child itself, the answers agree.
+    const VisibleFacet mirror = search.found().front();
+    EXPECT_TRUE(search.may_reach_mirrored(mirror, {0, 0, 1}));
+    EXPECT_TRUE(search.may_reach_mirrored(mirror, {1.49, 0, 2.01}));
+    EXPECT_FALSE(search.may_reach_mirrored(mirror, {4, 0, 1.98}));
+    EXPECT_FALSE(search.may_reach_mirrored(mirror, {0, 0, 5}));
+    search.search(child);
     EXPECT_TRUE(search.may_reach({0, 0, 1}));
     EXPECT_TRUE(search.may_reach({1.49, 0, 2.01}));   // just inside the mirrored pyramid
     EXPECT_FALSE(search.may_reach({1.52, 0, 1.98}));  // just outside
