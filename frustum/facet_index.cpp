@@ -32,7 +32,7 @@ FacetIndex::FacetIndex(const Surroundings& surroundings)
             scale_ = std::max({scale_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         }
     }
-    std::vector<geometry::Aabb> boxes(facets_->size());
+    boxes_.resize(facets_->size());
     first_loop_.reserve(facets_->size() + 1);
     for (std::size_t i = 0; i < facets_->size(); ++i) {
         const geometry::Facet& facet = (*facets_)[i];
@@ -42,14 +42,14 @@ FacetIndex::FacetIndex(const Surroundings& surroundings)
             const auto begin = static_cast<std::uint32_t>(vertices_.size());
             for (const Vec3& vertex : loop) {
                 vertices_.push_back(snap_to_plane(facet.plane, vertex, axis));
-                boxes[i].include(vertices_.back());
-                boxes[i].include(vertex);
+                boxes_[i].include(vertices_.back());
+                boxes_[i].include(vertex);
             }
             loops_.push_back({begin, static_cast<std::uint32_t>(vertices_.size())});
         }
     }
     first_loop_.push_back(static_cast<std::uint32_t>(loops_.size()));
-    tree_ = bvh::Tree::build(boxes);
+    tree_ = bvh::Tree::build(boxes_);
 }
 
 std::span<const FacetIndex::LoopRange> FacetIndex::loops(geometry::FacetId facet) const noexcept {

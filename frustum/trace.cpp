@@ -4,6 +4,7 @@
 #include "earshot/base/error.h"
 #include "earshot/frustum/image_path.h"
 #include "earshot/frustum/internal/facet_index.h"
+#include "earshot/frustum/internal/last_reflection.h"
 #include "earshot/frustum/internal/path_order.h"
 #include "earshot/frustum/internal/visible_facets.h"
 
@@ -20,6 +21,10 @@ namespace {
 constexpr int kDefaultResolution = 32;
 constexpr int kMaxResolution = 1024;
 constexpr int kMaxOrder = 64;
+
+/// Up to so many listeners last reflections are looked for listener by listener (LastReflections);
+/// for more of them the frustum's facets are drawn once for all. The answer is the same.
+constexpr std::size_t kFewListeners = 32;
 
 /// What one task of the search brings home.
 struct Harvest {
@@ -45,7 +50,8 @@ struct Task {
 /// keeps a search per order so that a parent's findings survive its children's searches.
 class FrustumWalk {
 public:
-    FrustumWalk(const Task& task, const Vec3& source) : task_(task), images_{source} {
+    FrustumWalk(const Task& task, const Vec3& source)
+        : task_(task), last_reflections_(task.index), images_{source} {
         for (int order = 0; order < task.options.max_order; ++order) {
             searches_.emplace_back(task.index, task.options.mode, task.verifier.contact_reach());
         }
@@ -73,28 +79,44 @@ private:
     template <typename VisitChild>
     void visit(const Frustum& frustum, VisitChild&& visit_child) {
         VisibleFacets& search = searches_[sequence_.size()];
-        search.search(frustum);
         ++harvest_.statistics.frusta;
+        const bool next_is_last = static_cast<int>(sequence_.size()) + 1 == task_.options.max_order;
+        const bool is_cheap =
+            task_.options.mode == Mode::complete && task_.listeners.size() <= kFewListeners;
+        if (next_is_last && is_cheap) {
+            search.enter(frustum);
+        } else {
+            search.search(frustum);
+        }
         if (!sequence_.empty()) {
             propose_if([&](const Vec3& listener) { return search.may_reach(listener); });
         }
-        const bool next_is_last = static_cast<int>(sequence_.size()) + 1 == task_.options.max_order;
+        if (next_is_last && is_cheap) {
+            for (const LastReflection& last : last_reflections_.find(frustum, task_.listeners)) {
+                with_facet(last.facet, [&] { propose(last.listener); });
+            }
+            return;
+        }
         for (const VisibleFacet& visible : search.found()) {
             if (next_is_last) {
-                propose_last(search, visible);
+                with_facet(visible.facet, [&] {
+                    propose_if([&](const Vec3& listener) {
+                        return search.may_reach_mirrored(visible, listener);
+                    });
+                });
             } else {
                 visit_child(search.reflect(visible));
             }
         }
     }
 
-    /// The last reflection needs no frustum of its own: whether a listener is in it shows in the
-    /// one before. Nine in ten frusta would be last ones.
-    void propose_last(const VisibleFacets& search, const VisibleFacet& visible) {
-        sequence_.push_back(visible.facet);
-        images_.push_back(task_.index.plane(visible.facet).mirror(images_.back()));
-        propose_if(
-            [&](const Vec3& listener) { return search.may_reach_mirrored(visible, listener); });
+    /// Calls body with the sequence one facet longer. A last reflection needs no frustum of its
+    /// own: nine in ten would be last ones.
+    template <typename Body>
+    void with_facet(FacetId facet, Body&& body) {
+        sequence_.push_back(facet);
+        images_.push_back(task_.index.plane(facet).mirror(images_.back()));
+        body();
         sequence_.pop_back();
         images_.pop_back();
     }
@@ -102,19 +124,23 @@ private:
     template <typename MayReach>
     void propose_if(MayReach&& may_reach) {
         for (std::size_t i = 0; i < task_.listeners.size(); ++i) {
-            if (!may_reach(task_.listeners[i])) {
-                continue;
+            if (may_reach(task_.listeners[i])) {
+                propose(i);
             }
-            ++harvest_.statistics.candidates;
-            if (auto path = task_.verifier.verify(sequence_, images_, task_.listeners[i])) {
-                path->listener = i;
-                harvest_.paths.push_back(std::move(*path));
-            }
+        }
+    }
+
+    void propose(std::size_t listener) {
+        ++harvest_.statistics.candidates;
+        if (auto path = task_.verifier.verify(sequence_, images_, task_.listeners[listener])) {
+            path->listener = listener;
+            harvest_.paths.push_back(std::move(*path));
         }
     }
 
     const Task& task_;
     std::vector<VisibleFacets> searches_;
+    LastReflections last_reflections_;
     std::vector<FacetId> sequence_;
     std::vector<Vec3> images_;
     Harvest harvest_;

@@ -58,13 +58,17 @@ void for_each_cell(CellMask mask, Visit&& visit) {
 VisibleFacets::VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach)
     : index_(index), mode_(mode), contact_reach_(contact_reach), raster_(Rect{}, 1) {}
 
-void VisibleFacets::search(const Frustum& frustum) {
+void VisibleFacets::enter(const Frustum& frustum) {
     frustum_ = frustum;
     raster_ = CellRaster(frustum.rect, frustum.cells);
     moved_ = kRounding * (index_.scale() + glm::length(frustum.apex));
     covered_ = 0;
     candidates_.clear();
     found_.clear();
+}
+
+void VisibleFacets::search(const Frustum& frustum) {
+    enter(frustum);
     if (frustum.starts_at_facet) {
         start_limit_ = pushed_back(
             scaled(frustum.start, 1.0 - depth_error(frustum.facet)), contact_reach_, frustum.rect);

@@ -38,6 +38,8 @@ public:
     /// the same polygon.
     std::span<const geometry::Vec3> vertices() const noexcept { return vertices_; }
     const bvh::Tree& tree() const noexcept { return tree_; }
+    /// The outward-rounded box of a facet.
+    const geometry::Aabb& box(geometry::FacetId facet) const noexcept { return boxes_[facet]; }
 
     /// Largest absolute coordinate of the scene, metres.
     double scale() const noexcept { return scale_; }
@@ -48,6 +50,7 @@ private:
     std::vector<std::uint32_t> first_loop_;  // per facet, and one past the last
     std::vector<LoopRange> loops_;
     std::vector<geometry::Vec3> vertices_;
+    std::vector<geometry::Aabb> boxes_;
     bvh::Tree tree_;
     double scale_ = 0.0;
     double tolerance_ = 0.0;

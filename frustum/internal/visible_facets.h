@@ -27,6 +27,9 @@ public:
     /// `contact_reach` in metres, as PathVerifier::contact_reach.
     VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach);
 
+    /// Makes this the current frustum without looking for facets: nothing hides anything in it.
+    void enter(const Frustum& frustum);
+
     /// Makes this the current frustum and finds what it sees.
     void search(const Frustum& frustum);
 
