@@ -54,8 +54,8 @@ std::optional<Hit> closest_hit(const Tree& tree,
     };
     std::array<Waiting, kMaxDepth + 1> waiting;
     std::size_t count = 0;
-    if (const auto root = prepared.passage(nodes[0].box, most)) {
-        waiting[count++] = {0, root->near};
+    if (const auto root = prepared.passage(nodes[0].box, most); !root.is_empty()) {
+        waiting[count++] = {0, root.near};
     }
     while (count > 0) {
         Waiting current = waiting[--count];
@@ -67,13 +67,13 @@ std::optional<Hit> closest_hit(const Tree& tree,
             const std::uint32_t left = nodes[current.node].first;
             const auto to_left = prepared.passage(nodes[left].box, most);
             const auto to_right = prepared.passage(nodes[left + 1].box, most);
-            if (to_left && to_right) {
-                const bool left_first = to_left->near <= to_right->near;
+            if (!to_left.is_empty() && !to_right.is_empty()) {
+                const bool left_first = to_left.near <= to_right.near;
                 waiting[count++] =
-                    left_first ? Waiting{left + 1, to_right->near} : Waiting{left, to_left->near};
+                    left_first ? Waiting{left + 1, to_right.near} : Waiting{left, to_left.near};
                 current.node = left_first ? left : left + 1;
-            } else if (to_left || to_right) {
-                current.node = to_left ? left : left + 1;
+            } else if (!to_left.is_empty() || !to_right.is_empty()) {
+                current.node = to_left.is_empty() ? left + 1 : left;
             } else {
                 break;
             }

@@ -47,7 +47,7 @@ bool any_touching(const Tree& tree,
     bool is_blocked = false;
     traverse(
         tree,
-        [&](const Node& node) { return slabs.passage(node.box, 1.0).has_value(); },
+        [&](const Node& node) { return !slabs.passage(node.box, 1.0).is_empty(); },
         [&](geometry::TriangleId id) {
             const geometry::Triangle& triangle = mesh.triangles[id];
             const auto touch = geometry::first_touch(segment,

@@ -4,6 +4,7 @@
 #include "earshot/geometry/predicates.h"
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +12,23 @@
 namespace earshot::geometry {
 namespace {
 
+// Of the coordinates involved. Moving and shearing a vertex is off by some 10 units of 2^-53 of
+// them, an edge function by 2 units of the distances to its ends, which in a triangle that is hit
+// are no longer than its edges, and the differences below by 2: a sixteenth of the padding in all.
 constexpr double kPad = 0x1p-45;
+
+// Distances are rounded three times (the inverse, its widening, the product), by 2^-53 each.
+constexpr double kBefore = 1.0 - 0x1p-50;
+constexpr double kAfter = 1.0 + 0x1p-50;
+
+// The inverse of a component that is zero or nearly so. Finite, so that its product with 0 is 0,
+// and so large that any other product lies beyond the distances along the other axes.
+constexpr double kMostInverse = 0x1p1023;
+
+// Largest components of directions whose inverses, and distances to single-precision coordinates in
+// multiples of them, neither overflow nor lose bits.
+constexpr double kShortest = 0x1p-500;
+constexpr double kLongest = 0x1p500;
 
 double largest(const Vec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -90,29 +107,36 @@ double entry_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, cons
 
 }  // namespace
 
-Slabs::Slabs(const Vec3& origin, const Vec3& direction, double reach) noexcept
-    : origin_(origin), pad_(kPad * (largest(origin) + reach)) {
+Slabs::Slabs(const Vec3& origin, const Vec3& direction, double reach) noexcept {
+    const double pad = kPad * (largest(origin) + reach);
     for (int axis = 0; axis < 3; ++axis) {
-        const double inverse = 1.0 / direction[axis];
-        const bool is_flat = !std::isfinite(inverse);
-        is_flat_[static_cast<std::size_t>(axis)] = is_flat;
-        inverse_[axis] = is_flat ? 0.0 : inverse;
+        const auto k = static_cast<std::size_t>(axis);
+        const double inverse = std::clamp(1.0 / direction[axis], -kMostInverse, kMostInverse);
+        is_forward_[k] = inverse > 0.0;
+        before_[k] = origin[axis] + (is_forward_[k] ? pad : -pad);
+        after_[k] = origin[axis] - (is_forward_[k] ? pad : -pad);
+        inverse_before_[k] = inverse * kBefore;
+        inverse_after_[k] = inverse * kAfter;
     }
 }
 
 PreparedRay::PreparedRay(const Ray& ray, double reach) noexcept
-    : slabs_(ray.origin, ray.direction, reach), origin_(ray.origin) {
-    const double size = largest(ray.direction);
-    if (!is_finite(ray.origin) || !is_finite(ray.direction) || !std::isfinite(1.0 / size) ||
+    : slabs_(ray.origin, ray.direction, reach) {
+    const Vec3& d = ray.direction;
+    const double size = largest(d);
+    if (!is_finite(ray.origin) || !is_finite(d) || !(size >= kShortest && size <= kLongest) ||
         !(ray.t_max >= 0.0)) {
         return;
     }
     t_max_ = ray.t_max;
-    const Vec3& d = ray.direction;
-    axis_z_ = std::abs(d.x) == size ? 0 : std::abs(d.y) == size ? 1 : 2;
-    axis_x_ = (axis_z_ + 1) % 3;
-    axis_y_ = (axis_z_ + 2) % 3;
-    shear_ = {d[axis_x_] / d[axis_z_], d[axis_y_] / d[axis_z_], 1.0 / d[axis_z_]};
+    const int z = std::abs(d.x) == size ? 0 : std::abs(d.y) == size ? 1 : 2;
+    const int x = (z + 1) % 3;
+    const int y = (z + 2) % 3;
+    axis_x_ = static_cast<std::size_t>(x);
+    axis_y_ = static_cast<std::size_t>(y);
+    axis_z_ = static_cast<std::size_t>(z);
+    origin_ = {ray.origin[x], ray.origin[y], ray.origin[z]};
+    shear_ = {d[x] / d[z], d[y] / d[z], 1.0 / d[z]};
 }
 
 std::optional<Hit> PreparedRay::hit(const Vec3& a,
@@ -120,15 +144,15 @@ std::optional<Hit> PreparedRay::hit(const Vec3& a,
                                     const Vec3& c,
                                     double most) const noexcept {
     // Woop, Benthin, Wald 2013, appendix A, without backface culling.
-    const Vec3 from_a = a - origin_;
-    const Vec3 from_b = b - origin_;
-    const Vec3 from_c = c - origin_;
-    const double ax = from_a[axis_x_] - shear_.x * from_a[axis_z_];
-    const double ay = from_a[axis_y_] - shear_.y * from_a[axis_z_];
-    const double bx = from_b[axis_x_] - shear_.x * from_b[axis_z_];
-    const double by = from_b[axis_y_] - shear_.y * from_b[axis_z_];
-    const double cx = from_c[axis_x_] - shear_.x * from_c[axis_z_];
-    const double cy = from_c[axis_y_] - shear_.y * from_c[axis_z_];
+    const double az = glm::value_ptr(a)[axis_z_] - origin_.z;
+    const double bz = glm::value_ptr(b)[axis_z_] - origin_.z;
+    const double cz = glm::value_ptr(c)[axis_z_] - origin_.z;
+    const double ax = glm::value_ptr(a)[axis_x_] - origin_.x - shear_.x * az;
+    const double ay = glm::value_ptr(a)[axis_y_] - origin_.y - shear_.y * az;
+    const double bx = glm::value_ptr(b)[axis_x_] - origin_.x - shear_.x * bz;
+    const double by = glm::value_ptr(b)[axis_y_] - origin_.y - shear_.y * bz;
+    const double cx = glm::value_ptr(c)[axis_x_] - origin_.x - shear_.x * cz;
+    const double cy = glm::value_ptr(c)[axis_y_] - origin_.y - shear_.y * cz;
     const double u = cx * by - cy * bx;
     const double v = ax * cy - ay * cx;
     const double w = bx * ay - by * ax;
@@ -139,16 +163,17 @@ std::optional<Hit> PreparedRay::hit(const Vec3& a,
     if (determinant == 0.0) {
         return std::nullopt;
     }
-    const auto passed = passage(triangle_box(a, b, c), t_max_);
-    if (!passed) {
+    const Passage own = slabs_.passage(triangle_box(a, b, c));
+    if (own.is_empty()) {
         return std::nullopt;
     }
-    const double depth = u * from_a[axis_z_] + v * from_b[axis_z_] + w * from_c[axis_z_];
-    const double t = std::clamp(shear_.z * depth / determinant, passed->near, passed->far);
-    if (t > most) {
+    const double depth = u * az + v * bz + w * cz;
+    const double t = std::clamp(shear_.z * depth / determinant, own.near, own.far);
+    if (!(t >= 0.0 && t <= most)) {
         return std::nullopt;
     }
-    return Hit{.t = t, .u = v / determinant, .v = w / determinant};
+    // Adding 0 turns -0 into 0.
+    return Hit{.t = t + 0.0, .u = v / determinant + 0.0, .v = w / determinant + 0.0};
 }
 
 Aabb triangle_box(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {

@@ -5,61 +5,55 @@
 #include "earshot/geometry/types.h"
 
 #include <array>
+#include <cstddef>
+#include <limits>
 #include <optional>
 
 namespace earshot::geometry {
 
-/// Where a line passes a box, in multiples of its direction.
+/// The part of a line inside a box, in multiples of its direction. Missed if near > far.
 struct Passage {
     double near = 0.0;
     double far = 0.0;
+
+    bool is_empty() const noexcept { return near > far; }
 };
 
-/// The part t >= 0 of a line, prepared for many boxes. Errs to the large side: each box is padded
-/// by 2^-45 of the coordinates involved (256 units in the last place, far more than the triangle
-/// tests below can be off) and each distance by a few units of its own (Ize 2013). passage() is
-/// monotone: of a box inside another the passage lies inside the other's, in floating point.
+/// A line prepared for many boxes. Errs to the large side: each box is padded by 2^-45 of the
+/// coordinates involved (256 units in the last place, far more than the triangle tests below can be
+/// off) and each distance by a few units of its own (Ize 2013). Passages are monotone: of a box
+/// inside another the passage lies inside the other's, in floating point.
 class Slabs {
 public:
-    /// `reach`: the largest absolute coordinate of any box that will be tested, metres. Components
-    /// of the direction too small to have a finite inverse count as 0. Precondition: finite.
+    /// `reach`: the largest absolute coordinate of any box that will be tested, metres.
+    /// Precondition: finite.
     Slabs(const Vec3& origin, const Vec3& direction, double reach) noexcept;
 
-    /// Empty if the line does not pass the box between t = 0 and t = most.
-    std::optional<Passage> passage(const Aabb& box, double most) const noexcept {
-        double near = 0.0;
-        double far = most;
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto k = static_cast<std::size_t>(axis);
-            const double lower = static_cast<double>(box.lower[k]) - pad_ - origin_[axis];
-            const double upper = static_cast<double>(box.upper[k]) + pad_ - origin_[axis];
-            if (is_flat_[k]) {
-                if (lower > 0.0 || upper < 0.0) {
-                    return std::nullopt;
-                }
-                continue;
-            }
-            const bool forward = inverse_[axis] > 0.0;
-            const double enter = (forward ? lower : upper) * inverse_[axis] * kBefore;
-            const double leave = (forward ? upper : lower) * inverse_[axis] * kAfter;
-            near = enter > near ? enter : near;
-            far = leave < far ? leave : far;
-        }
-        if (near > far) {
-            return std::nullopt;
-        }
-        return Passage{near, far};
+    /// The passage of the part of the line between t = 0 and t = most.
+    Passage passage(const Aabb& box, double most) const noexcept { return cut(box, {0.0, most}); }
+
+    /// The passage of the whole line.
+    Passage passage(const Aabb& box) const noexcept {
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        return cut(box, {-kInfinity, kInfinity});
     }
 
 private:
-    // Three roundings of 2^-53 each, and some.
-    static constexpr double kBefore = 1.0 - 0x1p-50;
-    static constexpr double kAfter = 1.0 + 0x1p-50;
+    Passage cut(const Aabb& box, Passage part) const noexcept {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const float first = is_forward_[k] ? box.lower[k] : box.upper[k];
+            const float last = is_forward_[k] ? box.upper[k] : box.lower[k];
+            const double enter = (static_cast<double>(first) - before_[k]) * inverse_before_[k];
+            const double leave = (static_cast<double>(last) - after_[k]) * inverse_after_[k];
+            part.near = enter > part.near ? enter : part.near;
+            part.far = leave < part.far ? leave : part.far;
+        }
+        return part;
+    }
 
-    Vec3 origin_;
-    Vec3 inverse_{0.0};  // of the direction
-    std::array<bool, 3> is_flat_{};
-    double pad_ = 0.0;
+    std::array<bool, 3> is_forward_{};
+    std::array<double, 3> before_{}, after_{};  // origin, moved by the padding
+    std::array<double, 3> inverse_before_{}, inverse_after_{};
 };
 
 /// A ray prepared for many boxes and triangles: the one place where a ray's hits are decided.
@@ -70,9 +64,10 @@ private:
 /// as inside, so no ray slips between triangles that share an edge. Both sides of a triangle are
 /// hit; a triangle seen edge-on is not (its neighbours are).
 ///
-/// hit() also demands that the ray passes the triangle's own box and moves t into that passage. So
-/// a search may leave out every box that is not passed, or passed later than a hit already found,
-/// and the answer is the same to the last bit with any hierarchy.
+/// hit() also demands that the line passes the triangle's own box and moves t into that passage,
+/// before it asks whether t lies in [0, most]. So a search may leave out every box that is not
+/// passed, or passed later than a hit already found, and the answer is the same to the last bit
+/// with any hierarchy.
 class PreparedRay {
 public:
     /// `reach`: the largest absolute coordinate of any box or vertex the ray will be tested
@@ -80,11 +75,13 @@ public:
     PreparedRay(const Ray& ray, double reach) noexcept;
 
     /// False: the ray hits nothing, because a component of origin or direction is not finite, the
-    /// direction is zero, or t_max is negative or not a number.
+    /// direction's largest component is not within 2^-500 ... 2^500, or t_max is negative or not a
+    /// number.
     bool is_valid() const noexcept { return t_max_ >= 0.0; }
     double t_max() const noexcept { return t_max_; }
 
-    std::optional<Passage> passage(const Aabb& box, double most) const noexcept {
+    /// The part of a box that the ray passes between t = 0 and t = most.
+    Passage passage(const Aabb& box, double most) const noexcept {
         return slabs_.passage(box, most);
     }
 
@@ -93,9 +90,9 @@ public:
 
 private:
     Slabs slabs_;
-    Vec3 origin_;
     double t_max_ = -1.0;
-    int axis_x_ = 0, axis_y_ = 1, axis_z_ = 2;
+    std::size_t axis_x_ = 0, axis_y_ = 1, axis_z_ = 2;
+    Vec3 origin_{0.0};  // along these axes
     Vec3 shear_{0.0};
 };
 

@@ -19,6 +19,8 @@ Ticks to_ticks(const Vec3& point) {
     return {ticks(point.x), ticks(point.y), ticks(point.z)};
 }
 
+using Node = std::array<std::size_t, 2>;  // of the grid, in a plane
+
 // One side of one cell of the grid, on the plane between rock and air.
 struct Tile {
     std::size_t axis = 0;  // of the normal
@@ -38,14 +40,11 @@ struct Patch {
     bool positive = true;
     std::size_t plane = 0;
     std::size_t material = 0;
-    std::vector<std::vector<std::array<std::size_t, 2>>> loops;
+    std::vector<std::vector<Node>> loops;
 };
 
-using Node = std::array<std::size_t, 2>;
-
-// The border of a set of tiles as closed loops with the tiles on the left. Where two tiles touch
-// at a corner only, the loop stays with its tile.
-std::vector<std::vector<Node>> border(const std::set<Node>& tiles) {
+// Where one can go from each node along the border, with the tiles on the left.
+std::map<Node, std::vector<Node>> border_steps(const std::set<Node>& tiles) {
     std::map<Node, std::vector<Node>> next;
     const auto has = [&](std::size_t u, std::size_t v) { return tiles.count({u, v}) != 0; };
     for (const auto& [u, v] : tiles) {
@@ -62,36 +61,42 @@ std::vector<std::vector<Node>> border(const std::set<Node>& tiles) {
             next[{u, v + 1}].push_back({u, v});
         }
     }
-    const auto turn = [](const Node& a, const Node& b, const Node& c) {
-        const auto d = [](std::size_t x, std::size_t y) {
-            return static_cast<std::int64_t>(y) - static_cast<std::int64_t>(x);
-        };
-        return d(a[0], b[0]) * d(b[1], c[1]) - d(a[1], b[1]) * d(b[0], c[0]);
+    return next;
+}
+
+// Positive if the way a, b, c turns left, negative if it turns right.
+std::int64_t turn(const Node& a, const Node& b, const Node& c) {
+    const auto difference = [](std::size_t from, std::size_t to) {
+        return static_cast<std::int64_t>(to) - static_cast<std::int64_t>(from);
     };
+    return difference(a[0], b[0]) * difference(b[1], c[1]) -
+           difference(a[1], b[1]) * difference(b[0], c[0]);
+}
+
+// The border of a set of tiles as closed loops. Where two tiles touch at a corner only, the loop
+// turns left and so stays with its tile.
+std::vector<std::vector<Node>> border(const std::set<Node>& tiles) {
+    std::map<Node, std::vector<Node>> next = border_steps(tiles);
     std::vector<std::vector<Node>> loops;
     while (!next.empty()) {
         std::vector<Node> loop = {next.begin()->first};
-        Node last = loop.front();
-        while (true) {
-            auto& choices = next[loop.back()];
-            std::size_t choice = 0;
-            for (std::size_t i = 1; i < choices.size(); ++i) {
-                if (turn(last, loop.back(), choices[i]) >
-                    turn(last, loop.back(), choices[choice])) {
-                    choice = i;
-                }
-            }
-            const Node target = choices[choice];
-            choices.erase(choices.begin() + static_cast<std::ptrdiff_t>(choice));
-            last = loop.back();
+        Node before = loop.front();
+        Node at = loop.front();
+        do {
+            auto& choices = next[at];
+            const auto leftmost =
+                std::max_element(choices.begin(), choices.end(), [&](const Node& a, const Node& b) {
+                    return turn(before, at, a) < turn(before, at, b);
+                });
+            before = at;
+            at = *leftmost;
+            choices.erase(leftmost);
             if (choices.empty()) {
-                next.erase(last);
+                next.erase(before);
             }
-            if (target == loop.front()) {
-                break;
-            }
-            loop.push_back(target);
-        }
+            loop.push_back(at);
+        } while (at != loop.front());
+        loop.pop_back();
         loops.push_back(std::move(loop));
     }
     return loops;
@@ -289,48 +294,56 @@ private:
         }
     }
 
-    void fill_patch(const Patch& patch, Faces& faces) const {
-        const std::size_t u_axis = (patch.axis + 1) % 3;
-        const std::size_t v_axis = (patch.axis + 2) % 3;
+    // The borders of a patch by their corners, the outline first.
+    std::vector<std::vector<GridPoint>> cornered_loops(const Patch& patch) const {
+        const auto& u_planes = planes_[(patch.axis + 1) % 3];
+        const auto& v_planes = planes_[(patch.axis + 2) % 3];
         std::vector<std::vector<GridPoint>> loops;
         for (const auto& nodes : patch.loops) {
             std::vector<GridPoint> loop;
             for (const Node& node : nodes) {
                 if (corners_.count(grid_node(patch, node)) != 0) {
-                    loop.push_back({planes_[u_axis][node[0]], planes_[v_axis][node[1]]});
+                    loop.push_back({u_planes[node[0]], v_planes[node[1]]});
                 }
             }
             loops.push_back(std::move(loop));
         }
         std::stable_partition(
             loops.begin(), loops.end(), [](const auto& loop) { return doubled_area(loop) > 0; });
+        return loops;
+    }
 
-        const auto point = [&](const GridPoint& at) {
-            Vec3 result{0.0};
-            const auto metres = [](std::int64_t t) {
-                return static_cast<double>(t) / kTicksPerMetre;
-            };
-            result[static_cast<int>(patch.axis)] = metres(planes_[patch.axis][patch.plane]);
-            result[static_cast<int>(u_axis)] = metres(at.u);
-            result[static_cast<int>(v_axis)] = metres(at.v);
-            return result;
-        };
-        const auto add = [&](std::vector<GridPoint> corners) {
-            if (!patch.positive) {
-                std::reverse(corners.begin(), corners.end());
-            }
-            Face face;
-            face.corner_count = corners.size();
-            face.material = patch.material;
-            std::transform(corners.begin(), corners.end(), face.corners.begin(), point);
-            faces.push_back(face);
-        };
+    Vec3 point_of(const Patch& patch, const GridPoint& at) const {
+        const auto metres = [](std::int64_t t) { return static_cast<double>(t) / kTicksPerMetre; };
+        Vec3 point{0.0};
+        point[static_cast<int>(patch.axis)] = metres(planes_[patch.axis][patch.plane]);
+        point[static_cast<int>((patch.axis + 1) % 3)] = metres(at.u);
+        point[static_cast<int>((patch.axis + 2) % 3)] = metres(at.v);
+        return point;
+    }
+
+    // `corners` run counter-clockwise seen against the axis.
+    Face face_of(const Patch& patch, std::vector<GridPoint> corners) const {
+        if (!patch.positive) {
+            std::reverse(corners.begin(), corners.end());
+        }
+        Face face;
+        face.corner_count = corners.size();
+        face.material = patch.material;
+        std::transform(corners.begin(), corners.end(), face.corners.begin(), [&](const auto& at) {
+            return point_of(patch, at);
+        });
+        return face;
+    }
+
+    void fill_patch(const Patch& patch, Faces& faces) const {
+        std::vector<std::vector<GridPoint>> loops = cornered_loops(patch);
         if (loops.size() == 1 && loops.front().size() == 4) {
-            add(loops.front());
+            faces.push_back(face_of(patch, loops.front()));
             return;
         }
         for (const auto& [a, b, c] : triangulate(std::move(loops))) {
-            add({a, b, c});
+            faces.push_back(face_of(patch, {a, b, c}));
         }
     }
 

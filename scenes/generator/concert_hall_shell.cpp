@@ -209,7 +209,8 @@ private:
 }  // namespace
 
 double floor_of_row(int row) {
-    return row < kFlatRows ? 0.0 : kStep * (1 + (row - kFlatRows) / 2);
+    const int steps = row < kFlatRows ? 0 : 1 + (row - kFlatRows) / 2;
+    return kStep * steps;
 }
 
 Faces hall_shell(const HallMaterials& materials, Seats seats) {

@@ -167,10 +167,10 @@ private:
     }
 
     std::size_t add_numbers(const std::vector<double>& numbers, const char* type, int width) {
-        std::vector<float> singles;
-        for (const double number : numbers) {
-            singles.push_back(static_cast<float>(number));
-        }
+        std::vector<float> singles(numbers.size());
+        std::transform(numbers.begin(), numbers.end(), singles.begin(), [](double number) {
+            return static_cast<float>(number);
+        });
         Json accessor = {{"bufferView", add_view(singles, 0)},
                          {"componentType", kFloat},
                          {"count", singles.size() / static_cast<std::size_t>(width)},

@@ -39,7 +39,10 @@ struct SmallFace {
 };
 
 void split_quadrilateral(const Face& face, int n, std::vector<SmallFace>& out) {
-    const auto& [a, b, c, d] = face.corners;
+    const Vec3& a = face.corners[0];
+    const Vec3& b = face.corners[1];
+    const Vec3& c = face.corners[2];
+    const Vec3& d = face.corners[3];
     const auto at = [&](int i, int j) {
         // On the border the edge alone decides.
         if (i == 0 || i == n) {

@@ -3,6 +3,8 @@
 
 #include "earshot/scenes/triangulate.h"
 
+#include <algorithm>
+
 namespace earshot::scenes {
 
 Faces prism(const std::vector<Vec2>& profile,
@@ -12,10 +14,10 @@ Faces prism(const std::vector<Vec2>& profile,
     const auto at = [&](double u, double v, double w) {
         return frame.origin + frame.u * u + frame.v * v + frame.w * w;
     };
-    std::vector<GridPoint> loop;
-    for (const Vec2& corner : profile) {
-        loop.push_back({ticks(corner.u), ticks(corner.v)});
-    }
+    std::vector<GridPoint> loop(profile.size());
+    std::transform(profile.begin(), profile.end(), loop.begin(), [](const Vec2& corner) {
+        return GridPoint{ticks(corner.u), ticks(corner.v)};
+    });
     const auto on_grid = [&](const GridPoint& point, double w) {
         return at(static_cast<double>(point.u) / kTicksPerMetre,
                   static_cast<double>(point.v) / kTicksPerMetre,
