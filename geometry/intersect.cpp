@@ -3,7 +3,6 @@
 
 #include "earshot/geometry/predicates.h"
 
-#include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
@@ -85,7 +84,13 @@ bool touches_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, cons
            cross(p, q, t[2], t[0]);
 }
 
-/// Where a segment in the plane of a triangle enters it: clipped by the three edges in turn.
+/// Where a value that changes sign along a segment, or reaches 0 at one end, does so.
+double crossing(double from, double to) noexcept {
+    return from / (from - to) + 0.0;  // not -0
+}
+
+/// Where a segment that touches a triangle in its plane does so first: clipped by the three edges
+/// in turn.
 double entry_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, const Vec3& c) {
     const int axis = open_axis(a, b, c);
     const glm::dvec2 p = drop(segment.from, axis);
@@ -94,15 +99,14 @@ double entry_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, cons
     const double turn = orient2d(t[0], t[1], t[2]);
     double entry = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
-        const glm::dvec2 edge = t[(i + 1) % 3] - t[i];
-        const glm::dvec2 inward = turn * glm::dvec2(-edge.y, edge.x);
-        const double from = glm::dot(inward, p - t[i]);
-        const double to = glm::dot(inward, q - t[i]);
-        if (from < 0.0 && to > from) {
-            entry = std::max(entry, from / (from - to));
+        const double from = turn * determinant2d(t[i], t[(i + 1) % 3], p);
+        if (from < 0.0) {
+            // The far end is not outside too, or the segment would not touch.
+            const double to = turn * determinant2d(t[i], t[(i + 1) % 3], q);
+            entry = std::max(entry, crossing(from, to));
         }
     }
-    return std::min(entry, 1.0);
+    return entry;
 }
 
 }  // namespace
@@ -206,15 +210,9 @@ std::optional<double> first_touch(const Segment& segment,
     if (!touches(segment, a, b, c)) {
         return std::nullopt;
     }
-    const Vec3 normal = glm::cross(b - a, c - a);
-    const double from = glm::dot(normal, segment.from - a);
-    const double to = glm::dot(normal, segment.to - a);
-    const bool in_plane =
-        orient3d(a, b, c, segment.from) == 0 && orient3d(a, b, c, segment.to) == 0;
-    if (in_plane || from == to) {
-        return entry_in_plane(segment, a, b, c);
-    }
-    return std::clamp(from / (from - to), 0.0, 1.0);
+    const double from = determinant3d(a, b, c, segment.from);
+    const double to = determinant3d(a, b, c, segment.to);
+    return from == to ? entry_in_plane(segment, a, b, c) : crossing(from, to);
 }
 
 }  // namespace earshot::geometry

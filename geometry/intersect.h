@@ -104,7 +104,7 @@ Aabb triangle_box(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 bool touches(const Segment& segment, const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 /// The parameter (0 at `from`, 1 at `to`) where the closed segment first touches the closed
-/// triangle, rounded; empty if touches() is false. Same precondition.
+/// triangle, within 2^-37 however flat the angle; empty if touches() is false. Same precondition.
 std::optional<double> first_touch(const Segment& segment,
                                   const Vec3& a,
                                   const Vec3& b,

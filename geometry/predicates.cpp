@@ -59,15 +59,17 @@ Minor minor_of(const std::array<double, 2>& p_x,
     return sum;
 }
 
-int orient2d_exactly(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept {
+double determinant2d_exactly(const glm::dvec2& a,
+                             const glm::dvec2& b,
+                             const glm::dvec2& c) noexcept {
     return minor_of(difference(a.x, c.x),
                     difference(a.y, c.y),
                     difference(b.x, c.x),
                     difference(b.y, c.y))
-        .sign();
+        .estimate();
 }
 
-int orient3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
+double determinant3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
     const std::array<const Vec3*, 3> corners{&a, &b, &c};
     std::array<std::array<std::array<double, 2>, 3>, 3> rows{};
     for (std::size_t row = 0; row < 3; ++row) {
@@ -91,23 +93,27 @@ int orient3d_exactly(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
             }
         }
     }
-    return determinant.sign();
+    return determinant.estimate();
 }
 
-}  // namespace
+/// A determinant in plain doubles, and its permanent.
+struct Rounded {
+    double determinant = 0.0;
+    double permanent = 0.0;
 
-int orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept {
+    // A permanent of 0 leaves no term to be rounded: all points lie in one axis-aligned plane, say.
+    bool is_beyond(double share) const noexcept {
+        return std::abs(determinant) > share * permanent || permanent == 0.0;
+    }
+};
+
+Rounded round2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept {
     const double left = (a.x - c.x) * (b.y - c.y);
     const double right = (a.y - c.y) * (b.x - c.x);
-    const double determinant = left - right;
-    const double permanent = std::abs(left) + std::abs(right);
-    if (std::abs(determinant) > kOrient2dBound * permanent || permanent == 0.0) {
-        return sign(determinant);
-    }
-    return orient2d_exactly(a, b, c);
+    return {left - right, std::abs(left) + std::abs(right)};
 }
 
-int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
+Rounded round3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
     const Vec3 p = a - d;
     const Vec3 q = b - d;
     const Vec3 r = c - d;
@@ -117,15 +123,39 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcep
     const double pr = p.x * r.y;
     const double pq = p.x * q.y;
     const double qp = q.x * p.y;
-    const double determinant = p.z * (qr - rq) + q.z * (rp - pr) + r.z * (pq - qp);
-    const double permanent = (std::abs(qr) + std::abs(rq)) * std::abs(p.z) +
-                             (std::abs(rp) + std::abs(pr)) * std::abs(q.z) +
-                             (std::abs(pq) + std::abs(qp)) * std::abs(r.z);
-    // A permanent of 0 leaves no term to be rounded: all four lie in one axis-aligned plane, say.
-    if (std::abs(determinant) > kOrient3dBound * permanent || permanent == 0.0) {
-        return sign(determinant);
-    }
-    return orient3d_exactly(a, b, c, d);
+    return {p.z * (qr - rq) + q.z * (rp - pr) + r.z * (pq - qp),
+            (std::abs(qr) + std::abs(rq)) * std::abs(p.z) +
+                (std::abs(rp) + std::abs(pr)) * std::abs(q.z) +
+                (std::abs(pq) + std::abs(qp)) * std::abs(r.z)};
+}
+
+// Above this share of the permanent a determinant in plain doubles, off by less than 2^-49 of the
+// permanent, is off by less than 2^-39 of itself.
+constexpr double kPreciseShare = 0x1p-10;
+
+}  // namespace
+
+int orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept {
+    const Rounded rounded = round2d(a, b, c);
+    return sign(rounded.is_beyond(kOrient2dBound) ? rounded.determinant
+                                                  : determinant2d_exactly(a, b, c));
+}
+
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
+    const Rounded rounded = round3d(a, b, c, d);
+    return sign(rounded.is_beyond(kOrient3dBound) ? rounded.determinant
+                                                  : determinant3d_exactly(a, b, c, d));
+}
+
+double determinant2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept {
+    const Rounded rounded = round2d(a, b, c);
+    return rounded.is_beyond(kPreciseShare) ? rounded.determinant : determinant2d_exactly(a, b, c);
+}
+
+double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
+    const Rounded rounded = round3d(a, b, c, d);
+    return rounded.is_beyond(kPreciseShare) ? rounded.determinant
+                                            : determinant3d_exactly(a, b, c, d);
 }
 
 }  // namespace earshot::geometry

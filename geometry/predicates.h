@@ -17,4 +17,9 @@ int orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noex
 /// that is, a, b, c run counter-clockwise seen from above; 0 coplanar. Exact, as orient2d.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
 
+/// The determinants whose signs these are, with the same signs and within 2^-39 of their exact
+/// values, relatively: for ratios of distances to a line or plane. Same preconditions.
+double determinant2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept;
+double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
+
 }  // namespace earshot::geometry

@@ -3,6 +3,7 @@
 
 #include "earshot/base/random.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
@@ -42,6 +43,30 @@ bool oracle_touches(const std::array<Lattice, 2>& segment, const std::array<Latt
     });
 }
 
+// Where a touching segment does so first: where it crosses the plane or, within the plane, where
+// the last of the three edges lets it in. In whole numbers but for the division.
+double oracle_first_touch(const std::array<Lattice, 2>& segment,
+                          const std::array<Lattice, 3>& triangle) {
+    const auto share = [](std::int64_t from, std::int64_t to) {
+        return static_cast<double>(static_cast<long double>(from) /
+                                   static_cast<long double>(from - to));
+    };
+    const Lattice normal = cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+    const std::int64_t from = dot(normal, segment[0] - triangle[0]);
+    const std::int64_t to = dot(normal, segment[1] - triangle[0]);
+    if (from != to) {
+        return share(from, to);
+    }
+    double entry = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Lattice inward = cross(normal, triangle[(i + 1) % 3] - triangle[i]);
+        const std::int64_t first = dot(inward, segment[0] - triangle[i]);
+        const std::int64_t last = dot(inward, segment[1] - triangle[i]);
+        entry = first < 0 ? std::max(entry, share(first, last)) : entry;
+    }
+    return entry;
+}
+
 Lattice lattice_point(std::uint64_t seed, std::uint64_t index, std::int64_t size) {
     const auto coordinate = [&](std::uint64_t axis) {
         return static_cast<std::int64_t>(random_bits(seed, axis, index) %
@@ -73,7 +98,11 @@ TEST(Touches, EqualsAnExactOracleOnSmallWholeNumbers) {
         const bool expected = oracle_touches(s, t);
         ASSERT_EQ(touches(segment, real(t[0]), real(t[1]), real(t[2])), expected)
             << "seed " << seed;
-        ASSERT_EQ(first_touch(segment, real(t[0]), real(t[1]), real(t[2])).has_value(), expected);
+        const auto touch = first_touch(segment, real(t[0]), real(t[1]), real(t[2]));
+        ASSERT_EQ(touch.has_value(), expected) << "seed " << seed;
+        if (expected) {
+            ASSERT_DOUBLE_EQ(*touch, oracle_first_touch(s, t)) << "seed " << seed;
+        }
         touching += expected ? 1 : 0;
         ++tested;
     }
@@ -88,6 +117,36 @@ TEST(FirstTouch, IsWhereTheSegmentMeetsTheTriangle) {
     EXPECT_DOUBLE_EQ(*first_touch({{-1, 1, 0}, {4, 1, 0}}, a, b, c), 0.2);  // in the plane
     EXPECT_DOUBLE_EQ(*first_touch({{1, 1, 0}, {9, 9, 0}}, a, b, c), 0.0);
     EXPECT_FALSE(first_touch({{1, 1, 3}, {1, 1, 1}}, a, b, c));
+}
+
+TEST(FirstTouch, IsPreciseAtGrazingAngles) {
+    // Ends within a unit or so of the plane of a triangle 2^18 units across: determinants take up
+    // to 60 bits, and in plain doubles the parameter would be off by 2^-29.
+    constexpr std::int64_t kSize = std::int64_t{1} << 18;
+    int touching = 0;
+    for (std::uint64_t seed = 0; seed < 60000; ++seed) {
+        const std::array<Lattice, 3> t = {lattice_point(seed, 0, kSize),
+                                          lattice_point(seed, 1, kSize),
+                                          lattice_point(seed, 2, kSize)};
+        const auto near_plane = [&](std::uint64_t i) {
+            const Vec3 ab(t[1] - t[0]), ac(t[2] - t[0]);
+            const Vec3 in_plane = random_between(seed, 3, i, -0.3, 0.8) * ab +
+                                  random_between(seed, 4, i, -0.3, 0.8) * ac;
+            return t[0] + Lattice(glm::round(in_plane));
+        };
+        const std::array<Lattice, 2> s = {near_plane(0), near_plane(1)};
+        const Lattice normal = cross(t[1] - t[0], t[2] - t[0]);
+        if (normal == Lattice(0) || dot(normal, s[0] - t[0]) == dot(normal, s[1] - t[0])) {
+            continue;
+        }
+        const auto touch =
+            first_touch({Vec3(s[0]), Vec3(s[1])}, Vec3(t[0]), Vec3(t[1]), Vec3(t[2]));
+        if (touch) {
+            ASSERT_NEAR(*touch, oracle_first_touch(s, t), 0x1p-37) << "seed " << seed;
+            ++touching;
+        }
+    }
+    EXPECT_GT(touching, 5000);
 }
 
 double nasty_number(std::uint64_t seed, std::uint64_t index) {

@@ -50,6 +50,16 @@ public:
         return 0;
     }
 
+    /// Rounded, from the top digit down, so that digits that cancel do so exactly.
+    double value() const {
+        const Digits digits = carried(total_);
+        long double value = 0.0L;
+        for (auto it = digits.rbegin(); it != digits.rend(); ++it) {
+            value += std::ldexp(static_cast<long double>(it->second), 24 * it->first - kOffset);
+        }
+        return static_cast<double>(value);
+    }
+
 private:
     using Digits = std::map<int, std::int64_t>;
     static constexpr std::int64_t kBase = std::int64_t{1} << 24;
@@ -72,7 +82,7 @@ private:
     Digits total_;
 };
 
-int exact_orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+BigSum exact_determinant2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
     BigSum sum;
     sum.add({a.x, b.y}, 1);
     sum.add({a.y, b.x}, -1);
@@ -80,11 +90,11 @@ int exact_orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c
     sum.add({b.y, c.x}, -1);
     sum.add({c.x, a.y}, 1);
     sum.add({c.y, a.x}, -1);
-    return sum.sign();
+    return sum;
 }
 
 /// The 4 x 4 determinant with rows (x, y, z, 1), expanded over all permutations of three points.
-int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+BigSum exact_determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     BigSum sum;
     const auto add_triple = [&sum](const Vec3& p, const Vec3& q, const Vec3& r, int sign) {
         sum.add({p.x, q.y, r.z}, sign);
@@ -98,8 +108,19 @@ int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
     add_triple(b, c, d, -1);
     add_triple(c, d, a, 1);
     add_triple(d, a, b, -1);
-    return sum.sign();
+    return sum;
 }
+
+int exact_orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+    return exact_determinant2d(a, b, c).sign();
+}
+
+int exact_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    return exact_determinant3d(a, b, c, d).sign();
+}
+
+/// As far as determinants may be off, relatively.
+constexpr double kPrecision = 0x1p-39;
 
 double steps_up(double x, int steps) {
     for (int i = 0; i < std::abs(steps); ++i) {
@@ -229,6 +250,32 @@ TEST(Orient3d, IsExactOverTheWholeRangeOfThePrecondition) {
         p[3].z = steps_up(p[3].z, static_cast<int>(i % 5) - 2);
         ASSERT_EQ(orient3d(p[0], p[1], p[2], p[3]), exact_orient3d(p[0], p[1], p[2], p[3]))
             << "seed " << kSeed << " index " << i;
+    }
+}
+
+TEST(Determinant2d, IsPreciseOnNearlyCollinearPoints) {
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+        const glm::dvec2 a(random_coordinate(0, i), random_coordinate(1, i));
+        const glm::dvec2 b(random_coordinate(2, i), random_coordinate(3, i));
+        const double t = random_between(kSeed, 4, i, -2.0, 2.0);
+        const glm::dvec2 c(a.x + t * (b.x - a.x), a.y + t * (b.y - a.y));
+        const double want = exact_determinant2d(a, b, c).value();
+        ASSERT_NEAR(determinant2d(a, b, c), want, kPrecision * std::abs(want)) << i;
+    }
+    EXPECT_EQ(determinant2d({0.0, 0.0}, {1.0, 0.0}, {0.0, 3.0}), 3.0);
+}
+
+TEST(Determinant3d, IsPreciseOnNearlyCoplanarPoints) {
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+        const Vec3 a = random_point(60, i);
+        const Vec3 b = random_point(63, i);
+        const Vec3 c = random_point(66, i);
+        const Vec3 d = a + random(kSeed, 70, i) * (b - a) + random(kSeed, 71, i) * (c - a);
+        const double want = exact_determinant3d(a, b, c, d).value();
+        ASSERT_NEAR(determinant3d(a, b, c, d), want, kPrecision * std::abs(want)) << i;
+        const Vec3 far = d + random_point(72, i);
+        const double large = exact_determinant3d(a, b, c, far).value();
+        ASSERT_NEAR(determinant3d(a, b, c, far), large, kPrecision * std::abs(large)) << i;
     }
 }
 
