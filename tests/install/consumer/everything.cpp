@@ -1,26 +1,32 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/audio/impulse_response.h"
 #include "earshot/base/parallel.h"
-#include "earshot/geometry/aabb.h"
+#include "earshot/io/results.h"
+#include "earshot/propagation/simulator.h"
 
-#include <cstddef>
 #include <cstdlib>
-#include <vector>
 
-// Boxes in parallel: needs the installed libraries and the ones they bring along.
+// A room of one mirror, from geometry to paths.json: needs every installed library and the packages
+// they bring along.
 int main() {
-    using earshot::geometry::Aabb;
-    std::vector<Aabb> boxes(1000);
-    earshot::Executor executor(2);
-    executor.for_each(boxes.size(), 64, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            boxes[i].include(earshot::geometry::Vec3{0.0, 0.0, 0.0});
-            boxes[i].include(earshot::geometry::Vec3{1.0, 2.0, static_cast<double>(i)});
-        }
-    });
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        if (boxes[i].half_area() != 2.0 + 3.0 * static_cast<double>(i)) {
-            return EXIT_FAILURE;
-        }
-    }
-    return EXIT_SUCCESS;
+    using namespace earshot;
+    propagation::Scene scene;
+    scene.name = "mirror";
+    scene.mesh = geometry::AnimatedMesh::fixed(
+        {{{-9, 0, -9}, {-9, 0, 9}, {9, 0, 9}, {9, 0, -9}}, {{0, 1, 2}, {0, 2, 3}}});
+    scene.materials.resize(1);
+    scene.material_of_triangle = {0, 0};
+    scene.sources = {{"s", -1, {0, 3, 0}, {}}};
+    scene.listeners = {{"l", -1, {8, 3, 0}, {}}};
+
+    Executor executor(2);
+    propagation::Simulator simulator(scene, {}, executor);
+    const auto pairs = simulator.run(executor);
+    const auto& bands = audio::Bands::octaves();
+    const auto response = audio::assemble(bands, propagation::arrivals_of(pairs[0]));
+    const std::string text =
+        io::encode_paths({scene, bands, propagation::speed_of_sound({})}, pairs);
+    const bool is_right = pairs[0].paths.size() == 2 && pairs[0].paths[1].length == 10.0 &&
+                          !response.samples.empty() && text.size() > 100;
+    return is_right ? EXIT_SUCCESS : EXIT_FAILURE;
 }
