@@ -121,11 +121,10 @@ DecayCurve::Reading DecayCurve::read(const DecayRange& range, double bandwidth_h
                                   kLeastSlownessOfAll);
     for (int depth = range.to_db; depth <= kLastStepFromDb; ++depth) {
         if (slowness_after(depth) < least) {
-            const int usable = depth - (kLastStepFromDb - kT30.to_db);
             return {std::nullopt,
                     true,
-                    "decay range " + std::to_string(usable) + " dB, " +
-                        std::to_string(range.to_db) + " dB needed"};
+                    "decay range " + std::to_string(depth) + " dB, " +
+                        std::to_string(kDeepestDb) + " dB needed"};
         }
     }
     return {time, false, {}};
