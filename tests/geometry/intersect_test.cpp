@@ -187,6 +187,36 @@ TEST(Slabs, ABoxInsideAnotherIsPassedInsideItsPassage) {
     EXPECT_GT(passed, 5000);
 }
 
+TEST(Slabs, KeepEveryPointOfABox) {
+    // Corners and points of faces and edges, aimed at from near and far, along and across axes.
+    for (std::uint64_t seed = 0; seed < 100000; ++seed) {
+        const double size = seed % 3 == 0 ? 1e-3 : seed % 3 == 1 ? 1.0 : 1e6;
+        const auto number = [&](std::uint64_t i) {
+            return size * random_between(seed, 11, i, -1.0, 1.0);
+        };
+        const Vec3 p(number(0), number(1), number(2)), q(number(3), number(4), number(5));
+        Aabb box;
+        box.include(p);
+        box.include(q);
+        Vec3 inside = p;
+        Vec3 origin(number(6), number(7), number(8));
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto k = static_cast<std::size_t>(axis);
+            const std::uint64_t choice = random_bits(seed, 12, k);
+            inside[axis] = choice % 3 == 0   ? static_cast<double>(box.lower[k])
+                           : choice % 3 == 1 ? static_cast<double>(box.upper[k])
+                                             : p[axis];
+            origin[axis] = choice % 5 == 0 ? inside[axis] : origin[axis];
+        }
+        const double t = random(seed, 13, 0);
+        const Slabs slabs(origin, (inside - origin) / t, size);
+        const Passage passage = slabs.passage(box, 2.0);
+        ASSERT_FALSE(passage.is_empty()) << "seed " << seed;
+        ASSERT_LE(passage.near, t) << "seed " << seed;
+        ASSERT_GE(passage.far, t) << "seed " << seed;
+    }
+}
+
 TEST(PreparedRay, AHitLiesInThePassageOfEveryBoxAroundTheTriangle) {
     int hits = 0;
     for (std::uint64_t seed = 0; seed < 50000; ++seed) {

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <utility>
@@ -63,6 +64,39 @@ inline geometry::Mesh sphere(int levels, double radius, const geometry::Vec3& ce
     }
     for (geometry::Vec3& position : mesh.positions) {
         position = centre + radius * position;
+    }
+    return mesh;
+}
+
+/// A closed cube around the origin, each face a grid of `steps` x `steps` squares cut in two. Faces
+/// share vertices along their borders.
+inline geometry::Mesh cube(int steps, double half_width) {
+    geometry::Mesh mesh;
+    std::map<std::array<int, 3>, geometry::VertexId> known;
+    const auto vertex = [&](std::array<int, 3> place) {
+        const auto [entry, is_new] =
+            known.try_emplace(place, static_cast<geometry::VertexId>(mesh.positions.size()));
+        if (is_new) {
+            const geometry::Vec3 step(place[0], place[1], place[2]);
+            mesh.positions.push_back(half_width * (2.0 * step / static_cast<double>(steps) - 1.0));
+        }
+        return entry->second;
+    };
+    for (std::size_t face = 0; face < 6; ++face) {
+        const std::size_t axis = face / 2;
+        for (int i = 0; i < steps; ++i) {
+            for (int j = 0; j < steps; ++j) {
+                const auto corner = [&](int di, int dj) {
+                    std::array<int, 3> place{};
+                    place[axis] = face % 2 == 0 ? 0 : steps;
+                    place[(axis + 1) % 3] = i + di;
+                    place[(axis + 2) % 3] = j + dj;
+                    return vertex(place);
+                };
+                mesh.triangles.push_back({corner(0, 0), corner(1, 0), corner(1, 1)});
+                mesh.triangles.push_back({corner(0, 0), corner(1, 1), corner(0, 1)});
+            }
+        }
     }
     return mesh;
 }

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/brute_force.h"
+#include "earshot/bvh/ray.h"
+
+#include <gtest/gtest.h>
+
+#include "support/bunny.h"
+#include "support/meshes.h"
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace earshot::bvh {
+namespace {
+
+using geometry::Hit;
+using geometry::Mesh;
+using geometry::MeshView;
+using geometry::Ray;
+using geometry::Segment;
+using geometry::Vec3;
+
+struct Question {
+    Ray ray;
+    Segment segment;
+};
+
+/// Rays and segments about a mesh: through it, at its vertices, from its surface, along axes, and
+/// with ends short of and beyond what they aim at.
+std::vector<Question> questions_about(const Mesh& mesh, std::uint64_t seed, std::size_t count) {
+    std::vector<Question> questions;
+    const auto point = [&](std::uint64_t i) {
+        const auto& [p, q, r] = mesh.triangles[random_bits(seed, 0, i) % mesh.triangles.size()];
+        const Vec3& a = mesh.positions[p];
+        return i % 3 == 0 ? a
+                          : a + 0.7 * random(seed, 1, i) * (mesh.positions[q] - a) +
+                                0.3 * random(seed, 2, i) * (mesh.positions[r] - a);
+    };
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const Vec3 target = point(2 * i);
+        const Vec3 other = point(2 * i + 1);
+        const Vec3 aside = glm::distance(target, other) * test::random_point(seed + 1, i);
+        const Vec3 origin = i % 4 == 0 ? other : other + aside;
+        Ray ray{.origin = origin, .direction = target - origin};
+        if (i % 5 == 0) {
+            ray.direction[static_cast<int>(i % 3)] = 0.0;
+        }
+        if (i % 7 == 0) {
+            ray.t_max = 2.0 * random(seed, 3, i);
+        }
+        const double beyond = i % 2 == 0 ? 1.0 : random(seed, 4, i);
+        questions.push_back({ray, {origin, origin + beyond * (target - origin)}});
+    }
+    return questions;
+}
+
+struct Answer {
+    std::optional<Hit> hit;
+    bool is_occluded = false;
+    friend bool operator==(const Answer&, const Answer&) = default;
+};
+
+std::vector<Answer> ask(const Tree& tree, const MeshView& mesh, std::span<const Question> all) {
+    std::vector<Answer> answers;
+    for (const Question& question : all) {
+        answers.push_back(
+            {closest_hit(tree, mesh, question.ray), occluded(tree, mesh, question.segment)});
+    }
+    return answers;
+}
+
+std::vector<Answer> ask_every_triangle(const MeshView& mesh, std::span<const Question> all) {
+    std::vector<Answer> answers;
+    for (const Question& question : all) {
+        answers.push_back({brute_force::closest_hit(mesh, question.ray),
+                           brute_force::occluded(mesh, question.segment)});
+    }
+    return answers;
+}
+
+/// Moves the vertices over a few frames and asks trees of all leaf sizes, refitted since the first
+/// frame and rebuilt, made by 1, 2 and 8 threads.
+void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::size_t by_force) {
+    constexpr std::array<int, 3> kLeafSizes = {1, 4, 15};
+    constexpr std::array<int, 3> kThreads = {1, 2, 8};
+    std::vector<Tree> refitted;
+    for (const int leaf_size : kLeafSizes) {
+        refitted.push_back(Tree::build(triangle_boxes(rest.view()), {.leaf_size = leaf_size}));
+    }
+    Mesh mesh = rest;
+    for (std::uint64_t frame = 0; frame < 3; ++frame) {
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+            mesh.positions[i] += frame == 0 ? Vec3(0.0) : size * test::random_point(frame, i);
+        }
+        const auto questions = questions_about(mesh, 100 + frame, count);
+        const auto boxes = triangle_boxes(mesh.view());
+        const auto expected = ask(Tree::build(boxes), mesh.view(), questions);
+        const std::span<const Question> few(questions.data(), by_force);
+        const auto forced = ask_every_triangle(mesh.view(), few);
+        ASSERT_TRUE(std::equal(forced.begin(), forced.end(), expected.begin())) << frame;
+        for (std::size_t k = 0; k < kThreads.size(); ++k) {
+            Executor executor(kThreads[k]);
+            const BuildOptions options{.leaf_size = kLeafSizes[k]};
+            const Tree rebuilt = Tree::build(boxes, options, executor);
+            ASSERT_EQ(ask(rebuilt, mesh.view(), questions), expected) << frame << ' ' << k;
+            refitted[k].refit(boxes, executor);
+            ASSERT_EQ(ask(refitted[k], mesh.view(), questions), expected) << frame << ' ' << k;
+        }
+        std::size_t hits = 0, misses = 0, blocked = 0;
+        for (const Answer& answer : expected) {
+            ++(answer.hit ? hits : misses);
+            blocked += answer.is_occluded ? 1 : 0;
+        }
+        EXPECT_GT(hits, count / 10);
+        EXPECT_GT(misses, count / 50);
+        EXPECT_GT(blocked, count / 10);
+        EXPECT_LT(blocked, count);
+    }
+}
+
+TEST(Independence, AnswersDoNotDependOnTheTreeOfASoup) {
+    expect_one_answer(test::triangle_soup(1, 2000), 0.2, 2000, 300);
+}
+
+TEST(Independence, AnswersDoNotDependOnTheTreeOfAGrid) {
+    // Whole walls of triangles in one plane: ties in distance, boxes without depth.
+    expect_one_answer(test::cube(15, 0.3), 0.0, 2000, 300);
+    expect_one_answer(test::cube(15, 0.3), 0.03, 2000, 300);
+}
+
+TEST(Independence, AnswersDoNotDependOnTheTreeOfAScannedMesh) {
+    const Mesh bunny = test::stanford_bunny();
+    if (bunny.triangles.empty()) {
+        GTEST_SKIP();
+    }
+    expect_one_answer(bunny, 0.01, 2000, 10);
+}
+
+}  // namespace
+}  // namespace earshot::bvh
