@@ -37,13 +37,16 @@ FacetIndex::FacetIndex(const Surroundings& surroundings)
     for (std::size_t i = 0; i < facets_->size(); ++i) {
         const geometry::Facet& facet = (*facets_)[i];
         const int axis = dominant_axis(facet.plane.normal);
+        const double margin = 2.0 * flatness(static_cast<geometry::FacetId>(i));
         first_loop_.push_back(static_cast<std::uint32_t>(loops_.size()));
         for (const geometry::Loop& loop : facet.loops) {
             const auto begin = static_cast<std::uint32_t>(vertices_.size());
             for (const Vec3& vertex : loop) {
                 vertices_.push_back(snap_to_plane(facet.plane, vertex, axis));
-                boxes_[i].include(vertices_.back());
-                boxes_[i].include(vertex);
+                // Reflection points lie in the triangles moved into the plane along the axis, at
+                // most sqrt(3) flatnesses from the outline.
+                boxes_[i].include(vertices_.back() - margin);
+                boxes_[i].include(vertices_.back() + margin);
             }
             loops_.push_back({begin, static_cast<std::uint32_t>(vertices_.size())});
         }

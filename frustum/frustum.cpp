@@ -13,10 +13,6 @@ using geometry::Vec3;
 
 namespace {
 
-/// Share of a window's reach in (u, v) by which it grows on every side, so that rounding in its
-/// corners (a few 2^-53 of coordinates below 2) loses nothing.
-constexpr double kWindowSlack = 0x1p-44;
-
 /// Half the variation of a linear function over a rectangle.
 double spread(const InverseDepth& depth, const Rect& rect) noexcept {
     const glm::dvec2 half = 0.5 * (rect.upper - rect.lower);

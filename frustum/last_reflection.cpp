@@ -16,7 +16,9 @@ using geometry::Vec3;
 std::span<const LastReflection> LastReflections::find(const Frustum& frustum,
                                                       std::span<const Vec3> listeners) {
     found_.clear();
-    const double moved = kRounding * (index_.scale() + glm::length(frustum.apex));
+    // As far as PathVerifier takes rounding to reach, and more.
+    const double moved =
+        4.0 * kRounding * (index_.scale() + listener_reach_ + glm::length(frustum.apex));
     const Plane* start_plane = frustum.starts_at_facet ? &index_.plane(frustum.facet) : nullptr;
     const BoxCull cull(frustum, start_plane, moved);
     bvh::traverse(

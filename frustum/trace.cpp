@@ -8,6 +8,8 @@
 #include "earshot/frustum/internal/path_order.h"
 #include "earshot/frustum/internal/visible_facets.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <string>
 
@@ -44,6 +46,7 @@ struct Task {
     const PathVerifier& verifier;
     std::span<const Vec3> listeners;
     const TraceOptions& options;
+    double listener_reach = 0.0;  // largest distance from the origin, metres
 };
 
 /// Follows one frustum and all its reflections, depth first. One object per thread of work: it
@@ -51,9 +54,10 @@ struct Task {
 class FrustumWalk {
 public:
     FrustumWalk(const Task& task, const Vec3& source)
-        : task_(task), last_reflections_(task.index), images_{source} {
+        : task_(task), last_reflections_(task.index, task.listener_reach), images_{source} {
         for (int order = 0; order < task.options.max_order; ++order) {
-            searches_.emplace_back(task.index, task.options.mode, task.verifier.contact_reach());
+            searches_.emplace_back(
+                task.index, task.options.mode, task.verifier.contact_reach(), task.listener_reach);
         }
     }
 
@@ -201,7 +205,10 @@ TraceResult find_specular_paths(const Surroundings& surroundings,
     check_options(options);
     const FacetIndex index(surroundings);
     const PathVerifier verifier(surroundings);
-    const Task task{index, verifier, listeners, options};
+    Task task{index, verifier, listeners, options};
+    for (const Vec3& listener : listeners) {
+        task.listener_reach = std::max(task.listener_reach, glm::length(listener));
+    }
     Harvest harvest = find_direct_paths(task, source);
 
     if (options.max_order > 0) {

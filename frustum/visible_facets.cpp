@@ -18,8 +18,14 @@ namespace {
 /// Room for rounding in (u, v), in cells, beyond what follows from a polygon's distance.
 constexpr double kCellSlack = 0x1p-30;
 
-/// Polygons are cut off this far outside the grid, in cells; the cut must not mark a cell.
+/// Polygons are cut off this far outside the grid, in cells, and by as much as their points may be
+/// off; the cut must not mark a cell.
 constexpr double kClipMargin = 1.0;
+
+/// How far a point moves across (forward + u right), in metres per metre that it is off, and how
+/// far in u at depth 1: at most 1 + |u|, |u| <= 1 in the grid. Twice that, because outlines are
+/// moved along a coordinate axis, up to sqrt(3) times as far as their distance from the plane.
+constexpr double kSpread = 4.0;
 
 /// Relative room for rounding in inverse depths, which are sums of three products.
 constexpr double kDepthSlack = 0x1p-40;
@@ -55,13 +61,20 @@ void for_each_cell(CellMask mask, Visit&& visit) {
 
 }  // namespace
 
-VisibleFacets::VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach)
-    : index_(index), mode_(mode), contact_reach_(contact_reach), raster_(Rect{}, 1) {}
+VisibleFacets::VisibleFacets(const FacetIndex& index,
+                             Mode mode,
+                             double contact_reach,
+                             double listener_reach)
+    : index_(index),
+      mode_(mode),
+      contact_reach_(contact_reach),
+      listener_reach_(listener_reach),
+      raster_(Rect{}, 1) {}
 
 void VisibleFacets::enter(const Frustum& frustum) {
     frustum_ = frustum;
     raster_ = CellRaster(frustum.rect, frustum.cells);
-    moved_ = kRounding * (index_.scale() + glm::length(frustum.apex));
+    moved_ = kRounding * (index_.scale() + listener_reach_ + glm::length(frustum.apex));
     covered_ = 0;
     candidates_.clear();
     found_.clear();
@@ -80,7 +93,7 @@ void VisibleFacets::search(const Frustum& frustum) {
 // An apex known to moved_ metres has a height over a plane that is off by that much; the inverse
 // depth is off by the same share.
 double VisibleFacets::depth_error(FacetId facet) const noexcept {
-    return 4.0 * moved_ / std::abs(index_.plane(facet).distance(frustum_.apex));
+    return kSpread * moved_ / std::abs(index_.plane(facet).distance(frustum_.apex));
 }
 
 // Nearer children first, so that covers are known before what they hide.
@@ -155,6 +168,7 @@ bool VisibleFacets::draw(const Frustum& frustum,
                          FacetId facet,
                          Projected& out) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const double moved = moved_ + index_.flatness(facet);
     out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};
     double least_depth = kInfinity;
     outline_.clear();
@@ -171,7 +185,7 @@ bool VisibleFacets::draw(const Frustum& frustum,
         for (std::uint32_t v = loops[i].begin; v < loops[i].end; ++v) {
             polygon_.push_back(frustum.local(index_.vertices()[v]));
         }
-        if (clip(frustum, raster)) {
+        if (clip(frustum, raster, moved)) {
             for (const Vec3& p : polygon_) {
                 least_depth = std::min(least_depth, p.z);
                 outline_.emplace_back(p.x / p.z, p.y / p.z);
@@ -184,11 +198,15 @@ bool VisibleFacets::draw(const Frustum& frustum,
     if (outline_.empty()) {
         return false;
     }
-    // A point moved by e metres moves by at most e (1 + |u|) / depth in u; |u| <= 2 in the grid and
-    // its margin.
-    const double moved = moved_ + index_.flatness(facet);
-    const double slack_uv = 4.0 * moved / least_depth;
     const glm::dvec2 cell = raster.cell_size();
+    if (least_depth < kSpread * moved) {
+        // Closer to the apex than its points are known: it may be seen in any direction.
+        const CellMask all = raster.cells_of(frustum.rect, 0.0);
+        out.coverage = {.touched = all, .filled = 0, .centred = all};
+        out.bounds = {.lower = frustum.rect.lower - cell, .upper = frustum.rect.upper + cell};
+        return true;
+    }
+    const double slack_uv = kSpread * moved / least_depth;
     const double slack = kCellSlack + slack_uv / std::min(cell.x, cell.y);
     raster.start(slack);
     std::size_t begin = 0;
@@ -205,8 +223,9 @@ bool VisibleFacets::draw(const Frustum& frustum,
 }
 
 // Sutherland and Hodgman 1974, against the start plane and the four sides of the grid grown by a
-// margin; together with the least depth they leave points with finite (u, v) only.
-bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster) {
+// margin, all moved outward by what the polygon's points may be off (`moved`, metres).
+bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster, double moved) {
+    const double reach = kSpread * moved;
     const glm::dvec2 margin = kClipMargin * raster.cell_size();
     const glm::dvec2 lower = frustum.rect.lower - margin;
     const glm::dvec2 upper = frustum.rect.upper + margin;
@@ -242,7 +261,7 @@ bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster) {
         // 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its
         // distance from the apex: points on the plane stay.
         const InverseDepth& start = frustum.start;
-        const double slack = moved_ / std::abs(index_.plane(frustum.facet).distance(frustum.apex));
+        const double slack = moved / std::abs(index_.plane(frustum.facet).distance(frustum.apex));
         if (!keep([&](const Vec3& p) {
                 return start.constant * p.z + start.slope.x * p.x + start.slope.y * p.y - 1.0 +
                        slack;
@@ -250,18 +269,20 @@ bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster) {
             return false;
         }
     }
-    return keep([&](const Vec3& p) { return p.z - frustum.least_depth; }) &&
-           keep([&](const Vec3& p) { return p.x - lower.x * p.z; }) &&
-           keep([&](const Vec3& p) { return upper.x * p.z - p.x; }) &&
-           keep([&](const Vec3& p) { return p.y - lower.y * p.z; }) &&
-           keep([&](const Vec3& p) { return upper.y * p.z - p.y; });
+    return keep([&](const Vec3& p) { return p.z - frustum.least_depth + moved; }) &&
+           keep([&](const Vec3& p) { return p.x - lower.x * p.z + reach; }) &&
+           keep([&](const Vec3& p) { return upper.x * p.z - p.x + reach; }) &&
+           keep([&](const Vec3& p) { return p.y - lower.y * p.z + reach; }) &&
+           keep([&](const Vec3& p) { return upper.y * p.z - p.y + reach; });
 }
 
 void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask filled) {
     if (filled == 0) {
         return;
     }
-    const double error = depth_error(facet);
+    // Its triangles hide, which may lie beside its plane.
+    const double error = kSpread * (moved_ + index_.deviation(facet)) /
+                         std::abs(index_.plane(facet).distance(frustum_.apex));
     if (error > kGrazingCover) {
         return;
     }
@@ -379,7 +400,7 @@ Rect VisibleFacets::bounds_of_cells(CellMask cells) const noexcept {
 // The live sub-frusta that points within `bounds`, `depth` metres away or more, may lie in.
 CellMask VisibleFacets::cells_near(const Rect& bounds, double depth) const noexcept {
     const glm::dvec2 cell = raster_.cell_size();
-    const double slack = kCellSlack + 4.0 * moved_ / depth / std::min(cell.x, cell.y);
+    const double slack = kCellSlack + kSpread * moved_ / depth / std::min(cell.x, cell.y);
     return raster_.cells_of(bounds, slack) & frustum_.alive;
 }
 
@@ -435,9 +456,11 @@ Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
     Frustum aperture = frustum_;
     aperture.rect = child.rect;
     child.alive = draw(aperture, raster, visible.facet, own) ? own.coverage.touched : 0;
+    const glm::dvec2 size = raster_.cell_size();
+    const double slack = kCellSlack + kWindowSlack / std::min(size.x, size.y);
     for_each_cell(child.alive, [&](int cell) {
         const Rect rect = raster.cell_rect(cell / kGridSide, cell % kGridSide);
-        if ((raster_.cells_of(rect, kCellSlack) & visible.cells) == 0) {
+        if ((raster_.cells_of(rect, slack) & visible.cells) == 0) {
             child.alive &= ~(CellMask{1} << cell);
         }
     });

@@ -25,8 +25,9 @@ public:
     bool is_one_sided(geometry::FacetId facet) const noexcept {
         return !one_sided_.empty() && one_sided_[facet] != 0;
     }
-    /// Metres: how far the facet's triangles may lie from its plane, and their border from its
-    /// outline.
+    /// Metres: how far the facet's triangles may lie from its plane.
+    double deviation(geometry::FacetId facet) const noexcept { return (*facets_)[facet].deviation; }
+    /// Metres: how far points of the facet's triangles may lie from its outline, in all.
     double flatness(geometry::FacetId facet) const noexcept {
         return (*facets_)[facet].deviation + tolerance_;
     }

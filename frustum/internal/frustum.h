@@ -10,6 +10,10 @@
 
 namespace earshot::frustum {
 
+/// Share of a window's reach in (u, v) by which it grows on every side, so that rounding in its
+/// corners (a few 2^-53 of coordinates below 2) loses nothing.
+inline constexpr double kWindowSlack = 0x1p-44;
+
 /// A linear function of (u, v): the inverse depth at which a frustum's rays meet a plane. Larger is
 /// nearer; negative is behind the apex.
 struct InverseDepth {

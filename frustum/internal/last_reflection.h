@@ -22,7 +22,9 @@ struct LastReflection {
 /// verification. Pays where listeners are few. Holds scratch memory; one thread at a time.
 class LastReflections {
 public:
-    explicit LastReflections(const FacetIndex& index) : index_(index) {}
+    /// `listener_reach`: the largest distance of a listener from the origin, metres.
+    LastReflections(const FacetIndex& index, double listener_reach)
+        : index_(index), listener_reach_(listener_reach) {}
 
     /// A superset of the true last reflections, in the order of the hierarchy. The result lives
     /// until the next call.
@@ -36,6 +38,7 @@ private:
                      double moved) const noexcept;
 
     const FacetIndex& index_;
+    double listener_reach_;
     std::vector<LastReflection> found_;
 };
 

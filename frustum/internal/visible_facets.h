@@ -24,8 +24,9 @@ struct VisibleFacet {
 /// sampled: the facet nearest along the centre of each sub-frustum.
 class VisibleFacets {
 public:
-    /// `contact_reach` in metres, as PathVerifier::contact_reach.
-    VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach);
+    /// `contact_reach` in metres, as PathVerifier::contact_reach; `listener_reach`: the largest
+    /// distance of a listener from the origin, metres.
+    VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach, double listener_reach);
 
     /// Makes this the current frustum without looking for facets: nothing hides anything in it.
     void enter(const Frustum& frustum);
@@ -68,7 +69,7 @@ private:
     void visit_nodes();
     void visit_facet(geometry::FacetId facet);
     bool draw(const Frustum& frustum, CellRaster& raster, geometry::FacetId facet, Projected& out);
-    bool clip(const Frustum& frustum, const CellRaster& raster);
+    bool clip(const Frustum& frustum, const CellRaster& raster, double moved);
     void add_cover(geometry::FacetId facet, const InverseDepth& depth, CellMask filled);
     void add_sample(geometry::FacetId facet, const InverseDepth& depth, CellMask centred);
     double depth_error(geometry::FacetId facet) const noexcept;
@@ -84,6 +85,7 @@ private:
     const FacetIndex& index_;
     Mode mode_;
     double contact_reach_;
+    double listener_reach_;
 
     Frustum frustum_;
     CellRaster raster_;

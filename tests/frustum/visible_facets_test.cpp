@@ -49,7 +49,7 @@ TEST(VisibleFacets, EveryFirstHitOfARayIsFound) {
         const Surroundings surroundings = random.room.surroundings();
         const FacetIndex index(surroundings);
         const PathVerifier verifier(surroundings);
-        VisibleFacets search(index, Mode::complete, verifier.contact_reach());
+        VisibleFacets search(index, Mode::complete, verifier.contact_reach(), 20.0);
         for (const Frustum& frustum : frusta_around(random.source, 2, 8, 1e-12)) {
             search.search(frustum);
             std::set<FacetId> found;
@@ -80,7 +80,7 @@ TEST(VisibleFacets, AWallHidesWhatStandsBehindIt) {
     room.finish();
     const Surroundings surroundings = room.surroundings();
     const FacetIndex index(surroundings);
-    VisibleFacets search(index, Mode::complete, 1e-3);
+    VisibleFacets search(index, Mode::complete, 1e-3, 10.0);
     std::set<FacetId> found;
     for (const Frustum& frustum : frusta_around(Vec3(0.0), 1, 8, 1e-12)) {
         search.search(frustum);
@@ -102,7 +102,7 @@ TEST(VisibleFacets, AReflectedFrustumIsAsWideAsTheFacetAllows) {
     room.finish();
     const Surroundings surroundings = room.surroundings();
     const FacetIndex index(surroundings);
-    VisibleFacets search(index, Mode::complete, 1e-3);
+    VisibleFacets search(index, Mode::complete, 1e-3, 10.0);
     const auto frusta = frusta_around(Vec3(0.0), 1, 8, 1e-12);
     search.search(frusta[4]);  // towards +z
     ASSERT_EQ(search.found().size(), 1U);
