@@ -41,6 +41,12 @@ struct Range {
     std::size_t size() const { return end - begin; }
 };
 
+/// What a pass over a range finds: the box, and where centres lie.
+struct Extent {
+    Aabb box;
+    std::array<double, 3> lower{}, upper{};  // of centre()
+};
+
 struct Bin {
     Aabb box;
     std::size_t count = 0;
@@ -51,10 +57,11 @@ struct Binning {
     std::size_t axis = 0;
     double lower = 0.0;
     double scale = 0.0;  // 0: all centres coincide
+    std::size_t bins = kBins;
 
     std::size_t bin_of(const Aabb& box) const {
         const auto bin = static_cast<std::size_t>((centre(box, axis) - lower) * scale);
-        return std::min(bin, kBins - 1);
+        return std::min(bin, bins - 1);
     }
 };
 
@@ -71,23 +78,32 @@ public:
           leaf_size_(static_cast<std::size_t>(options.leaf_size)),
           traversal_cost_(options.traversal_cost) {}
 
-    Aabb bounds(Range range) const {
-        Aabb box;
+    Extent extent_of(Range range) const {
+        Extent extent;
+        extent.lower.fill(std::numeric_limits<double>::infinity());
+        extent.upper.fill(-std::numeric_limits<double>::infinity());
         for (std::size_t i = range.begin; i < range.end; ++i) {
-            box.include(primitives_[i].box);
+            const Aabb& box = primitives_[i].box;
+            extent.box.include(box);
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double c = centre(box, axis);
+                extent.lower[axis] = c < extent.lower[axis] ? c : extent.lower[axis];
+                extent.upper[axis] = c > extent.upper[axis] ? c : extent.upper[axis];
+            }
         }
-        return box;
+        return extent;
     }
 
     /// Where the range is cut in two; its end if it is to be a leaf. Reorders the range.
-    std::size_t partition(Range range, const Aabb& box, std::size_t depth) {
+    std::size_t partition(Range range, const Extent& extent, std::size_t depth) {
+        const Aabb& box = extent.box;
         if (range.size() == 1) {
             return range.end;
         }
         if (depth >= kHalvingDepth) {
             return range.size() <= leaf_size_ ? range.end : halve(range, box);
         }
-        const Split split = find_split(range);
+        const Split split = find_split(range, extent);
         const double leaf_cost = static_cast<double>(range.size()) * box.half_area();
         const double split_cost = traversal_cost_ * box.half_area() + split.cost;
         if (range.size() <= leaf_size_ && !(split_cost < leaf_cost)) {
@@ -109,8 +125,9 @@ public:
     /// Appends the descendants of nodes[root] in depth-first order.
     void build(std::vector<Node>& nodes, std::size_t root, Range range, std::size_t depth) {
         EARSHOT_ASSERT(depth <= kMaxDepth);
-        nodes[root].box = bounds(range);
-        const std::size_t middle = partition(range, nodes[root].box, depth);
+        const Extent extent = extent_of(range);
+        nodes[root].box = extent.box;
+        const std::size_t middle = partition(range, extent, depth);
         if (middle == range.end) {
             nodes[root].first = static_cast<std::uint32_t>(range.begin);
             nodes[root].count = static_cast<std::uint32_t>(range.size());
@@ -125,23 +142,19 @@ public:
 
 private:
     // Wald 2007, sections 3.1 to 3.3: bins over the centres, swept from both sides.
-    Split find_split(Range range) const {
-        std::array<double, 3> lower, upper;
-        lower.fill(std::numeric_limits<double>::infinity());
-        upper.fill(-std::numeric_limits<double>::infinity());
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double c = centre(primitives_[i].box, axis);
-                lower[axis] = std::min(lower[axis], c);
-                upper[axis] = std::max(upper[axis], c);
-            }
-        }
+    Split find_split(Range range, const Extent& extent) const {
         std::array<Binning, 3> binnings;
-        std::array<std::array<Bin, kBins>, 3> bins{};
+        // Most ranges are small, and their time is the sweep's.
+        const std::size_t bin_count = std::min(kBins, 2 * range.size());
+        std::array<std::array<Bin, kBins>, 3> bins;
+        for (auto& along_axis : bins) {
+            std::fill_n(along_axis.begin(), bin_count, Bin{});
+        }
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double extent = upper[axis] - lower[axis];
-            const double scale = static_cast<double>(kBins) / extent;
-            binnings[axis] = {axis, lower[axis], std::isfinite(scale) ? scale : 0.0};
+            const double width = extent.upper[axis] - extent.lower[axis];
+            const double scale = static_cast<double>(bin_count) / width;
+            binnings[axis] = {
+                axis, extent.lower[axis], std::isfinite(scale) ? scale : 0.0, bin_count};
         }
         for (std::size_t i = range.begin; i < range.end; ++i) {
             const Aabb& box = primitives_[i].box;
@@ -164,7 +177,7 @@ private:
         std::array<double, kBins> right_cost{};
         Aabb box;
         std::size_t count = 0;
-        for (std::size_t i = kBins; i-- > 1;) {
+        for (std::size_t i = binning.bins; i-- > 1;) {
             box.include(bins[i].box);
             count += bins[i].count;
             right_cost[i] = static_cast<double>(count) * box.half_area();
@@ -172,7 +185,7 @@ private:
         const std::size_t all = count + bins[0].count;
         box = Aabb::empty();
         count = 0;
-        for (std::size_t i = 1; i < kBins; ++i) {
+        for (std::size_t i = 1; i < binning.bins; ++i) {
             box.include(bins[i - 1].box);
             count += bins[i - 1].count;
             const double cost = static_cast<double>(count) * box.half_area() + right_cost[i];
@@ -223,8 +236,9 @@ std::vector<TopNode> build_top(Builder& builder, std::size_t count, std::size_t&
     for (std::size_t i = 0; i < top.size(); ++i) {
         TopNode node = top[i];
         if (node.range.size() > kTaskSize) {
-            node.box = builder.bounds(node.range);
-            const std::size_t middle = builder.partition(node.range, node.box, node.depth);
+            const Extent extent = builder.extent_of(node.range);
+            node.box = extent.box;
+            const std::size_t middle = builder.partition(node.range, extent, node.depth);
             node.left = top.size();
             top.push_back({.range = {node.range.begin, middle}, .depth = node.depth + 1});
             top.push_back({.range = {middle, node.range.end}, .depth = node.depth + 1});

@@ -37,21 +37,4 @@ void Aabb::include(const Vec3& point) noexcept {
     }
 }
 
-void Aabb::include(const Aabb& box) noexcept {
-    for (std::size_t k = 0; k < 3; ++k) {
-        lower[k] = std::min(lower[k], box.lower[k]);
-        upper[k] = std::max(upper[k], box.upper[k]);
-    }
-}
-
-double Aabb::half_area() const noexcept {
-    if (is_empty()) {
-        return 0.0;
-    }
-    const double x = static_cast<double>(upper[0]) - static_cast<double>(lower[0]);
-    const double y = static_cast<double>(upper[1]) - static_cast<double>(lower[1]);
-    const double z = static_cast<double>(upper[2]) - static_cast<double>(lower[2]);
-    return x * y + y * z + z * x;
-}
-
 }  // namespace earshot::geometry

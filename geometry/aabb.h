@@ -4,6 +4,7 @@
 #include "earshot/geometry/types.h"
 
 #include <array>
+#include <cstddef>
 
 namespace earshot::geometry {
 
@@ -22,10 +23,23 @@ struct Aabb {
 
     bool is_empty() const noexcept { return lower[0] > upper[0]; }
     void include(const Vec3& point) noexcept;  ///< rounds outward; precondition: finite
-    void include(const Aabb& box) noexcept;
+    void include(const Aabb& box) noexcept {
+        for (std::size_t k = 0; k < 3; ++k) {
+            lower[k] = box.lower[k] < lower[k] ? box.lower[k] : lower[k];
+            upper[k] = box.upper[k] > upper[k] ? box.upper[k] : upper[k];
+        }
+    }
 
     /// Half the surface area, in square metres; 0 for the empty box.
-    double half_area() const noexcept;
+    double half_area() const noexcept {
+        if (is_empty()) {
+            return 0.0;
+        }
+        const double x = static_cast<double>(upper[0]) - static_cast<double>(lower[0]);
+        const double y = static_cast<double>(upper[1]) - static_cast<double>(lower[1]);
+        const double z = static_cast<double>(upper[2]) - static_cast<double>(lower[2]);
+        return x * y + y * z + z * x;
+    }
 
     friend bool operator==(const Aabb&, const Aabb&) = default;
 };

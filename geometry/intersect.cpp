@@ -11,14 +11,11 @@
 namespace earshot::geometry {
 namespace {
 
-// Of the coordinates involved. Moving and shearing a vertex is off by some 10 units of 2^-53 of
-// them, an edge function by 2 units of the distances to its ends, which in a triangle that is hit
-// are no longer than its edges, and the differences below by 2: a sixteenth of the padding in all.
+// Of the coordinates involved, in units of 2^-53 of which: moving and shearing a vertex is off by
+// some 10, an edge function by 2 of the distances to its ends, which in a triangle that is hit are
+// no longer than its edges, and a distance to a side of a box by 3, with those below: a tenth of
+// the padding in all.
 constexpr double kPad = 0x1p-45;
-
-// Distances are rounded three times (the inverse, its widening, the product), by 2^-53 each.
-constexpr double kBefore = 1.0 - 0x1p-50;
-constexpr double kAfter = 1.0 + 0x1p-50;
 
 // The inverse of a component that is zero or nearly so. Finite, so that its product with 0 is 0,
 // and so large that any other product lies beyond the distances along the other axes.
@@ -115,12 +112,10 @@ Slabs::Slabs(const Vec3& origin, const Vec3& direction, double reach) noexcept {
     const double pad = kPad * (largest(origin) + reach);
     for (int axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<std::size_t>(axis);
-        const double inverse = std::clamp(1.0 / direction[axis], -kMostInverse, kMostInverse);
-        is_forward_[k] = inverse > 0.0;
+        inverse_[k] = std::clamp(1.0 / direction[axis], -kMostInverse, kMostInverse);
+        is_forward_[k] = inverse_[k] > 0.0;
         before_[k] = origin[axis] + (is_forward_[k] ? pad : -pad);
         after_[k] = origin[axis] - (is_forward_[k] ? pad : -pad);
-        inverse_before_[k] = inverse * kBefore;
-        inverse_after_[k] = inverse * kAfter;
     }
 }
 

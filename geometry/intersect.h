@@ -20,9 +20,9 @@ struct Passage {
 };
 
 /// A line prepared for many boxes. Errs to the large side: each box is padded by 2^-45 of the
-/// coordinates involved (256 units in the last place, far more than the triangle tests below can be
-/// off) and each distance by a few units of its own (Ize 2013). Passages are monotone: of a box
-/// inside another the passage lies inside the other's, in floating point.
+/// coordinates involved, 256 units in the last place, which is far more than the distances here and
+/// the triangle tests below can be off (where Ize 2013 widens the distances instead). Passages are
+/// monotone: of a box inside another the passage lies inside the other's, in floating point.
 class Slabs {
 public:
     /// `reach`: the largest absolute coordinate of any box that will be tested, metres.
@@ -43,8 +43,8 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             const float first = is_forward_[k] ? box.lower[k] : box.upper[k];
             const float last = is_forward_[k] ? box.upper[k] : box.lower[k];
-            const double enter = (static_cast<double>(first) - before_[k]) * inverse_before_[k];
-            const double leave = (static_cast<double>(last) - after_[k]) * inverse_after_[k];
+            const double enter = (static_cast<double>(first) - before_[k]) * inverse_[k];
+            const double leave = (static_cast<double>(last) - after_[k]) * inverse_[k];
             part.near = enter > part.near ? enter : part.near;
             part.far = leave < part.far ? leave : part.far;
         }
@@ -53,7 +53,7 @@ private:
 
     std::array<bool, 3> is_forward_{};
     std::array<double, 3> before_{}, after_{};  // origin, moved by the padding
-    std::array<double, 3> inverse_before_{}, inverse_after_{};
+    std::array<double, 3> inverse_{};           // of the direction
 };
 
 /// A ray prepared for many boxes and triangles: the one place where a ray's hits are decided.
