@@ -52,7 +52,7 @@ TraceResult find_specular_paths_brute_force(const Surroundings& surroundings,
         surroundings, PathVerifier(surroundings), listeners, static_cast<std::size_t>(max_order)};
     search.images.push_back(source);
     search.visit();
-    sort_and_unify(search.result.paths, search.verifier.scale());
+    sort_and_unify(search.result.paths, surroundings.facets, search.verifier.scale());
     search.result.statistics.paths = search.result.paths.size();
     return std::move(search.result);
 }

@@ -6,6 +6,7 @@
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/geometry/predicates.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -31,19 +32,34 @@ glm::dvec2 project(const Vec3& point, int axis) noexcept {
 
 double squared_distance_to_edge(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
     const glm::dvec2 edge = b - a;
-    const double t = std::clamp(glm::dot(p - a, edge) / glm::dot(edge, edge), 0.0, 1.0);
+    const double squared = glm::dot(edge, edge);
+    const double t = squared > 0.0 ? std::clamp(glm::dot(p - a, edge) / squared, 0.0, 1.0) : 0.0;
     const glm::dvec2 gap = p - (a + t * edge);
     return glm::dot(gap, gap);
 }
 
 enum class Containment { outside, near, inside };
 
+/// A source or image less than this many rounding slacks from a facet's plane is not reflected:
+/// with less, the slack allowed to the other end of the leg would move the reflection point by a
+/// good part of the leg.
+constexpr double kGrazing = 8.0;
+
+bool lies_in_box(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner) noexcept {
+    const glm::dvec2 lower = glm::min(glm::min(corner[0], corner[1]), corner[2]);
+    const glm::dvec2 upper = glm::max(glm::max(corner[0], corner[1]), corner[2]);
+    return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y;
+}
+
 /// Where a point lies relative to a triangle: decided exactly; `near` is outside by up to `slack`.
+/// A sliver may stand on edge in its facet and project to a line, all of whose points are on no
+/// edge's outside: its box tells them apart.
 Containment locate(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner, double slack) {
     const int ab = geometry::orient2d(corner[0], corner[1], p);
     const int bc = geometry::orient2d(corner[1], corner[2], p);
     const int ca = geometry::orient2d(corner[2], corner[0], p);
-    if ((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)) {
+    if (((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)) &&
+        lies_in_box(p, corner)) {
         return Containment::inside;
     }
     const double nearest = std::min({squared_distance_to_edge(p, corner[0], corner[1]),
@@ -91,11 +107,12 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         const Vec3& target = path.points[i + 1];
         const double before = plane.distance(images[i - 1]);  // of the side that reflects
         const double behind = plane.distance(images[i]);
-        const double ahead = plane.distance(target);
         const bool front = before > 0.0;
-        if (std::abs(before) <= slack || (front ? ahead < -slack : ahead > slack)) {
+        double ahead = plane.distance(target);
+        if (std::abs(before) <= kGrazing * slack || (front ? ahead < -slack : ahead > slack)) {
             return std::nullopt;
         }
+        ahead = front ? std::max(ahead, 0.0) : std::min(ahead, 0.0);
         if (!front && !surroundings_->one_sided.empty() && surroundings_->one_sided[facet] != 0) {
             return std::nullopt;
         }
@@ -107,6 +124,9 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         path.triangles[i - 1] = *triangle;
     }
     path.points[0] = images[0];
+    if (turns_on_an_outer_edge(sequence, images, path.points, slack)) {
+        return std::nullopt;
+    }
 
     for (std::size_t i = 0; i <= order; ++i) {
         const FacetId* from_facet = i > 0 ? &sequence[i - 1] : nullptr;
@@ -118,16 +138,17 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
     return path;
 }
 
-std::optional<TriangleId> PathVerifier::triangle_at(FacetId facet,
-                                                    const Vec3& point,
-                                                    double slack) const {
+template <typename Visit>
+void PathVerifier::visit_triangles_at(FacetId facet,
+                                      const Vec3& point,
+                                      double slack,
+                                      Visit&& visit) const {
     const geometry::Facet& surface = surroundings_->facets.facets[facet];
     const int axis = dominant_axis(surface.plane.normal);
     const glm::dvec2 p = project(point, axis);
     // The point lies in the plane, the triangles within the facet's deviation of it, measured along
     // the dominant axis at most sqrt(3) times as far.
     const double reach = 2.0 * surface.deviation + slack;
-    std::optional<TriangleId> inside, near;
     bvh::traverse(
         surroundings_->tree,
         [&](const bvh::Node& node) {
@@ -147,16 +168,68 @@ std::optional<TriangleId> PathVerifier::triangle_at(FacetId facet,
                 for (std::size_t k = 0; k < 3; ++k) {
                     corner[k] = project(surroundings_->mesh.positions[triangle[k]], axis);
                 }
-                const Containment where = locate(p, corner, slack);
-                if (where == Containment::inside && (!inside || id < *inside)) {
-                    inside = id;
-                } else if (where == Containment::near && (!near || id < *near)) {
-                    near = id;
-                }
+                visit(id, locate(p, corner, slack));
             }
             return true;
         });
+}
+
+std::optional<TriangleId> PathVerifier::triangle_at(FacetId facet,
+                                                    const Vec3& point,
+                                                    double slack) const {
+    std::optional<TriangleId> inside, near;
+    visit_triangles_at(facet, point, slack, [&](TriangleId id, Containment where) {
+        if (where == Containment::inside && (!inside || id < *inside)) {
+            inside = id;
+        } else if (where == Containment::near && (!near || id < *near)) {
+            near = id;
+        }
+    });
     return inside ? inside : near;
+}
+
+// Whether the facet at this point of its border has a part over another's plane, on the given side.
+bool PathVerifier::rises_over(
+    FacetId other, double side, FacetId facet, const Vec3& point, double slack) const {
+    const geometry::Facet& ground = surroundings_->facets.facets[other];
+    const double flatness = ground.deviation + surroundings_->facets.tolerance;
+    bool rises = false;
+    visit_triangles_at(facet, point, slack, [&](TriangleId id, Containment where) {
+        for (const geometry::VertexId vertex : surroundings_->mesh.triangles[id]) {
+            const double height =
+                side * ground.plane.distance(surroundings_->mesh.positions[vertex]);
+            rises = rises || (where != Containment::outside && height > flatness);
+        }
+    });
+    return rises;
+}
+
+// From one facet to the next sound can only go where each stands on the sounding side of the other.
+// Where a leg ends in both planes, in the edge that they share, that is not a matter of its ends: a
+// listener at the source would hear every outer edge of a box reflect like an inner one.
+bool PathVerifier::turns_on_an_outer_edge(std::span<const FacetId> sequence,
+                                          std::span<const Vec3> images,
+                                          std::span<const Vec3> points,
+                                          double slack) const {
+    for (std::size_t i = 0; i + 1 < sequence.size(); ++i) {
+        const FacetId first = sequence[i];
+        const FacetId second = sequence[i + 1];
+        const auto side_of = [&](FacetId facet, const Vec3& image) {
+            return surroundings_->facets.facets[facet].plane.distance(image) > 0.0 ? 1.0 : -1.0;
+        };
+        const auto lies_in = [&](FacetId facet, const Vec3& point) {
+            return std::abs(surroundings_->facets.facets[facet].plane.distance(point)) <= slack;
+        };
+        const Vec3& from = points[i + 1];
+        const Vec3& to = points[i + 2];
+        if ((lies_in(first, to) &&
+             !rises_over(first, side_of(first, images[i]), second, to, slack)) ||
+            (lies_in(second, from) &&
+             !rises_over(second, side_of(second, images[i + 1]), first, from, slack))) {
+            return true;
+        }
+    }
+    return false;
 }
 
 PathVerifier::LegEnd PathVerifier::end_of_leg(const FacetId* facet, const Vec3& other_end) const {

@@ -15,7 +15,8 @@ namespace earshot::frustum {
 /// The path is built backwards from the listener towards the image sources (Allen and Berkley 1979;
 /// Borish 1984). It is valid if every reflection point lies in its facet (borders included, within
 /// rounding), both neighbours of a reflection point are on one side of its facet (the front, if the
-/// facet is one-sided), and no leg touches a triangle on the way.
+/// facet is one-sided), and no leg touches a triangle on the way. Facets that follow each other
+/// stand on each other's sounding side, also where the path turns in the edge that they share.
 class PathVerifier {
 public:
     explicit PathVerifier(const Surroundings& surroundings);
@@ -27,8 +28,8 @@ public:
                                        std::span<const geometry::Vec3> images,
                                        const geometry::Vec3& listener) const;
 
-    /// Metres: a point this close to a plane counts as in it. Sources and images within it of a
-    /// facet's plane are not reflected there (the sound would graze the facet).
+    /// Metres: a point this close to a plane counts as in it. Sources and images within eight times
+    /// as much of a facet's plane are not reflected there (the sound would graze the facet).
     double grazing_distance(double reach) const noexcept;
 
     /// Metres: only triangles that a leg meets this close to a reflection point can belong to the
@@ -54,6 +55,20 @@ private:
     std::optional<geometry::TriangleId> triangle_at(geometry::FacetId facet,
                                                     const geometry::Vec3& point,
                                                     double slack) const;
+    template <typename Visit>
+    void visit_triangles_at(geometry::FacetId facet,
+                            const geometry::Vec3& point,
+                            double slack,
+                            Visit&& visit) const;
+    bool rises_over(geometry::FacetId other,
+                    double side,
+                    geometry::FacetId facet,
+                    const geometry::Vec3& point,
+                    double slack) const;
+    bool turns_on_an_outer_edge(std::span<const geometry::FacetId> sequence,
+                                std::span<const geometry::Vec3> images,
+                                std::span<const geometry::Vec3> points,
+                                double slack) const;
     bool leg_is_free(const geometry::Vec3& from,
                      const geometry::Vec3& to,
                      const geometry::FacetId* from_facet,

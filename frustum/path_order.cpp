@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 namespace earshot::frustum {
@@ -22,28 +23,94 @@ bool comes_first(const SpecularPath& a, const SpecularPath& b) {
     return key(a) != key(b) ? key(a) < key(b) : a.triangles < b.triangles;
 }
 
+/// Surfaces that coat each other are told apart by rounding only: their images of a source lie
+/// within twice the tolerance for their distance and as much for the tilt that it gives the planes
+/// of walls a fraction of the scene wide, per reflection.
+constexpr double kLayerReach = 16.0;
+
+/// Planes this close to parallel, as the sine of their angle, may be one surface in two layers.
+constexpr double kLayerTilt = 0x1p-10;
+
+/// Which paths are the same way through space as one of them.
+class Likeness {
+public:
+    Likeness(const SpecularPath& path, const geometry::Facets& facets, double scale)
+        : path_(path),
+          facets_(facets),
+          // Reflection points of one way found twice differ by the verifier's slack at a corner.
+          slack_(64.0 * kRounding * (scale + path.length)),
+          layer_reach_(kLayerReach * facets.tolerance *
+                       static_cast<double>(path.triangles.size())) {}
+
+    double most_longer() const noexcept { return std::max(slack_, layer_reach_); }
+
+    /// A bounce on the edge of two facets, or a corner met exactly.
+    bool same_points(const SpecularPath& other) const {
+        return std::equal(
+            path_.points.begin(),
+            path_.points.end(),
+            other.points.begin(),
+            other.points.end(),
+            [&](const Vec3& a, const Vec3& b) { return glm::distance(a, b) <= slack_; });
+    }
+
+    /// Each bounce on the same facet or on one that coats it (a carpet, a poster).
+    bool same_layers(const SpecularPath& other) const {
+        if (other.triangles.size() != path_.triangles.size() || path_.triangles.empty() ||
+            glm::distance(image_of(path_), image_of(other)) > layer_reach_) {
+            return false;
+        }
+        for (std::size_t i = 0; i < path_.triangles.size(); ++i) {
+            const geometry::Facet& a = facet_of(path_.triangles[i]);
+            const geometry::Facet& b = facet_of(other.triangles[i]);
+            const double apart = a.deviation + b.deviation + facets_.tolerance;
+            if (&a != &b && (glm::length(glm::cross(a.plane.normal, b.plane.normal)) > kLayerTilt ||
+                             std::abs(a.plane.distance(other.points[i + 1])) > apart ||
+                             std::abs(b.plane.distance(path_.points[i + 1])) > apart)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+private:
+    const geometry::Facet& facet_of(geometry::TriangleId triangle) const {
+        return facets_.facets[facets_.of_triangle[triangle]];
+    }
+
+    /// Where the sound seems to come from: back along the last leg that has a length.
+    static Vec3 image_of(const SpecularPath& path) {
+        const Vec3& listener = path.points.back();
+        Vec3 direction(0.0);
+        for (std::size_t i = path.points.size() - 1; i > 0 && direction == Vec3(0.0); --i) {
+            direction = path.points[i - 1] - path.points[i];
+        }
+        const double size = glm::length(direction);
+        return size > 0.0 ? listener + (path.length / size) * direction : listener;
+    }
+
+    const SpecularPath& path_;
+    const geometry::Facets& facets_;
+    double slack_;
+    double layer_reach_;
+};
+
 }  // namespace
 
-void sort_and_unify(std::vector<SpecularPath>& paths, double scale) {
+void sort_and_unify(std::vector<SpecularPath>& paths,
+                    const geometry::Facets& facets,
+                    double scale) {
     std::sort(paths.begin(), paths.end(), comes_first);
     std::vector<bool> repeated(paths.size(), false);
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        // Reflection points of one way found twice differ by the verifier's slack at a corner.
-        const double slack = 64.0 * kRounding * (scale + paths[i].length);
-        const auto same_way = [&](const SpecularPath& other) {
-            return std::equal(
-                paths[i].points.begin(),
-                paths[i].points.end(),
-                other.points.begin(),
-                other.points.end(),
-                [&](const Vec3& a, const Vec3& b) { return glm::distance(a, b) <= slack; });
-        };
+        const Likeness likeness(paths[i], facets, scale);
         for (std::size_t j = i + 1; j < paths.size() && !repeated[i]; ++j) {
             if (paths[j].listener != paths[i].listener ||
-                paths[j].length - paths[i].length > slack) {
+                paths[j].length - paths[i].length > likeness.most_longer()) {
                 break;
             }
-            if (!repeated[j] && same_way(paths[j])) {
+            if (!repeated[j] &&
+                (likeness.same_points(paths[j]) || likeness.same_layers(paths[j]))) {
                 repeated[paths[j].triangles < paths[i].triangles ? i : j] = true;
             }
         }

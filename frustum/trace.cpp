@@ -233,7 +233,7 @@ TraceResult find_specular_paths(const Surroundings& surroundings,
             }));
     }
 
-    sort_and_unify(harvest.paths, index.scale());
+    sort_and_unify(harvest.paths, surroundings.facets, verifier.scale());
     harvest.statistics.paths = harvest.paths.size();
     return {.paths = std::move(harvest.paths), .statistics = harvest.statistics};
 }

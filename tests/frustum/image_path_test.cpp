@@ -95,5 +95,58 @@ TEST(PathVerifier, ACoplanarLayerDoesNotBlockTheFacetItLiesOn) {
     EXPECT_TRUE(verify(room, {1}, {1, 3, 2}, {3, 1, 2}));
 }
 
+// With the source a hair over the plane and the listener a hair under it, both within rounding, the
+// line through them meets the plane anywhere.
+TEST(PathVerifier, GrazingWithinRoundingDoesNotReflectBeyondTheListener) {
+    const double slack = 0x1p-42 * (4.0 + 0.2);
+    EXPECT_FALSE(verify(floor_only(), {0}, {1, 1.1 * slack, 2}, {1.2, -0.9 * slack, 2}));
+    EXPECT_FALSE(verify(floor_only(), {0}, {1, 7.0 * slack, 2}, {1.2, 7.0 * slack, 2}));
+    EXPECT_TRUE(verify(floor_only(), {0}, {1, 9.0 * slack, 2}, {1.2, 9.0 * slack, 2}));
+}
+
+TEST(PathVerifier, OuterEdgesDoNotReflectLikeInnerOnes) {
+    QuadRoom room;
+    room.add_box({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
+    room.finish();
+    std::size_t edges = 0;
+    for (FacetId first = 0; first < 6; ++first) {
+        for (FacetId second = 0; second < 6; ++second) {
+            const Vec3 here = {2, 2, 0.5};  // the foot on the edge x = y = 1 is its middle
+            EXPECT_FALSE(verify(room, {first, second}, here, here)) << first << ' ' << second;
+            const Vec3 within = {0.25, 0.25, 0.5};
+            edges += verify(room, {first, second}, within, within) ? 1 : 0;
+        }
+    }
+    EXPECT_EQ(edges, 24U + 6U);  // twelve edges and three pairs of walls, either way round
+}
+
+// Seen along its facet's normal such a triangle is a line, and the point beyond its end is on no
+// edge's outside.
+TEST(PathVerifier, ASliverOnEdgeReflectsWhereItIsOnly) {
+    geometry::Mesh mesh;
+    mesh.positions = {
+        {0, 0, 0}, {0, 0, 4}, {4, 0, 4}, {4, 0, 0}, {5, 0, 2}, {6, 0, 2}, {5, 1e-7, 2}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}};
+    geometry::Facets facets;
+    facets.facets.resize(1);
+    facets.facets[0].deviation = 1e-7;
+    facets.facets[0].triangles = {0, 1, 2};
+    facets.of_triangle = {0, 0, 0};
+    facets.tolerance = 1e-6;
+    const bvh::Tree tree =
+        bvh::Tree::build(bvh::triangle_boxes(mesh.view()),
+                         {.traversal_cost = 100.0});  // one leaf, whose box tells nothing
+    const PathVerifier verifier(
+        {.tree = tree, .mesh = mesh.view(), .facets = facets, .one_sided = {}});
+    const auto reflects_at = [&](double x) {
+        const std::vector<Vec3> images = {{x - 1.0, 1.0, 2.0}, {x - 1.0, -1.0, 2.0}};
+        const std::vector<FacetId> sequence = {0};
+        return verifier.verify(sequence, images, {x + 1.0, 1.0, 2.0}).has_value();
+    };
+    EXPECT_TRUE(reflects_at(2.0));
+    EXPECT_TRUE(reflects_at(5.5));
+    EXPECT_FALSE(reflects_at(4.5));
+}
+
 }  // namespace
 }  // namespace earshot::frustum
