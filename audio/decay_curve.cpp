@@ -28,6 +28,15 @@ constexpr int kDeepestDb = kLastStepFromDb + kStepDb;
 // Shorter decays are those of the filter (ISO 3382-2:2008, 7.3; Jacobsen 1987).
 constexpr double kLeastBandwidthTimesDecay = 16.0;
 
+// Why a decay that bends at `depth_db` does not give a range.
+std::string early_end(int depth_db, const DecayRange& range) {
+    const int usable_db = depth_db - kStepDb;
+    return usable_db < range.to_db ? "decay range " + std::to_string(usable_db) + " dB, " +
+                                         std::to_string(range.to_db) + " dB needed"
+                                   : "the decay bends " + std::to_string(depth_db) +
+                                         " dB down: the response ends early";
+}
+
 std::string rounded_ms(double time) {
     return std::to_string(std::lround(1000.0 * time));
 }
@@ -121,10 +130,7 @@ DecayCurve::Reading DecayCurve::read(const DecayRange& range, double bandwidth_h
                                   kLeastSlownessOfAll);
     for (int depth = range.to_db; depth <= kLastStepFromDb; ++depth) {
         if (slowness_after(depth) < least) {
-            return {std::nullopt,
-                    true,
-                    "decay range " + std::to_string(depth) + " dB, " +
-                        std::to_string(kDeepestDb) + " dB needed"};
+            return {std::nullopt, true, early_end(depth, range)};
         }
     }
     return {time, false, {}};
