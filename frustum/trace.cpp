@@ -80,7 +80,13 @@ public:
             search.search(frustum);
         }
         propose_to_listeners(search);
+        const bool children_are_last =
+            static_cast<int>(sequence_.size()) + 1 == task_.options.max_order;
         for (const VisibleFacet& visible : search.found()) {
+            if (children_are_last && !may_reach_a_listener(search.reflect_whole(visible))) {
+                ++harvest_.statistics.frusta;
+                continue;
+            }
             follow(search.reflect(visible));
         }
         sequence_.pop_back();
@@ -90,6 +96,15 @@ public:
     Harvest take_harvest() { return std::move(harvest_); }
 
 private:
+    /// Whether a frustum of the last order is worth drawing its facet for.
+    bool may_reach_a_listener(const Frustum& frustum) {
+        VisibleFacets& search = searches_.back();
+        search.enter(frustum);
+        return std::any_of(task_.listeners.begin(),
+                           task_.listeners.end(),
+                           [&](const Vec3& listener) { return search.may_reach(listener); });
+    }
+
     void propose_to_listeners(const VisibleFacets& search) {
         for (std::size_t i = 0; i < task_.listeners.size(); ++i) {
             if (!search.may_reach(task_.listeners[i])) {

@@ -44,6 +44,9 @@ public:
     /// The part of the current frustum that a facet it sees reflects.
     Frustum reflect(const VisibleFacet& visible);
 
+    /// The same with every sub-frustum of the window alive, without drawing the facet.
+    Frustum reflect_whole(const VisibleFacet& visible) const noexcept;
+
 private:
     struct Projected {
         Coverage coverage;
