@@ -26,7 +26,7 @@ CellRaster::CellRaster(const Rect& rect, int cells) noexcept
 void CellRaster::start(double slack_in_cells) noexcept {
     slack_ = slack_in_cells;
     edge_ = 0;
-    for (auto& row : winding_) {
+    for (auto& row : turns_) {
         std::fill(std::begin(row), std::end(row), 0);
     }
 }
@@ -96,17 +96,17 @@ void CellRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
     for (int row = first_row; row < end_row; ++row) {
         const double x = a.x + slope * (row + 0.5 - a.y);
         const int first = static_cast<int>(std::clamp(std::ceil(x - 0.5), 0.0, 8.0));
-        for (int column = first; column < kGridSide; ++column) {
-            winding_[row][column] += direction;
-        }
+        turns_[row][first] += direction;
     }
 }
 
 Coverage CellRaster::finish() const noexcept {
     CellMask inside = 0;
     for (int row = 0; row < cells_; ++row) {
+        std::int32_t winding = 0;
         for (int column = 0; column < cells_; ++column) {
-            inside |= static_cast<CellMask>(winding_[row][column] != 0) << (8 * row + column);
+            winding += turns_[row][column];
+            inside |= static_cast<CellMask>(winding != 0) << (8 * row + column);
         }
     }
     // No edge passes a cell outside edge_, so its centre speaks for all of it.
@@ -114,19 +114,55 @@ Coverage CellRaster::finish() const noexcept {
 }
 
 CellMask CellRaster::cells_of(const Rect& box, double slack_in_cells) const noexcept {
-    const glm::dvec2 lower = (box.lower - rect_.lower) * scale_ - slack_in_cells;
-    const glm::dvec2 upper = (box.upper - rect_.lower) * scale_ + slack_in_cells;
-    const double side = cells_;
-    if (!(upper.x >= 0.0) || !(upper.y >= 0.0) || !(lower.x <= side) || !(lower.y <= side)) {
+    const Range columns = range_of(box.lower.x, box.upper.x, 0, slack_in_cells);
+    const Range rows = range_of(box.lower.y, box.upper.y, 1, slack_in_cells);
+    if (columns.first > columns.last) {
         return 0;
     }
-    const int first = clamp_cell(lower.x, cells_);
-    const int last = clamp_cell(upper.x, cells_);
     CellMask mask = 0;
-    for (int row = clamp_cell(lower.y, cells_); row <= clamp_cell(upper.y, cells_); ++row) {
-        mask |= row_bits(row, first, last);
+    for (int row = rows.first; row <= rows.last; ++row) {
+        mask |= row_bits(row, columns.first, columns.last);
     }
     return mask;
+}
+
+CellMask CellRaster::cells_meeting(const CellRaster& other,
+                                   CellMask cells,
+                                   double slack_in_cells) const noexcept {
+    CellMask columns_meeting[kGridSide] = {};  // per column of this grid: columns of the other
+    for (int column = 0; column < cells_; ++column) {
+        const Rect rect = cell_rect(0, column);
+        const Range columns = other.range_of(rect.lower.x, rect.upper.x, 0, slack_in_cells);
+        if (columns.first <= columns.last) {
+            columns_meeting[column] = row_bits(0, columns.first, columns.last);
+        }
+    }
+    CellMask mask = 0;
+    for (int row = 0; row < cells_; ++row) {
+        const Rect rect = cell_rect(row, 0);
+        const Range rows = other.range_of(rect.lower.y, rect.upper.y, 1, slack_in_cells);
+        CellMask columns = 0;
+        for (int i = rows.first; i <= rows.last; ++i) {
+            columns |= (cells >> (8 * i)) & 0xff;
+        }
+        for (int column = 0; column < cells_; ++column) {
+            mask |= static_cast<CellMask>((columns & columns_meeting[column]) != 0)
+                    << (8 * row + column);
+        }
+    }
+    return mask;
+}
+
+CellRaster::Range CellRaster::range_of(double lower,
+                                       double upper,
+                                       int axis,
+                                       double slack_in_cells) const noexcept {
+    const double from = (lower - rect_.lower[axis]) * scale_[axis] - slack_in_cells;
+    const double to = (upper - rect_.lower[axis]) * scale_[axis] + slack_in_cells;
+    if (!(to >= 0.0) || !(from <= cells_)) {
+        return {};
+    }
+    return {.first = clamp_cell(from, cells_), .last = clamp_cell(to, cells_)};
 }
 
 Rect CellRaster::cell_rect(int row, int column) const noexcept {

@@ -13,30 +13,11 @@ using geometry::Vec3;
 
 namespace {
 
-/// Half the variation of a linear function over a rectangle.
-double spread(const InverseDepth& depth, const Rect& rect) noexcept {
-    const glm::dvec2 half = 0.5 * (rect.upper - rect.lower);
-    return std::abs(depth.slope.x) * half.x + std::abs(depth.slope.y) * half.y;
-}
-
 Vec3 mirrored_direction(const Plane& plane, const Vec3& direction) noexcept {
     return direction - 2.0 * glm::dot(plane.normal, direction) * plane.normal;
 }
 
 }  // namespace
-
-double InverseDepth::least(const Rect& rect) const noexcept {
-    return at(0.5 * (rect.lower + rect.upper)) - spread(*this, rect);
-}
-
-double InverseDepth::greatest(const Rect& rect) const noexcept {
-    return at(0.5 * (rect.lower + rect.upper)) + spread(*this, rect);
-}
-
-Vec3 Frustum::local(const Vec3& point) const noexcept {
-    const Vec3 offset = point - apex;
-    return {glm::dot(offset, right), glm::dot(offset, up), glm::dot(offset, forward)};
-}
 
 // A point at depth t is apex + t (forward + u right + v up); put into the plane's equation and
 // solved for 1 / t.

@@ -409,8 +409,15 @@ bool VisibleFacets::everything_hides(double depth, CellMask cells) const noexcep
         return false;
     }
     const InverseDepth front = {.constant = 1.0 / (depth - moved_), .slope = glm::dvec2(0.0)};
-    constexpr FacetId kNoFacet = ~FacetId{0};
-    return hidden_cells(kNoFacet, front, cells) == cells;
+    for (; cells != 0; cells &= cells - 1) {
+        const int cell = std::countr_zero(cells);
+        const Rect rect = raster_.cell_rect(cell / kGridSide, cell % kGridSide);
+        if ((covered_ >> cell & 1) == 0 ||
+            !nearer_throughout(covers_[static_cast<std::size_t>(cell)].depth, front, rect)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 bool VisibleFacets::may_reach(const Vec3& point) const noexcept {
@@ -448,8 +455,7 @@ bool VisibleFacets::may_reach_mirrored(const VisibleFacet& visible,
 }
 
 Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
-    const Plane& plane = index_.plane(visible.facet);
-    Frustum child = mirrored(frustum_, plane, visible.facet, visible.window);
+    Frustum child = mirrored(frustum_, index_.plane(visible.facet), visible.facet, visible.window);
     CellRaster raster(child.rect, child.cells);
     Projected own;
     // The facet itself, drawn from the parent's side: (u, v) is the same for both.
@@ -458,12 +464,7 @@ Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
     child.alive = draw(aperture, raster, visible.facet, own) ? own.coverage.touched : 0;
     const glm::dvec2 size = raster_.cell_size();
     const double slack = kCellSlack + kWindowSlack / std::min(size.x, size.y);
-    for_each_cell(child.alive, [&](int cell) {
-        const Rect rect = raster.cell_rect(cell / kGridSide, cell % kGridSide);
-        if ((raster_.cells_of(rect, slack) & visible.cells) == 0) {
-            child.alive &= ~(CellMask{1} << cell);
-        }
-    });
+    child.alive &= raster.cells_meeting(raster_, visible.cells, slack);
     return child;
 }
 

@@ -44,11 +44,22 @@ public:
     /// The cells that a box of (u, v) grown by slack_in_cells meets.
     CellMask cells_of(const Rect& box, double slack_in_cells) const noexcept;
 
+    /// The cells that meet, grown by slack_in_cells (of the other grid), one of `cells` of another
+    /// grid over the same (u, v).
+    CellMask cells_meeting(const CellRaster& other,
+                           CellMask cells,
+                           double slack_in_cells) const noexcept;
+
     int cells() const noexcept { return cells_; }
     glm::dvec2 cell_size() const noexcept { return cell_size_; }
     Rect cell_rect(int row, int column) const noexcept;
 
 private:
+    struct Range {
+        int first = 0, last = -1;  // empty if last < first
+    };
+
+    Range range_of(double lower, double upper, int axis, double slack_in_cells) const noexcept;
     void mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
     void wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
 
@@ -58,7 +69,9 @@ private:
     glm::dvec2 scale_;
     double slack_ = 0.0;
     CellMask edge_ = 0;
-    std::int32_t winding_[kGridSide][kGridSide] = {};
+    // By how much the winding number changes from the column before; one past the last is never
+    // read.
+    std::int32_t turns_[kGridSide][kGridSide + 1] = {};
 };
 
 /// Bits first ... last (inclusive, within 0..7) of one row.

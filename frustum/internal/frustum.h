@@ -6,6 +6,9 @@
 #include "earshot/geometry/aabb.h"
 #include "earshot/geometry/facets.h"
 
+#include <glm/geometric.hpp>
+
+#include <cmath>
 #include <vector>
 
 namespace earshot::frustum {
@@ -23,8 +26,17 @@ struct InverseDepth {
     double at(const glm::dvec2& uv) const noexcept {
         return constant + slope.x * uv.x + slope.y * uv.y;
     }
-    double least(const Rect& rect) const noexcept;
-    double greatest(const Rect& rect) const noexcept;
+    double least(const Rect& rect) const noexcept {
+        return at(0.5 * (rect.lower + rect.upper)) - spread(rect);
+    }
+    double greatest(const Rect& rect) const noexcept {
+        return at(0.5 * (rect.lower + rect.upper)) + spread(rect);
+    }
+    /// Half the variation over a rectangle.
+    double spread(const Rect& rect) const noexcept {
+        const glm::dvec2 half = 0.5 * (rect.upper - rect.lower);
+        return std::abs(slope.x) * half.x + std::abs(slope.y) * half.y;
+    }
 };
 
 /// A four-sided pyramid of sound from a source or an image source, from the facet it was mirrored
@@ -47,7 +59,10 @@ struct Frustum {
     double least_depth = 0.0;     ///< along `forward`: nothing nearer belongs to the frustum
 
     /// Coordinates along (right, up, forward) relative to the apex.
-    geometry::Vec3 local(const geometry::Vec3& point) const noexcept;
+    geometry::Vec3 local(const geometry::Vec3& point) const noexcept {
+        const geometry::Vec3 offset = point - apex;
+        return {glm::dot(offset, right), glm::dot(offset, up), glm::dot(offset, forward)};
+    }
     InverseDepth inverse_depth(const geometry::Plane& plane) const noexcept;
 };
 

@@ -121,5 +121,30 @@ TEST(CellRaster, BoxesOutsideMeetNoCell) {
     EXPECT_EQ(raster.cells_of({.lower = {1.5, 2.5}, .upper = {3.5, 2.6}}, 0.0), row_bits(2, 1, 3));
 }
 
+TEST(CellRaster, CellsMeetingAnotherGridAreThoseOfTheirRectangles) {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        const auto random_grid = [&](std::uint64_t stream) {
+            const glm::dvec2 lower = {random_between(seed, stream, 0, -1.0, 0.5),
+                                      random_between(seed, stream, 1, -1.0, 0.5)};
+            const glm::dvec2 size = {random_between(seed, stream, 2, 0.01, 1.0),
+                                     random_between(seed, stream, 3, 0.01, 1.0)};
+            return CellRaster({.lower = lower, .upper = lower + size},
+                              1 + static_cast<int>(random_bits(seed, stream, 4) % 8));
+        };
+        const CellRaster grid = random_grid(0);
+        const CellRaster other = random_grid(1);
+        const CellMask cells = random_bits(seed, 2, 0) & random_bits(seed, 2, 1);
+        const double slack = random_between(seed, 3, 0, 0.0, 0.5);
+        CellMask expected = 0;
+        for (int row = 0; row < grid.cells(); ++row) {
+            for (int column = 0; column < grid.cells(); ++column) {
+                const CellMask met = other.cells_of(grid.cell_rect(row, column), slack) & cells;
+                expected |= met != 0 ? row_bits(row, column, column) : 0;
+            }
+        }
+        EXPECT_EQ(grid.cells_meeting(other, cells, slack), expected) << "seed " << seed;
+    }
+}
+
 }  // namespace
 }  // namespace earshot::frustum
