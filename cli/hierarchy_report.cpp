@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/hierarchy_report.h"
+
+#include "earshot/base/assert.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <utility>
+
+namespace earshot::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Enough for a median that one disturbed run does not move.
+constexpr std::size_t kRepetitions = 5;
+
+template <typename Work>
+double seconds_of(Work&& work) {
+    const auto begin = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+template <typename Work>
+double median_seconds_of(Work&& work) {
+    std::array<double, kRepetitions> seconds{};
+    for (double& value : seconds) {
+        value = seconds_of(work);
+    }
+    std::sort(seconds.begin(), seconds.end());
+    return seconds[kRepetitions / 2];
+}
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+    std::array<char, 128> text{};
+    std::snprintf(text.data(), text.size(), format, values...);
+    return text.data();
+}
+
+}  // namespace
+
+HierarchyReport measure_hierarchy(const propagation::Scene& scene,
+                                  std::span<const double> times,
+                                  Executor& executor) {
+    EARSHOT_ASSERT(!times.empty());
+    HierarchyReport report;
+    report.scene = scene.name;
+    report.triangles = scene.mesh.triangles().size();
+    std::vector<geometry::Vec3> positions = scene.mesh.positions_at(times.front());
+    const geometry::MeshView mesh = {positions, scene.mesh.triangles()};
+    const auto build = [&] {
+        return bvh::Tree::build(bvh::triangle_boxes(mesh, executor), {}, executor);
+    };
+    bvh::Tree tree;
+    const auto refit = [&] { tree.refit(bvh::triangle_boxes(mesh, executor), executor); };
+    report.build_seconds = median_seconds_of([&] { tree = build(); });
+    report.refit_seconds = median_seconds_of(refit);
+    report.quality = bvh::quality(tree);
+    if (times.size() == 1) {
+        return report;
+    }
+    for (const double time : times) {
+        scene.mesh.positions_at(time, positions);
+        HierarchyFrame frame{.time = time};
+        frame.refit_seconds = seconds_of(refit);
+        frame.sah_cost = bvh::sah_cost(tree);
+        bvh::Tree rebuilt;
+        frame.build_seconds = seconds_of([&] { rebuilt = build(); });
+        frame.rebuilt_sah_cost = bvh::sah_cost(rebuilt);
+        report.frames.push_back(frame);
+    }
+    return report;
+}
+
+std::string hierarchy_text(const HierarchyReport& report) {
+    const auto triangles = static_cast<double>(std::max<std::size_t>(report.triangles, 1));
+    const auto bytes = static_cast<double>(report.quality.bytes);
+    std::string text;
+    text += "scene      " + report.scene + "\n";
+    text += formatted("triangles  %zu\n", report.triangles);
+    text += formatted("nodes      %zu (%zu leaves)\n", report.quality.nodes, report.quality.leaves);
+    text += formatted("depth      %zu\n", report.quality.depth);
+    text += formatted("SAH cost   %.2f\n", report.quality.sah_cost);
+    text += formatted(
+        "memory     %.2f MiB (%.1f bytes per triangle)\n", bytes / 1048576.0, bytes / triangles);
+    text += formatted("build      %.3f ms\n", 1e3 * report.build_seconds);
+    text += formatted("refit      %.3f ms\n", 1e3 * report.refit_seconds);
+    if (!report.frames.empty()) {
+        text += "\n    time s  refit ms  build ms  SAH refitted  SAH rebuilt\n";
+    }
+    for (const HierarchyFrame& frame : report.frames) {
+        text += formatted("%10.4f%10.3f%10.3f%14.2f%13.2f\n",
+                          frame.time,
+                          1e3 * frame.refit_seconds,
+                          1e3 * frame.build_seconds,
+                          frame.sah_cost,
+                          frame.rebuilt_sah_cost);
+    }
+    return text;
+}
+
+std::string hierarchy_json(const HierarchyReport& report) {
+    Json document = {{"version", 1},
+                     {"scene", report.scene},
+                     {"triangles", report.triangles},
+                     {"nodes", report.quality.nodes},
+                     {"leaves", report.quality.leaves},
+                     {"depth", report.quality.depth},
+                     {"sah_cost", report.quality.sah_cost},
+                     {"bytes", report.quality.bytes},
+                     {"build_seconds", report.build_seconds},
+                     {"refit_seconds", report.refit_seconds}};
+    for (const HierarchyFrame& frame : report.frames) {
+        document["frames"].push_back({{"time", frame.time},
+                                      {"sah_cost", frame.sah_cost},
+                                      {"rebuilt_sah_cost", frame.rebuilt_sah_cost},
+                                      {"refit_seconds", frame.refit_seconds},
+                                      {"build_seconds", frame.build_seconds}});
+    }
+    return document.dump(1) + "\n";
+}
+
+}  // namespace earshot::cli

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+#include <nlohmann/json.hpp>
+
+#include "run_earshot.h"
+#include <filesystem>
+#include <sstream>
+
+namespace earshot::test {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::string kScenes = EARSHOT_SOURCE_DIR "/scenes/";
+
+Json json_of(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), "bvh");
+    arguments.emplace_back("--json");
+    const RunResult result = run_earshot(arguments);
+    EXPECT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+    return Json::parse(result.out);
+}
+
+/// What does not depend on the clock.
+Json without_times(Json report) {
+    report.erase("build_seconds");
+    report.erase("refit_seconds");
+    for (Json& frame : report["frames"]) {
+        frame.erase("build_seconds");
+        frame.erase("refit_seconds");
+    }
+    return report;
+}
+
+TEST(Bvh, JsonCountsTheHierarchy) {
+    const Json report = json_of({kScenes + "shoebox.gltf"});
+    EXPECT_EQ(report.at("version"), 1);
+    EXPECT_EQ(report.at("scene"), "shoebox.gltf");
+    EXPECT_EQ(report.at("triangles"), 12);
+    const int leaves = report.at("leaves");
+    EXPECT_EQ(report.at("nodes"), 2 * leaves - 1);  // a binary tree
+    EXPECT_EQ(report.at("bytes"), 32 * (2 * leaves - 1) + 4 * 12);
+    EXPECT_GE(report.at("depth"), 2);  // 12 triangles, at most 4 to a leaf
+    EXPECT_GT(report.at("sah_cost"), 0.0);
+    EXPECT_GT(report.at("build_seconds"), 0.0);
+    EXPECT_GT(report.at("refit_seconds"), 0.0);
+    EXPECT_FALSE(report.contains("frames"));
+}
+
+TEST(Bvh, FramesFollowTheAnimation) {
+    const Json report = json_of({kScenes + "door.gltf", "--frames", "0:1:0.5"});
+    ASSERT_EQ(report.at("frames").size(), 3U);
+    double time = 0.0;
+    for (const Json& frame : report["frames"]) {
+        EXPECT_EQ(frame.at("time"), time);
+        EXPECT_GT(frame.at("sah_cost"), 0.0);
+        EXPECT_GT(frame.at("rebuilt_sah_cost"), 0.0);
+        EXPECT_GT(frame.at("refit_seconds"), 0.0);
+        EXPECT_GT(frame.at("build_seconds"), 0.0);
+        time += 0.5;
+    }
+    EXPECT_EQ(report["frames"][0]["sah_cost"], report["sah_cost"]);
+}
+
+TEST(Bvh, TreesDoNotDependOnTheNumberOfThreads) {
+    const std::vector<std::string> line = {kScenes + "door.gltf", "--frames", "0:1:0.25"};
+    std::vector<std::string> one = line, three = line;
+    one.insert(one.end(), {"--threads", "1"});
+    three.insert(three.end(), {"--threads", "3"});
+    EXPECT_EQ(without_times(json_of(one)), without_times(json_of(three)));
+}
+
+TEST(Bvh, TableHasALinePerQuantityAndFrame) {
+    const RunResult result = run_earshot({"bvh", kScenes + "door.gltf", "--frames", "0:1:0.5"});
+    EXPECT_EQ(result.status, 0);
+    EXPECT_EQ(result.err, "");
+    for (const char* label : {"triangles ", "nodes ", "depth ", "SAH cost ", "memory ", "build "}) {
+        EXPECT_NE(result.out.find(label), std::string::npos) << label;
+    }
+    std::istringstream lines(result.out.substr(result.out.find("time s")));
+    std::string line;
+    std::getline(lines, line);
+    int frames = 0;
+    while (std::getline(lines, line)) {
+        ++frames;
+    }
+    EXPECT_EQ(frames, 3);
+    EXPECT_EQ(run_earshot({"bvh", kScenes + "door.gltf", "--quiet"}).out, "");
+}
+
+TEST(Bvh, ErrorsSayWhatIsWrong) {
+    EXPECT_TRUE(failed_with(run_earshot({"bvh"}), 2, "SCENE"));
+    EXPECT_TRUE(failed_with(run_earshot({"bvh", "missing.gltf"}), 1, "missing.gltf"));
+    EXPECT_TRUE(failed_with(
+        run_earshot({"bvh", kScenes + "door.gltf", "--frames", "1:0:1"}), 2, "A:B:STEP"));
+    EXPECT_TRUE(
+        failed_with(run_earshot({"bvh", kScenes + "door.gltf", "--frames", "0:1:1", "--time", "1"}),
+                    2,
+                    "--time"));
+}
+
+}  // namespace
+}  // namespace earshot::test
