@@ -20,7 +20,10 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr int kDefaultResolution = 32;
+// Complete mode: one frustum per cube face was fastest in scenes of 6 to 3,000 facets, by a tenth
+// to a third over 32 sub-frusta and more.
+constexpr int kCompleteResolution = 8;
+constexpr int kSampledResolution = 32;
 constexpr int kMaxResolution = 1024;
 constexpr int kMaxOrder = 64;
 
@@ -212,7 +215,9 @@ TraceResult find_specular_paths(const Surroundings& surroundings,
     Harvest harvest = find_direct_paths(task, source);
 
     if (options.max_order > 0) {
-        const int resolution = options.resolution > 0 ? options.resolution : kDefaultResolution;
+        const int default_resolution =
+            options.mode == Mode::complete ? kCompleteResolution : kSampledResolution;
+        const int resolution = options.resolution > 0 ? options.resolution : default_resolution;
         const int cells = std::min(resolution, kGridSide);
         const int pieces = (resolution + cells - 1) / cells;
         const double least_depth = 0.5 * kRounding * index.scale();

@@ -6,6 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "frustum/meshed_scene.h"
+#include "support/dice.h"
+#include "support/random_rooms.h"
+#include <cmath>
+#include <string>
 
 namespace earshot::frustum {
 namespace {
@@ -87,6 +91,96 @@ TEST(Completeness, ImagesCloserThanTheToleranceInDifferentWallsAreNotOne) {
     const MeshedScene scene(mesh);
     EXPECT_EQ(expect_nothing_missed(scene.surroundings(), {1e-6, 2.0, 1e-6}, {{1.0, 2.5, 1.5}}, 2),
               4U);
+}
+
+glm::dmat3 random_turn(support::Dice& dice) {
+    glm::dmat3 turn(1.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const double angle = dice.between(0.0, 6.0);
+        glm::dmat3 step(1.0);
+        const int i = (axis + 1) % 3;
+        const int j = (axis + 2) % 3;
+        step[i][i] = step[j][j] = std::cos(angle);
+        step[i][j] = std::sin(angle);
+        step[j][i] = -std::sin(angle);
+        turn = step * turn;
+    }
+    return turn;
+}
+
+/// A room of random_room() turned, ten kilometres away, of a millimetre, stored as floats, or all
+/// of it, with points in the air, on walls, a hair before them, in the middle (a listener at the
+/// source) or far outside.
+struct DifficultRoom {
+    geometry::Mesh mesh;
+    std::vector<std::uint32_t> labels;
+    Vec3 source{0.0};
+    std::vector<Vec3> listeners;
+
+    explicit DifficultRoom(std::uint64_t seed) {
+        support::Dice dice(seed);
+        const support::Room room = support::random_room(seed);
+        mesh = room.mesh;
+        labels = room.labels;
+        Vec3 lower = mesh.positions.front();
+        Vec3 upper = lower;
+        for (const Vec3& p : mesh.positions) {
+            lower = glm::min(lower, p);
+            upper = glm::max(upper, p);
+        }
+        const int place = dice.below(5);
+        const auto point = [&] {
+            Vec3 p;
+            for (int axis = 0; axis < 3; ++axis) {
+                p[axis] = dice.between(lower[axis], upper[axis]);
+            }
+            const int axis = dice.below(3);
+            if (place == 1) {
+                p[axis] = lower[axis];
+            } else if (place == 2) {
+                p[axis] = lower[axis] + std::pow(10.0, -dice.between(1.0, 13.0));
+            } else if (place == 3) {
+                p = 0.5 * (lower + upper);
+            } else if (place == 4 && dice.chance(0.5)) {
+                p *= std::pow(10.0, dice.between(1.0, 7.0));
+            }
+            return p;
+        };
+        source = point();
+        listeners = {point(), point()};
+        const glm::dmat3 turn = dice.chance(0.5) ? random_turn(dice) : glm::dmat3(1.0);
+        const double scale = dice.chance(0.2) ? 1e-3 / glm::distance(lower, upper) : 1.0;
+        const Vec3 shift = dice.chance(0.2) ? Vec3(1e4, -2e3, 7e3) : Vec3(0.0);
+        const auto move = [&](const Vec3& p) { return scale * (turn * p) + shift; };
+        const bool as_floats = dice.chance(0.5);
+        for (Vec3& p : mesh.positions) {
+            p = move(p);
+            for (int axis = 0; axis < 3 && as_floats; ++axis) {
+                p[axis] = static_cast<double>(static_cast<float>(p[axis]));
+            }
+        }
+        source = move(source);
+        for (Vec3& listener : listeners) {
+            listener = move(listener);
+        }
+    }
+};
+
+TEST(Completeness, DifficultRoomsHideNothing) {
+    constexpr double kMostSequences = 1e4;
+    std::size_t paths = 0;
+    for (std::uint64_t seed = 0; seed < 70; ++seed) {
+        const DifficultRoom room(seed);
+        const MeshedScene scene(room.mesh, room.labels);
+        const auto facets = static_cast<double>(scene.facets().facets.size());
+        int order = 1;
+        while (order < 4 && std::pow(facets, order + 1) < kMostSequences) {
+            ++order;
+        }
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        paths += expect_nothing_missed(scene.surroundings(), room.source, room.listeners, order);
+    }
+    EXPECT_GT(paths, 1000U);
 }
 
 }  // namespace
