@@ -70,7 +70,7 @@ Containment locate(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner,
 
 }  // namespace
 
-PathVerifier::PathVerifier(const Surroundings& surroundings) : surroundings_(&surroundings) {
+PathVerifier::PathVerifier(const Surroundings& surroundings) : surroundings_(surroundings) {
     if (!surroundings.tree.nodes().empty()) {
         const geometry::Aabb& box = surroundings.tree.nodes().front().box;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -86,7 +86,7 @@ double PathVerifier::grazing_distance(double reach) const noexcept {
 }
 
 double PathVerifier::contact_reach() const noexcept {
-    return kContactReach * surroundings_->facets.tolerance;
+    return kContactReach * surroundings_.facets.tolerance;
 }
 
 std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,
@@ -103,7 +103,7 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
     path.points[order + 1] = listener;
     for (std::size_t i = order; i > 0; --i) {
         const FacetId facet = sequence[i - 1];
-        const Plane& plane = surroundings_->facets.facets[facet].plane;
+        const Plane& plane = surroundings_.facets.facets[facet].plane;
         const Vec3& target = path.points[i + 1];
         const double before = plane.distance(images[i - 1]);  // of the side that reflects
         const double behind = plane.distance(images[i]);
@@ -113,7 +113,7 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
             return std::nullopt;
         }
         ahead = front ? std::max(ahead, 0.0) : std::min(ahead, 0.0);
-        if (!front && !surroundings_->one_sided.empty() && surroundings_->one_sided[facet] != 0) {
+        if (!front && !surroundings_.one_sided.empty() && surroundings_.one_sided[facet] != 0) {
             return std::nullopt;
         }
         path.points[i] = target + (ahead / (ahead - behind)) * (images[i] - target);
@@ -143,14 +143,14 @@ void PathVerifier::visit_triangles_at(FacetId facet,
                                       const Vec3& point,
                                       double slack,
                                       Visit&& visit) const {
-    const geometry::Facet& surface = surroundings_->facets.facets[facet];
+    const geometry::Facet& surface = surroundings_.facets.facets[facet];
     const int axis = dominant_axis(surface.plane.normal);
     const glm::dvec2 p = project(point, axis);
     // The point lies in the plane, the triangles within the facet's deviation of it, measured along
     // the dominant axis at most sqrt(3) times as far.
     const double reach = 2.0 * surface.deviation + slack;
     bvh::traverse(
-        surroundings_->tree,
+        surroundings_.tree,
         [&](const bvh::Node& node) {
             for (int k = 0; k < 3; ++k) {
                 const auto index = static_cast<std::size_t>(k);
@@ -162,11 +162,11 @@ void PathVerifier::visit_triangles_at(FacetId facet,
             return true;
         },
         [&](TriangleId id) {
-            if (surroundings_->facets.of_triangle[id] == facet) {
-                const geometry::Triangle& triangle = surroundings_->mesh.triangles[id];
+            if (surroundings_.facets.of_triangle[id] == facet) {
+                const geometry::Triangle& triangle = surroundings_.mesh.triangles[id];
                 std::array<glm::dvec2, 3> corner;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    corner[k] = project(surroundings_->mesh.positions[triangle[k]], axis);
+                    corner[k] = project(surroundings_.mesh.positions[triangle[k]], axis);
                 }
                 visit(id, locate(p, corner, slack));
             }
@@ -191,13 +191,13 @@ std::optional<TriangleId> PathVerifier::triangle_at(FacetId facet,
 // Whether the facet at this point of its border has a part over another's plane, on the given side.
 bool PathVerifier::rises_over(
     FacetId other, double side, FacetId facet, const Vec3& point, double slack) const {
-    const geometry::Facet& ground = surroundings_->facets.facets[other];
-    const double flatness = ground.deviation + surroundings_->facets.tolerance;
+    const geometry::Facet& ground = surroundings_.facets.facets[other];
+    const double flatness = ground.deviation + surroundings_.facets.tolerance;
     bool rises = false;
     visit_triangles_at(facet, point, slack, [&](TriangleId id, Containment where) {
-        for (const geometry::VertexId vertex : surroundings_->mesh.triangles[id]) {
+        for (const geometry::VertexId vertex : surroundings_.mesh.triangles[id]) {
             const double height =
-                side * ground.plane.distance(surroundings_->mesh.positions[vertex]);
+                side * ground.plane.distance(surroundings_.mesh.positions[vertex]);
             rises = rises || (where != Containment::outside && height > flatness);
         }
     });
@@ -215,10 +215,10 @@ bool PathVerifier::turns_on_an_outer_edge(std::span<const FacetId> sequence,
         const FacetId first = sequence[i];
         const FacetId second = sequence[i + 1];
         const auto side_of = [&](FacetId facet, const Vec3& image) {
-            return surroundings_->facets.facets[facet].plane.distance(image) > 0.0 ? 1.0 : -1.0;
+            return surroundings_.facets.facets[facet].plane.distance(image) > 0.0 ? 1.0 : -1.0;
         };
         const auto lies_in = [&](FacetId facet, const Vec3& point) {
-            return std::abs(surroundings_->facets.facets[facet].plane.distance(point)) <= slack;
+            return std::abs(surroundings_.facets.facets[facet].plane.distance(point)) <= slack;
         };
         const Vec3& from = points[i + 1];
         const Vec3& to = points[i + 2];
@@ -236,7 +236,7 @@ PathVerifier::LegEnd PathVerifier::end_of_leg(const FacetId* facet, const Vec3& 
     if (facet == nullptr) {
         return {};
     }
-    const Plane& plane = surroundings_->facets.facets[*facet].plane;
+    const Plane& plane = surroundings_.facets.facets[*facet].plane;
     return {.facet = facet, .rise = std::abs(plane.distance(other_end))};
 }
 
@@ -250,7 +250,7 @@ bool PathVerifier::reflects_at(const LegEnd& end,
     if (end.facet == nullptr) {
         return false;
     }
-    const geometry::Facets& facets = surroundings_->facets;
+    const geometry::Facets& facets = surroundings_.facets;
     if (facets.of_triangle[triangle] == *end.facet) {
         return true;
     }
@@ -263,12 +263,12 @@ bool PathVerifier::reflects_at(const LegEnd& end,
 
 // A layer on the facet: all of the triangle lies in the facet's plane, as far as files can tell.
 bool PathVerifier::coats(const geometry::Facet& surface, TriangleId triangle) const {
-    const geometry::Facets& facets = surroundings_->facets;
+    const geometry::Facets& facets = surroundings_.facets;
     const double deviation =
         surface.deviation + facets.facets[facets.of_triangle[triangle]].deviation;
-    const geometry::Triangle& corners = surroundings_->mesh.triangles[triangle];
+    const geometry::Triangle& corners = surroundings_.mesh.triangles[triangle];
     return std::all_of(corners.begin(), corners.end(), [&](geometry::VertexId vertex) {
-        return std::abs(surface.plane.distance(surroundings_->mesh.positions[vertex])) <=
+        return std::abs(surface.plane.distance(surroundings_.mesh.positions[vertex])) <=
                deviation + facets.tolerance;
     });
 }
@@ -284,7 +284,7 @@ bool PathVerifier::leg_is_free(const Vec3& from,
         return !reflects_at(start, id, t, reach) && !reflects_at(finish, id, 1.0 - t, reach);
     };
     return !bvh::any_touching(
-        surroundings_->tree, surroundings_->mesh, geometry::Segment{from, to}, blocks);
+        surroundings_.tree, surroundings_.mesh, geometry::Segment{from, to}, blocks);
 }
 
 }  // namespace earshot::frustum

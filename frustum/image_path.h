@@ -74,7 +74,7 @@ private:
                      const geometry::FacetId* from_facet,
                      const geometry::FacetId* to_facet) const;
 
-    const Surroundings* surroundings_;
+    Surroundings surroundings_;
     double scale_ = 0.0;
 };
 
