@@ -1,9 +1,50 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/tree.h"
 
+#include "earshot/base/error.h"
+#include "earshot/bvh/internal/builders.h"
 #include "earshot/geometry/intersect.h"
 
+#include <string>
+#include <utility>
+
 namespace earshot::bvh {
+namespace {
+
+void check(const BuildOptions& options, std::size_t count) {
+    if (options.leaf_size < 1 || options.leaf_size > 15) {
+        throw Error("leaf size", "must be 1 to 15, not " + std::to_string(options.leaf_size));
+    }
+    if (!(options.traversal_cost >= 0.0 && options.traversal_cost <= 1e6)) {
+        throw Error("traversal cost", "must be 0 to 1e6");
+    }
+    if (count >= std::size_t{1} << 31) {
+        throw Error("hierarchy", "cannot hold 2^31 boxes or more", "split the scene");
+    }
+}
+
+}  // namespace
+
+Tree Tree::build(std::span<const geometry::Aabb> boxes,
+                 const BuildOptions& options,
+                 Executor& executor) {
+    check(options, boxes.size());
+    if (boxes.empty()) {
+        return {};
+    }
+    switch (options.builder) {
+        case Builder::binned_sah:
+            return build_binned_sah(boxes, options, executor);
+    }
+    throw Error("builder", "is none that this library knows");
+}
+
+Tree Tree::from_nodes(std::vector<Node> nodes, std::vector<std::uint32_t> primitives) {
+    Tree tree;
+    tree.nodes_ = std::move(nodes);
+    tree.primitives_ = std::move(primitives);
+    return tree;
+}
 
 std::vector<geometry::Aabb> triangle_boxes(const geometry::MeshView& mesh, Executor& executor) {
     constexpr std::size_t kGrain = 16384;

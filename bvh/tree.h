@@ -26,7 +26,14 @@ struct Node {
 
 static_assert(sizeof(Node) == 32);
 
+/// How a tree is built. Every builder's tree gives the same answers; they trade build time against
+/// query time.
+enum class Builder {
+    binned_sah,  ///< surface area heuristic over bins (Wald 2007)
+};
+
 struct BuildOptions {
+    Builder builder = Builder::binned_sah;
     int leaf_size = 4;            ///< most primitives in a leaf, 1..15
     double traversal_cost = 1.0;  ///< cost of a node visit, in primitive tests
 };
@@ -37,11 +44,16 @@ class Tree {
 public:
     Tree() = default;
 
-    /// Binned SAH (Wald 2007). The tree depends on `boxes` and `options` alone, not on the
-    /// executor. Throws Error if an option is out of range or there are 2^32 boxes or more.
+    /// The tree depends on `boxes` and `options` alone, not on the executor. Throws Error if an
+    /// option is out of range or there are 2^31 boxes or more.
     static Tree build(std::span<const geometry::Aabb> boxes,
                       const BuildOptions& options = {},
                       Executor& executor = Executor::serial());
+
+    /// A tree of nodes that someone else put together. Preconditions: as nodes() and primitives()
+    /// promise; every primitive in one leaf; boxes contain what is below them; no deeper than
+    /// kMaxDepth.
+    static Tree from_nodes(std::vector<Node> nodes, std::vector<std::uint32_t> primitives);
 
     /// Moves every node to its new box, bottom-up, keeping the topology.
     /// Precondition: boxes.size() == primitives().size(). O(n).

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/assert.h"
-#include "earshot/base/error.h"
-#include "earshot/bvh/tree.h"
+#include "earshot/bvh/internal/builders.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <string>
+#include <utility>
 
 namespace earshot::bvh {
 
@@ -71,9 +70,9 @@ struct Split {
     double cost = std::numeric_limits<double>::infinity();  // of both sides, times the half area
 };
 
-class Builder {
+class Splitter {
 public:
-    Builder(std::vector<Primitive>& primitives, const BuildOptions& options)
+    Splitter(std::vector<Primitive>& primitives, const BuildOptions& options)
         : primitives_(primitives),
           leaf_size_(static_cast<std::size_t>(options.leaf_size)),
           traversal_cost_(options.traversal_cost) {}
@@ -230,15 +229,15 @@ struct TopNode {
     std::size_t task = 0;
 };
 
-std::vector<TopNode> build_top(Builder& builder, std::size_t count, std::size_t& tasks) {
+std::vector<TopNode> build_top(Splitter& splitter, std::size_t count, std::size_t& tasks) {
     std::vector<TopNode> top(1);
     top[0].range = {0, count};
     for (std::size_t i = 0; i < top.size(); ++i) {
         TopNode node = top[i];
         if (node.range.size() > kTaskSize) {
-            const Extent extent = builder.extent_of(node.range);
+            const Extent extent = splitter.extent_of(node.range);
             node.box = extent.box;
-            const std::size_t middle = builder.partition(node.range, extent, node.depth);
+            const std::size_t middle = splitter.partition(node.range, extent, node.depth);
             node.left = top.size();
             top.push_back({.range = {node.range.begin, middle}, .depth = node.depth + 1});
             top.push_back({.range = {middle, node.range.end}, .depth = node.depth + 1});
@@ -278,33 +277,18 @@ struct Joiner {
     }
 };
 
-void check(const BuildOptions& options, std::size_t count) {
-    if (options.leaf_size < 1 || options.leaf_size > 15) {
-        throw Error("leaf size", "must be 1 to 15, not " + std::to_string(options.leaf_size));
-    }
-    if (!(options.traversal_cost >= 0.0 && options.traversal_cost <= 1e6)) {
-        throw Error("traversal cost", "must be 0 to 1e6");
-    }
-    if (count >= std::size_t{1} << 31) {
-        throw Error("hierarchy", "cannot hold 2^31 boxes or more", "split the scene");
-    }
-}
-
 }  // namespace
 
-Tree Tree::build(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
-    check(options, boxes.size());
-    Tree tree;
-    if (boxes.empty()) {
-        return tree;
-    }
+Tree build_binned_sah(std::span<const Aabb> boxes,
+                      const BuildOptions& options,
+                      Executor& executor) {
     std::vector<Primitive> primitives(boxes.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         primitives[i] = {boxes[i], static_cast<std::uint32_t>(i)};
     }
-    Builder builder(primitives, options);
+    Splitter splitter(primitives, options);
     std::size_t tasks = 0;
-    const std::vector<TopNode> top = build_top(builder, boxes.size(), tasks);
+    const std::vector<TopNode> top = build_top(splitter, boxes.size(), tasks);
     std::vector<const TopNode*> of_task(tasks);
     for (const TopNode& node : top) {
         if (node.left == 0) {
@@ -315,18 +299,19 @@ Tree Tree::build(std::span<const Aabb> boxes, const BuildOptions& options, Execu
     executor.for_each(tasks, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t task = begin; task < end; ++task) {
             trees[task].resize(1);
-            builder.build(trees[task], 0, of_task[task]->range, of_task[task]->depth);
+            splitter.build(trees[task], 0, of_task[task]->range, of_task[task]->depth);
         }
     });
-    tree.nodes_.reserve(2 * boxes.size());
-    tree.nodes_.resize(1);
-    Joiner{top, trees, tree.nodes_}.place(0, 0);
-    tree.nodes_.shrink_to_fit();
-    tree.primitives_.reserve(primitives.size());
+    std::vector<Node> nodes(1);
+    nodes.reserve(2 * boxes.size());
+    Joiner{top, trees, nodes}.place(0, 0);
+    nodes.shrink_to_fit();
+    std::vector<std::uint32_t> indices;
+    indices.reserve(primitives.size());
     for (const Primitive& primitive : primitives) {
-        tree.primitives_.push_back(primitive.index);
+        indices.push_back(primitive.index);
     }
-    return tree;
+    return Tree::from_nodes(std::move(nodes), std::move(indices));
 }
 
 }  // namespace earshot::bvh
