@@ -4,7 +4,10 @@
 #include "earshot/geometry/types.h"
 
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 
 namespace earshot::geometry {
 
@@ -46,7 +49,28 @@ struct Aabb {
 
 /// The largest float not above, and the smallest not below, `value`; among the floats are the
 /// infinities, so 1e300 goes down to the largest finite float and up to infinity.
-float round_down(double value) noexcept;
-float round_up(double value) noexcept;
+inline float round_down(double value) noexcept {
+    // A conversion that overflows is undefined, so what lies beyond float's range never gets there.
+    constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    if (!(value < kLargest)) {
+        return value > kLargest && value - value != 0.0 ? kInfinity
+                                                        : std::numeric_limits<float>::max();
+    }
+    if (value < -kLargest) {
+        return -kInfinity;
+    }
+    const auto nearest = static_cast<float>(value);
+    if (static_cast<double>(nearest) <= value) {
+        return nearest;
+    }
+    // The next float below: of positive ones the bits count up, of negative ones down.
+    const auto bits = std::bit_cast<std::int32_t>(nearest);
+    constexpr std::int32_t kLeastNegative = std::numeric_limits<std::int32_t>::min() + 1;
+    return std::bit_cast<float>(bits > 0 ? bits - 1 : nearest == 0.0F ? kLeastNegative : bits + 1);
+}
+inline float round_up(double value) noexcept {
+    return -round_down(-value);
+}
 
 }  // namespace earshot::geometry

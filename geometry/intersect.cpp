@@ -13,25 +13,16 @@ namespace {
 
 // Of the coordinates involved, in units of 2^-53 of which: moving and shearing a vertex is off by
 // some 10, an edge function by 2 of the distances to its ends, which in a triangle that is hit are
-// no longer than its edges, and a distance to a side of a box by 3, with those below: a tenth of
-// the padding in all.
-constexpr double kPad = 0x1p-45;
+// no longer than its edges, and a distance to a side of a box by 3, with those below. The rest of
+// the padding is there for lies_in_own_box().
+constexpr double kPad = 0x1p-38;
 
 // The inverse of a component that is zero or nearly so. Finite, so that its product with 0 is 0,
 // and so large that any other product lies beyond the distances along the other axes.
 constexpr double kMostInverse = 0x1p1023;
 
-// Largest components of directions whose inverses, and distances to single-precision coordinates in
-// multiples of them, neither overflow nor lose bits.
-constexpr double kShortest = 0x1p-500;
-constexpr double kLongest = 0x1p500;
-
 double largest(const Vec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
-bool is_finite(const Vec3& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
 glm::dvec2 drop(const Vec3& point, int axis) noexcept {
@@ -119,60 +110,13 @@ Slabs::Slabs(const Vec3& origin, const Vec3& direction, double reach) noexcept {
     }
 }
 
-PreparedRay::PreparedRay(const Ray& ray, double reach) noexcept
-    : slabs_(ray.origin, ray.direction, reach) {
-    const Vec3& d = ray.direction;
-    const double size = largest(d);
-    if (!is_finite(ray.origin) || !is_finite(d) || !(size >= kShortest && size <= kLongest) ||
-        !(ray.t_max >= 0.0)) {
-        return;
-    }
-    t_max_ = ray.t_max;
-    const int z = std::abs(d.x) == size ? 0 : std::abs(d.y) == size ? 1 : 2;
-    const int x = (z + 1) % 3;
-    const int y = (z + 2) % 3;
-    axis_x_ = static_cast<std::size_t>(x);
-    axis_y_ = static_cast<std::size_t>(y);
-    axis_z_ = static_cast<std::size_t>(z);
-    origin_ = {ray.origin[x], ray.origin[y], ray.origin[z]};
-    shear_ = {d[x] / d[z], d[y] / d[z], 1.0 / d[z]};
-}
-
-std::optional<Hit> PreparedRay::hit(const Vec3& a,
-                                    const Vec3& b,
-                                    const Vec3& c,
-                                    double most) const noexcept {
-    // Woop, Benthin, Wald 2013, appendix A, without backface culling.
-    const double az = glm::value_ptr(a)[axis_z_] - origin_.z;
-    const double bz = glm::value_ptr(b)[axis_z_] - origin_.z;
-    const double cz = glm::value_ptr(c)[axis_z_] - origin_.z;
-    const double ax = glm::value_ptr(a)[axis_x_] - origin_.x - shear_.x * az;
-    const double ay = glm::value_ptr(a)[axis_y_] - origin_.y - shear_.y * az;
-    const double bx = glm::value_ptr(b)[axis_x_] - origin_.x - shear_.x * bz;
-    const double by = glm::value_ptr(b)[axis_y_] - origin_.y - shear_.y * bz;
-    const double cx = glm::value_ptr(c)[axis_x_] - origin_.x - shear_.x * cz;
-    const double cy = glm::value_ptr(c)[axis_y_] - origin_.y - shear_.y * cz;
-    const double u = cx * by - cy * bx;
-    const double v = ax * cy - ay * cx;
-    const double w = bx * ay - by * ax;
-    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) {
-        return std::nullopt;
-    }
-    const double determinant = u + v + w;
-    if (determinant == 0.0) {
-        return std::nullopt;
-    }
-    const Passage own = slabs_.passage(triangle_box(a, b, c));
+std::optional<double> ShearedRay::move_into_own_box(
+    double t, const Vec3& a, const Vec3& b, const Vec3& c, double reach) const noexcept {
+    const Passage own = Slabs(origin_, direction_, reach).passage(triangle_box(a, b, c));
     if (own.is_empty()) {
         return std::nullopt;
     }
-    const double depth = u * az + v * bz + w * cz;
-    const double t = std::clamp(shear_.z * depth / determinant, own.near, own.far);
-    if (!(t >= 0.0 && t <= most)) {
-        return std::nullopt;
-    }
-    // Adding 0 turns -0 into 0.
-    return Hit{.t = t + 0.0, .u = v / determinant + 0.0, .v = w / determinant + 0.0};
+    return std::clamp(t, own.near, own.far);
 }
 
 Aabb triangle_box(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/geometry/aabb.h"
+#include "earshot/geometry/sheared_ray.h"
 #include "earshot/geometry/types.h"
 
 #include <array>
@@ -19,10 +20,11 @@ struct Passage {
     bool is_empty() const noexcept { return near > far; }
 };
 
-/// A line prepared for many boxes. Errs to the large side: each box is padded by 2^-45 of the
-/// coordinates involved, 256 units in the last place, which is far more than the distances here and
-/// the triangle tests below can be off (where Ize 2013 widens the distances instead). Passages are
-/// monotone: of a box inside another the passage lies inside the other's, in floating point.
+/// A line prepared for many boxes. Errs to the large side: each box is padded by 2^-38 of the
+/// coordinates involved (a hundredth of a nanometre at 40 m), which is far more than the distances
+/// here and the triangle tests below can be off (where Ize 2013 widens the distances instead).
+/// Passages are monotone: of a box inside another the passage lies inside the other's, in floating
+/// point.
 class Slabs {
 public:
     /// `reach`: the largest absolute coordinate of any box that will be tested, metres.
@@ -56,44 +58,35 @@ private:
     std::array<double, 3> inverse_{};           // of the direction
 };
 
-/// A ray prepared for many boxes and triangles: the one place where a ray's hits are decided.
-///
-/// Triangles by the watertight test of Woop, Benthin and Wald 2013, in double precision: vertices
-/// are moved and sheared so that the ray runs along an axis, and three edge functions decide. Each
-/// depends on its two vertices only and changes sign exactly when they are swapped, and zero counts
-/// as inside, so no ray slips between triangles that share an edge. Both sides of a triangle are
-/// hit; a triangle seen edge-on is not (its neighbours are).
-///
-/// hit() also demands that the line passes the triangle's own box and moves t into that passage,
-/// before it asks whether t lies in [0, most]. So a search may leave out every box that is not
-/// passed, or passed later than a hit already found, and the answer is the same to the last bit
-/// with any hierarchy.
+/// A ray prepared for many boxes and triangles.
 class PreparedRay {
 public:
     /// `reach`: the largest absolute coordinate of any box or vertex the ray will be tested
     /// against, metres.
-    PreparedRay(const Ray& ray, double reach) noexcept;
+    PreparedRay(const Ray& ray, double reach) noexcept
+        : slabs_(ray.origin, ray.direction, reach), sheared_(ray), reach_(reach) {}
 
-    /// False: the ray hits nothing, because a component of origin or direction is not finite, the
-    /// direction's largest component is not within 2^-500 ... 2^500, or t_max is negative or not a
-    /// number.
-    bool is_valid() const noexcept { return t_max_ >= 0.0; }
-    double t_max() const noexcept { return t_max_; }
+    /// See ShearedRay.
+    bool is_valid() const noexcept { return sheared_.is_valid(); }
+    double t_max() const noexcept { return sheared_.t_max(); }
 
     /// The part of a box that the ray passes between t = 0 and t = most.
     Passage passage(const Aabb& box, double most) const noexcept {
         return slabs_.passage(box, most);
     }
 
-    /// The ray's hit of a triangle at `most` at the farthest. Hit::triangle is left 0.
-    std::optional<Hit> hit(const Vec3& a, const Vec3& b, const Vec3& c, double most) const noexcept;
+    /// See ShearedRay.
+    std::optional<Hit> hit(const Vec3& a,
+                           const Vec3& b,
+                           const Vec3& c,
+                           double most) const noexcept {
+        return sheared_.hit(a, b, c, most, reach_);
+    }
 
 private:
     Slabs slabs_;
-    double t_max_ = -1.0;
-    std::size_t axis_x_ = 0, axis_y_ = 1, axis_z_ = 2;
-    Vec3 origin_{0.0};  // along these axes
-    Vec3 shear_{0.0};
+    ShearedRay sheared_;
+    double reach_;
 };
 
 /// The outward-rounded box of a triangle.

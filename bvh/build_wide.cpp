@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/error.h"
+#include "earshot/bvh/internal/wide_node.h"
+#include "earshot/bvh/wide_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace earshot::bvh {
+
+using geometry::Aabb;
+
+namespace {
+
+constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+
+/// What goes into a slot: a subtree, or a run of the primitives of a leaf that is too large for
+/// one slot.
+struct Slot {
+    std::uint32_t node = kNone;
+    std::uint32_t run_begin = 0, run_end = 0;  // equal: the whole subtree
+};
+
+// Of a visit, relative to each other.
+constexpr float kNodeCost = 1.0F;
+constexpr float kLeafCost = 1.0F;
+
+using Slots = std::array<Slot, WideNode::kWidth>;
+
+/// Decides which subtrees become the slots of which wide node, so that the expected number of steps
+/// of a random ray is the least possible for this binary tree (Ylitie, Karras and Laine 2017,
+/// section 3.2: dynamic programming from the leaves up).
+class Collapse {
+public:
+    explicit Collapse(const Tree& tree)
+        : tree_(tree), counts_(tree.nodes().size()), plans_(tree.nodes().size()) {
+        for (std::size_t i = tree.nodes().size(); i-- > 0;) {
+            plan(i);
+        }
+    }
+
+    /// Appends the wide nodes of the subtree in depth-first order and returns the first's index.
+    std::uint32_t place(std::uint32_t root) {
+        const auto index = static_cast<std::uint32_t>(slots.size());
+        slots.emplace_back();
+        children.emplace_back();
+        children.back().fill(kLeafFlag);
+        std::size_t count = 0;
+        open(root, index, count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Slot slot = slots[index][i];
+            if (is_inner(slot)) {
+                children[index][i] = place(slot.node);
+            } else {
+                const std::uint32_t in_leaf = count_of(slot);
+                children[index][i] = kLeafFlag | (in_leaf - 1) << kLeafCountShift | placed_;
+                placed_ += in_leaf;
+            }
+        }
+        return index;
+    }
+
+    std::vector<Slots> slots;
+    std::vector<std::array<std::uint32_t, WideNode::kWidth>> children;
+
+private:
+    static constexpr std::size_t kMostSlots = WideNode::kWidth - 1;
+
+    /// What a subtree costs in at most j + 1 slots, and how the slots are shared out.
+    struct Plan {
+        std::array<float, kMostSlots> cost;
+        std::array<std::uint8_t, kMostSlots> left;  // slots of the left child; 0: one slot for all
+        std::uint8_t left_of_eight;                 // if the subtree is a wide node
+        bool is_leaf;
+    };
+
+    void plan(std::size_t index) {
+        const Node& node = tree_.nodes()[index];
+        Plan& result = plans_[index];
+        const float area = probability(node);
+        if (node.is_leaf()) {
+            counts_[index] = static_cast<std::uint8_t>(node.count);
+            // A leaf too large for a slot becomes a node with two.
+            const bool fits = node.count <= kMostInWideLeaf;
+            result.cost.fill(area * (fits ? kLeafCost : kNodeCost + 2.0F * kLeafCost));
+            result.left.fill(0);
+            result.is_leaf = fits;
+            return;
+        }
+        const Plan& left = plans_[node.first];
+        const Plan& right = plans_[node.first + 1];
+        const std::uint32_t count = counts_[node.first] + counts_[node.first + 1U];
+        counts_[index] = static_cast<std::uint8_t>(std::min(count, 255U));
+        std::array<float, WideNode::kWidth + 1> shared{};  // the children's cost in i slots
+        std::array<std::uint8_t, WideNode::kWidth + 1> best{};
+        for (std::size_t i = 2; i <= WideNode::kWidth; ++i) {
+            shared[i] = std::numeric_limits<float>::infinity();
+            for (std::size_t k = 1; k < i; ++k) {
+                const float cost = left.cost[k - 1] + right.cost[i - k - 1];
+                if (cost < shared[i]) {
+                    shared[i] = cost;
+                    best[i] = static_cast<std::uint8_t>(k);
+                }
+            }
+        }
+        const float as_leaf =
+            count <= kMostInWideLeaf ? area * kLeafCost : std::numeric_limits<float>::infinity();
+        const float as_node = area * kNodeCost + shared[WideNode::kWidth];
+        result.is_leaf = count <= kMostInWideLeaf && as_leaf <= as_node;
+        result.left_of_eight = best[WideNode::kWidth];
+        result.cost[0] = std::min(as_leaf, as_node);
+        result.left[0] = 0;
+        for (std::size_t i = 2; i <= kMostSlots; ++i) {
+            const bool is_better = shared[i] < result.cost[i - 2];
+            result.cost[i - 1] = is_better ? shared[i] : result.cost[i - 2];
+            result.left[i - 1] = is_better ? best[i] : result.left[i - 2];
+        }
+    }
+
+    /// Of being met by a ray that meets the root's box; 1 if that cannot be told.
+    float probability(const Node& node) const {
+        const double ratio = node.box.half_area() / tree_.nodes().front().box.half_area();
+        return ratio <= 1.0 ? static_cast<float>(ratio) : 1.0F;
+    }
+
+    bool is_inner(const Slot& slot) const {
+        return slot.run_begin == slot.run_end && !plans_[slot.node].is_leaf;
+    }
+
+    std::uint32_t count_of(const Slot& slot) const {
+        return slot.run_begin != slot.run_end ? slot.run_end - slot.run_begin : counts_[slot.node];
+    }
+
+    /// Fills the slots of a wide node.
+    void open(std::uint32_t root, std::size_t index, std::size_t& count) {
+        const Node& node = tree_.nodes()[root];
+        if (plans_[root].is_leaf) {
+            slots[index][count++] = {root};
+        } else if (node.is_leaf()) {
+            const std::uint32_t end = node.first + node.count;
+            const std::uint32_t middle = node.first + node.count / 2;
+            slots[index][count++] = {root, node.first, middle};
+            slots[index][count++] = {root, middle, end};
+        } else {
+            const std::uint8_t left = plans_[root].left_of_eight;
+            share(node.first, left, index, count);
+            share(node.first + 1, WideNode::kWidth - left, index, count);
+        }
+    }
+
+    void share(std::uint32_t root, std::size_t slots_left, std::size_t index, std::size_t& count) {
+        const std::uint8_t left = plans_[root].left[slots_left - 1];
+        if (left == 0) {
+            slots[index][count++] = {root};
+            return;
+        }
+        // The share may be smaller than what there is: fewer slots cost the same.
+        std::size_t used = slots_left;
+        while (used > 1 && plans_[root].cost[used - 2] == plans_[root].cost[used - 1]) {
+            --used;
+        }
+        const std::uint32_t first = tree_.nodes()[root].first;
+        share(first, left, index, count);
+        share(first + 1, used - left, index, count);
+    }
+
+    const Tree& tree_;
+    std::vector<std::uint8_t> counts_;  // of the primitives below a node; 255: or more
+    std::vector<Plan> plans_;
+    std::uint32_t placed_ = 0;
+};
+
+/// Writes the primitives of a subtree.
+std::uint32_t* write_primitives(const Tree& tree, std::uint32_t index, std::uint32_t* out) {
+    const Node& node = tree.nodes()[index];
+    if (node.is_leaf()) {
+        return std::copy_n(tree.primitives().begin() + node.first, node.count, out);
+    }
+    return write_primitives(tree, node.first + 1, write_primitives(tree, node.first, out));
+}
+
+}  // namespace
+
+WideTree WideTree::build(const Tree& tree, const geometry::MeshView& mesh, Executor& executor) {
+    const std::size_t count = tree.primitives().size();
+    if (count >= std::size_t{1} << kLeafCountShift) {
+        throw Error("hierarchy", "cannot hold 2^28 triangles or more", "split the scene");
+    }
+    WideTree wide;
+    if (count == 0) {
+        return wide;
+    }
+    Collapse collapse(tree);
+    collapse.place(0);
+    wide.triangles_ = count;
+    wide.box_ = tree.nodes().front().box;
+    wide.nodes_.resize(collapse.slots.size());
+    wide.words_.resize(kWordsPerTriangle * count + WideNode::kWidth);
+    std::fill_n(wide.words_.end() - WideNode::kWidth, WideNode::kWidth, 0U);
+    constexpr std::size_t kGrain = 256;
+    executor.for_each(wide.nodes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            WideNode& node = wide.nodes_[i];
+            for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
+                const Slot& slot = collapse.slots[i][k];
+                const std::uint32_t child = collapse.children[i][k];
+                node.child[k] = child;
+                if (slot.node == kNone) {
+                    set_slot_box(node, k, Aabb::empty());
+                    continue;
+                }
+                set_slot_box(node, k, tree.nodes()[slot.node].box);
+                if (!is_leaf(child)) {
+                    continue;
+                }
+                std::uint32_t* words = wide.words_.data() + kWordsPerTriangle * leaf_first(child);
+                const std::size_t in_leaf = leaf_count(child);
+                std::uint32_t* indices = words + 9 * in_leaf;
+                if (slot.run_begin != slot.run_end) {
+                    std::copy_n(tree.primitives().begin() + slot.run_begin, in_leaf, indices);
+                } else {
+                    write_primitives(tree, slot.node, indices);
+                }
+                fill_leaf(words, in_leaf, mesh);
+            }
+            set_order(node);
+        }
+    });
+    return wide;
+}
+
+double WideTree::reach() const noexcept {
+    double reach = 0.0;
+    for (std::size_t k = 0; k < 3 && triangles_ > 0; ++k) {
+        reach = std::max({reach,
+                          std::abs(static_cast<double>(box_.lower[k])),
+                          std::abs(static_cast<double>(box_.upper[k]))});
+    }
+    return reach;
+}
+
+std::size_t WideTree::bytes() const noexcept {
+    return nodes_.size() * sizeof(WideNode) + words_.size() * sizeof(std::uint32_t);
+}
+
+}  // namespace earshot::bvh

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: MIT
+//
+// What a ray meets in a node and in a leaf of a WideTree: included by kernels once per instruction
+// set, after base/wide_float.h.
+
+#include "earshot/bvh/internal/closest_search.h"
+#include "earshot/bvh/internal/float_ray.h"
+#include "earshot/bvh/wide_tree.h"
+
+#include <bit>
+
+#if defined(EARSHOT_BVH_WIDE_STEPS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_WIDE_STEPS_INL_H
+#undef EARSHOT_BVH_WIDE_STEPS_INL_H
+#else
+#define EARSHOT_BVH_WIDE_STEPS_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::bvh::HWY_NAMESPACE {
+
+using namespace earshot::HWY_NAMESPACE;
+
+// Of each node on the way down at most seven children wait, and compress_ordered() writes eight.
+constexpr std::size_t kMostWaiting = (WideNode::kWidth - 1) * (kMaxDepth + 1) + WideNode::kWidth;
+
+/// The children of wide nodes that a ray passes.
+class Passing {
+public:
+    explicit Passing(const FloatRay& ray)
+        : ray_(ray),
+          inverse_near_{
+              set8(ray.inverse_near[0]), set8(ray.inverse_near[1]), set8(ray.inverse_near[2])},
+          offset_near_{
+              set8(ray.offset_near[0]), set8(ray.offset_near[1]), set8(ray.offset_near[2])},
+          inverse_far_{
+              set8(ray.inverse_far[0]), set8(ray.inverse_far[1]), set8(ray.inverse_far[2])},
+          offset_far_{set8(ray.offset_far[0]), set8(ray.offset_far[1]), set8(ray.offset_far[2])} {}
+
+    /// Writes the distances where the ray enters the children to `near`.
+    HWY_INLINE Mask8 operator()(const WideNode& node, const Float8& bound, Float8& near) const {
+        const Float8 near_x =
+            multiply_add(load8(node.planes[ray_.near_plane[0]]), inverse_near_[0], offset_near_[0]);
+        const Float8 near_y =
+            multiply_add(load8(node.planes[ray_.near_plane[1]]), inverse_near_[1], offset_near_[1]);
+        const Float8 near_z =
+            multiply_add(load8(node.planes[ray_.near_plane[2]]), inverse_near_[2], offset_near_[2]);
+        const Float8 far_x =
+            multiply_add(load8(node.planes[ray_.far_plane[0]]), inverse_far_[0], offset_far_[0]);
+        const Float8 far_y =
+            multiply_add(load8(node.planes[ray_.far_plane[1]]), inverse_far_[1], offset_far_[1]);
+        const Float8 far_z =
+            multiply_add(load8(node.planes[ray_.far_plane[2]]), inverse_far_[2], offset_far_[2]);
+        near = maximum(maximum(near_x, near_y), maximum(near_z, set8(0.0F)));
+        const Float8 far = minimum(minimum(far_x, far_y), minimum(far_z, bound));
+        return at_most(near, far);
+    }
+
+private:
+    const FloatRay& ray_;
+    Float8 inverse_near_[3], offset_near_[3], inverse_far_[3], offset_far_[3];
+};
+
+/// What single precision knows about the triangles of a leaf.
+struct LeafHits {
+    std::uint32_t possible = 0;  // bit per triangle: may be hit
+    Mask8 certain;               // of these: hit by the whole line for sure
+    Float8 near, far;            // bounds of where
+};
+
+/// The test of Woop, Benthin and Wald 2013 with the bounds of FloatRay.
+class Piercing {
+public:
+    explicit Piercing(const FloatRay& ray) : ray_(ray) {}
+
+    HWY_INLINE LeafHits operator()(const std::uint32_t* words, std::size_t count) const {
+        Float8 x[3], y[3], z[3];
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::uint32_t* corner = words + 3 * i * count;
+            z[i] = load8_words(corner + ray_.axis[2] * count) - set8(ray_.origin[2]);
+            x[i] =
+                subtract_product(set8(ray_.shear_x),
+                                 z[i],
+                                 load8_words(corner + ray_.axis[0] * count) - set8(ray_.origin[0]));
+            y[i] =
+                subtract_product(set8(ray_.shear_y),
+                                 z[i],
+                                 load8_words(corner + ray_.axis[1] * count) - set8(ray_.origin[1]));
+        }
+        const Float8 u = subtract_product(y[2], x[1], x[2] * y[1]);
+        const Float8 v = subtract_product(y[0], x[2], x[0] * y[2]);
+        const Float8 w = subtract_product(y[1], x[0], x[1] * y[0]);
+        const Float8 size =
+            ((magnitude(x[0]) + magnitude(y[0])) + (magnitude(x[1]) + magnitude(y[1]))) +
+            (magnitude(x[2]) + magnitude(y[2]));
+        const Float8 off = set8(ray_.edge_slack) * (size + set8(ray_.slack));
+        const Float8 least = minimum(minimum(u, v), w);
+        const Float8 most = maximum(maximum(u, v), w);
+        const Float8 minus_off = set8(0.0F) - off;
+        const Mask8 maybe = either(at_most(minus_off, least), at_most(most, off));
+        LeafHits hits;
+        hits.possible = bits(maybe) & ((1U << count) - 1U);
+        if (hits.possible == 0) {
+            return hits;
+        }
+        // Where the weights are known within `share`, the depth is known within that share of the
+        // triangle's depth: of three weights each is off by `off` and so is thrice its sum, over a
+        // sum that may be smaller by half.
+        const Float8 sum = (u + v) + w;
+        const Float8 share = set8(12.0F) * off / magnitude(sum);
+        const Float8 shallow = minimum(minimum(z[0], z[1]), z[2]);
+        const Float8 deep = maximum(maximum(z[0], z[1]), z[2]);
+        const Float8 weighted = multiply_add(u, z[0], multiply_add(v, z[1], w * z[2])) / sum;
+        const Mask8 known = below(share, set8(1.0F));
+        const Float8 middle = minimum(maximum(weighted, shallow), deep);
+        const Float8 spread = share * (deep - shallow);
+        const Float8 margin = set8(3.0F * ray_.slack);
+        const Float8 from = choose(known, maximum(middle - spread, shallow), shallow) - margin;
+        const Float8 to = choose(known, minimum(middle + spread, deep), deep) + margin;
+        const Float8 t_from = from * set8(ray_.inverse_depth);
+        const Float8 t_to = to * set8(ray_.inverse_depth);
+        hits.near = minimum(t_from, t_to);
+        hits.far = maximum(t_from, t_to);
+        hits.certain = both(known, either(below(off, least), below(most, minus_off)));
+        return hits;
+    }
+
+private:
+    const FloatRay& ray_;
+};
+
+/// Where a search for the closest hit stands.
+struct Walk {
+    std::size_t count = 0;
+    std::uint32_t child = 0;  // to be visited next
+    alignas(32) float near_of[kMostWaiting];
+    std::uint32_t waiting[kMostWaiting];
+
+    /// Takes the next child that waits and is near enough; false if there is none.
+    HWY_INLINE bool pop(float bound) {
+        do {
+            if (count == 0) {
+                return false;
+            }
+            --count;
+        } while (near_of[count] > bound);
+        child = waiting[count];
+        return true;
+    }
+};
+
+/// Adds what a leaf may hold to a search.
+HWY_INLINE void visit_leaf(const std::uint32_t* leaf,
+                           std::size_t size,
+                           const FloatRay& ray,
+                           ClosestSearch& search) {
+    const LeafHits hits = Piercing(ray)(leaf, size);
+    if (hits.possible == 0) {
+        return;
+    }
+    const Float8 zero = set8(0.0F);
+    const Mask8 certain = both(
+        hits.certain, both(at_most(zero, hits.near), at_most(hits.far, set8(ray.t_max_inside))));
+    if (const std::uint32_t sure = bits(certain) & hits.possible; sure != 0) {
+        alignas(32) float far[8];
+        store8(hits.far, far);
+        for (std::uint32_t left = sure; left != 0; left &= left - 1) {
+            const float bound = far[std::countr_zero(left)];
+            search.bound = bound < search.bound ? bound : search.bound;
+        }
+    }
+    const Mask8 in_reach = both(at_most(hits.near, set8(search.bound)), at_most(zero, hits.far));
+    std::uint32_t left = bits(in_reach) & hits.possible;
+    if (left != 0) {
+        alignas(32) float near[8];
+        store8(hits.near, near);
+        for (; left != 0; left &= left - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+            search.add(leaf[9 * size + lane], near[lane]);
+        }
+    }
+}
+
+/// Goes on to the nearest child of a node; false if none is passed and none waits.
+HWY_INLINE bool descend(
+    const WideNode& node, const Passing& passing, int order_shift, float bound, Walk& walk) {
+    Float8 near;
+    const Mask8 passed = passing(node, set8(bound), near);
+    walk.count += compress_ordered(near,
+                                   passed,
+                                   node.child,
+                                   node.order,
+                                   order_shift,
+                                   walk.near_of + walk.count,
+                                   walk.waiting + walk.count);
+    return walk.pop(bound);
+}
+
+/// Whether a leaf holds a triangle that touches the segment.
+HWY_INLINE bool touches_leaf(const std::uint32_t* leaf,
+                             std::size_t size,
+                             const FloatRay& ray,
+                             const geometry::MeshView& mesh,
+                             const geometry::Segment& segment) {
+    const LeafHits hits = Piercing(ray)(leaf, size);
+    if (hits.possible == 0) {
+        return false;
+    }
+    const Float8 zero = set8(0.0F);
+    const Float8 one = set8(1.0F);
+    const Mask8 inside = both(below(zero, hits.near), below(hits.far, one));
+    if ((bits(both(hits.certain, inside)) & hits.possible) != 0) {
+        return true;
+    }
+    const Mask8 in_reach = both(at_most(hits.near, one), at_most(zero, hits.far));
+    for (std::uint32_t left = bits(in_reach) & hits.possible; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        const geometry::Triangle& triangle = mesh.triangles[leaf[9 * size + lane]];
+        if (geometry::touches(segment,
+                              mesh.positions[triangle[0]],
+                              mesh.positions[triangle[1]],
+                              mesh.positions[triangle[2]])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+HWY_INLINE const std::uint32_t* leaf_words(const WideTree& tree, std::uint32_t child) {
+    return tree.words().data() + WideTree::kWordsPerTriangle * leaf_first(child);
+}
+
+}  // namespace earshot::bvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

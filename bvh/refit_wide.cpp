@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/assert.h"
+#include "earshot/bvh/internal/wide_node.h"
+
+#include <vector>
+
+namespace earshot::bvh {
+namespace {
+
+/// Nodes from a root on that stand in one run, in depth-first order.
+struct Run {
+    std::size_t begin = 0, end = 0;
+};
+
+/// The nodes above the runs, and the runs.
+struct Cut {
+    std::vector<std::size_t> top;
+    std::vector<Run> runs;
+};
+
+Cut cut(std::span<const WideNode> nodes) {
+    constexpr std::size_t kRunSize = 512;
+    Cut result;
+    std::vector<Run> open = {{0, nodes.size()}};
+    while (!open.empty()) {
+        const Run run = open.back();
+        open.pop_back();
+        if (run.end - run.begin <= kRunSize) {
+            result.runs.push_back(run);
+            continue;
+        }
+        result.top.push_back(run.begin);
+        std::size_t end = run.end;
+        for (std::size_t slot = WideNode::kWidth; slot-- > 0;) {
+            const std::uint32_t child = nodes[run.begin].child[slot];
+            if (!is_leaf(child)) {
+                open.push_back({child, end});
+                end = child;
+            }
+        }
+    }
+    return result;
+}
+
+}  // namespace
+
+void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
+    EARSHOT_ASSERT(mesh.triangles.size() == triangles_);
+    if (nodes_.empty()) {
+        return;
+    }
+    const auto refit_node = [&](std::size_t index) {
+        WideNode& node = nodes_[index];
+        for (std::size_t slot = 0; slot < WideNode::kWidth; ++slot) {
+            const std::uint32_t child = node.child[slot];
+            if (!is_leaf(child)) {
+                set_slot_box(node, slot, box_of(nodes_[child]));
+            } else if (!slot_box(node, slot).is_empty()) {
+                std::uint32_t* words = words_.data() + kWordsPerTriangle * leaf_first(child);
+                set_slot_box(node, slot, fill_leaf(words, leaf_count(child), mesh));
+            }
+        }
+    };
+    // Children stand behind their parents, so running backwards is bottom-up.
+    const Cut parts = cut(nodes_);
+    executor.for_each(parts.runs.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t node = parts.runs[i].end; node-- > parts.runs[i].begin;) {
+                refit_node(node);
+            }
+        }
+    });
+    for (std::size_t i = parts.top.size(); i-- > 0;) {
+        refit_node(parts.top[i]);
+    }
+    box_ = box_of(nodes_.front());
+}
+
+}  // namespace earshot::bvh
