@@ -11,6 +11,7 @@
 #include <hwy/highway.h>
 
 #include <cstddef>
+#include <cstdint>
 
 #if defined(EARSHOT_BASE_WIDE_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef EARSHOT_BASE_WIDE_H
@@ -43,6 +44,30 @@ HWY_INLINE Doubles add(Doubles a, Doubles b) {
 }
 HWY_INLINE Doubles multiply(Doubles a, Doubles b) {
     return hn::Mul(a, b);
+}
+HWY_INLINE void store(Doubles a, double* aligned) {
+    hn::Store(a, DoubleTag(), aligned);
+}
+HWY_INLINE Doubles subtract(Doubles a, Doubles b) {
+    return hn::Sub(a, b);
+}
+HWY_INLINE Doubles divide(Doubles a, Doubles b) {
+    return hn::Div(a, b);
+}
+HWY_INLINE Doubles absolute(Doubles a) {
+    return hn::Abs(a);
+}
+HWY_INLINE Doubles lesser(Doubles a, Doubles b) {
+    return hn::Min(a, b);
+}
+HWY_INLINE Doubles greater(Doubles a, Doubles b) {
+    return hn::Max(a, b);
+}
+/// Bit i: a <= b in lane i.
+HWY_INLINE std::uint32_t at_most_bits(Doubles a, Doubles b) {
+    alignas(8) std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(DoubleTag(), hn::Le(a, b), bytes);
+    return bytes[0];
 }
 HWY_INLINE bool any_less(Doubles a, Doubles b) {
     return !hn::AllFalse(DoubleTag(), hn::Lt(a, b));

@@ -115,6 +115,13 @@ HWY_INLINE Mask8 both(const Mask8& a, const Mask8& b) {
 HWY_INLINE Mask8 either(const Mask8& a, const Mask8& b) {
     return mask_per_part([&](std::size_t i) { return hn::Or(a.part[i], b.part[i]); });
 }
+/// The first `count` lanes, 1 ... 8.
+HWY_INLINE Mask8 first_lanes(std::size_t count) {
+    return mask_per_part([&](std::size_t i) {
+        const std::size_t before = i * kFloatLanes;
+        return hn::FirstN(FloatTag(), count > before ? count - before : 0);
+    });
+}
 /// Bit i is lane i.
 HWY_INLINE std::uint32_t bits(const Mask8& mask) {
     std::uint32_t result = 0;
@@ -132,6 +139,14 @@ HWY_INLINE float smallest(const Float8& a) {
         least = hn::Min(least, a.part[i]);
     }
     return hn::GetLane(hn::MinOfLanes(FloatTag(), least));
+}
+/// The largest lane.
+HWY_INLINE float largest(const Float8& a) {
+    auto most = a.part[0];
+    for (std::size_t i = 1; i < kParts; ++i) {
+        most = hn::Max(most, a.part[i]);
+    }
+    return hn::GetLane(hn::MaxOfLanes(FloatTag(), most));
 }
 
 /// Writes the masked lanes of `key` and `value`, in the order that `order` gives: its lane r names

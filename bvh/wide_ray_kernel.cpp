@@ -17,7 +17,7 @@ bool closest(const WideTree& tree,
              double reach,
              ClosestSearch& search) {
     FloatRay ray;
-    if (!set_ray(ray, source.origin, source.direction, source.t_max, reach)) {
+    if (!set_ray(ray, source, static_cast<float>(reach))) {
         return false;
     }
     const Passing passing(ray);
@@ -41,7 +41,7 @@ std::optional<bool> any(const WideTree& tree,
                         const geometry::Segment& segment,
                         double reach) {
     FloatRay ray;
-    if (!set_ray(ray, segment.from, segment.to - segment.from, 1.0, reach)) {
+    if (!set_ray(ray, ray_along(segment), static_cast<float>(reach))) {
         return std::nullopt;
     }
     const Passing passing(ray);

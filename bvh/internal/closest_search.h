@@ -16,7 +16,7 @@ namespace earshot::bvh {
 class ClosestSearch {
 public:
     ClosestSearch(const geometry::MeshView& mesh, const geometry::Ray& ray, double reach) noexcept
-        : mesh_(mesh), ray_(ray), reach_(reach) {}
+        : mesh_(&mesh), ray_(&ray), reach_(reach) {}
 
     /// A triangle that is hit, if at all, at `near` or later. Precondition: near <= bound.
     void add(std::uint32_t triangle, float near) noexcept {
@@ -26,18 +26,28 @@ public:
         candidates_[count_++] = {triangle, near};
     }
 
+    /// Hands over what is still to be decided.
+    template <typename Visit>
+    void for_each_left(Visit&& visit) const {
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (candidates_[i].near <= bound) {
+                visit(candidates_[i].triangle);
+            }
+        }
+    }
+
     /// Decides what was added. Lowers `bound` to the best hit.
     void settle() noexcept {
-        const geometry::ShearedRay sheared(ray_);
+        const geometry::ShearedRay sheared(*ray_);
         for (std::size_t i = 0; i < count_; ++i) {
             if (candidates_[i].near > bound) {
                 continue;
             }
             const std::uint32_t id = candidates_[i].triangle;
-            const geometry::Triangle& triangle = mesh_.triangles[id];
-            const auto hit = sheared.hit(mesh_.positions[triangle[0]],
-                                         mesh_.positions[triangle[1]],
-                                         mesh_.positions[triangle[2]],
+            const geometry::Triangle& triangle = mesh_->triangles[id];
+            const auto hit = sheared.hit(mesh_->positions[triangle[0]],
+                                         mesh_->positions[triangle[1]],
+                                         mesh_->positions[triangle[2]],
                                          most(),
                                          reach_);
             if (hit && (!best_ || hit->t < best_->t || id < best_->triangle)) {
@@ -51,7 +61,7 @@ public:
     }
 
     /// A hit farther than this cannot be the closest.
-    double most() const noexcept { return best_ ? best_->t : ray_.t_max; }
+    double most() const noexcept { return best_ ? best_->t : ray_->t_max; }
 
     const std::optional<geometry::Hit>& best() const noexcept { return best_; }
 
@@ -64,8 +74,8 @@ private:
         float near;
     };
 
-    const geometry::MeshView& mesh_;
-    const geometry::Ray& ray_;
+    const geometry::MeshView* mesh_;
+    const geometry::Ray* ray_;
     double reach_;
     std::array<Candidate, kMost> candidates_;
     std::size_t count_ = 0;

@@ -11,12 +11,13 @@ namespace earshot::bvh {
 /// Let R be the largest absolute coordinate of the scene and the origin.
 ///
 /// Boxes. near = plane * inverse_near + offset_near, and far likewise. The planes are exact; the
-/// product with a plane and the offset are off by 2^-24 of R (in units of coordinates) each, so the
-/// origin is moved outward by 2^-22 R, which leaves room for the padding of geometry::Slabs (2^-44
-/// R). The inverses are moved by 2^-22, nearer and farther, which is more than their rounding and
-/// that of the sum. A component of the direction below 2^-40 of the largest moves a point of the
-/// ray that lies in the scene by less than 2^-37 R; its inverse is held at 2^40 of the largest's,
-/// so that inside the padded slab `far` lies beyond the scene.
+/// origin, the product with a plane and the offset are off by 2^-24 of R (in units of coordinates)
+/// each, so the origin is moved outward by 2^-21 R, which leaves room for the padding of
+/// geometry::Slabs (2^-37 R). The inverses are moved by 2^-21, nearer and farther, which is more
+/// than their rounding, the direction's and that of the sum. A component of the direction below
+/// 2^-40 of the largest moves a point of the ray that lies in the scene by less than 2^-37 R; its
+/// inverse is held at 2^40 of the largest's, so that inside the padded slab `far` lies beyond the
+/// scene.
 ///
 /// Triangles. Corners and origin are rounded to 2^-24 of R each, their difference once more; the
 /// shear adds as much again: a sheared corner is off by less than 2^-20 R = `slack` in x and y, and
@@ -29,7 +30,7 @@ struct FloatRay {
     alignas(16) float offset_near[4];
     alignas(16) float inverse_far[4];
     alignas(16) float offset_far[4];
-    std::uint32_t near_plane[3], far_plane[3];  ///< of WideNode::planes
+    std::uint32_t near_plane[3], far_plane[3];  ///< first of the eight in WideNode::planes
     int order_shift;                            ///< of WideNode::order
 
     std::uint32_t axis[3];  ///< the last is the direction's largest component

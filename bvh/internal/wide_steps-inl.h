@@ -39,18 +39,19 @@ public:
 
     /// Writes the distances where the ray enters the children to `near`.
     HWY_INLINE Mask8 operator()(const WideNode& node, const Float8& bound, Float8& near) const {
+        const float* planes = node.planes[0];
         const Float8 near_x =
-            multiply_add(load8(node.planes[ray_.near_plane[0]]), inverse_near_[0], offset_near_[0]);
+            multiply_add(load8(planes + ray_.near_plane[0]), inverse_near_[0], offset_near_[0]);
         const Float8 near_y =
-            multiply_add(load8(node.planes[ray_.near_plane[1]]), inverse_near_[1], offset_near_[1]);
+            multiply_add(load8(planes + ray_.near_plane[1]), inverse_near_[1], offset_near_[1]);
         const Float8 near_z =
-            multiply_add(load8(node.planes[ray_.near_plane[2]]), inverse_near_[2], offset_near_[2]);
+            multiply_add(load8(planes + ray_.near_plane[2]), inverse_near_[2], offset_near_[2]);
         const Float8 far_x =
-            multiply_add(load8(node.planes[ray_.far_plane[0]]), inverse_far_[0], offset_far_[0]);
+            multiply_add(load8(planes + ray_.far_plane[0]), inverse_far_[0], offset_far_[0]);
         const Float8 far_y =
-            multiply_add(load8(node.planes[ray_.far_plane[1]]), inverse_far_[1], offset_far_[1]);
+            multiply_add(load8(planes + ray_.far_plane[1]), inverse_far_[1], offset_far_[1]);
         const Float8 far_z =
-            multiply_add(load8(node.planes[ray_.far_plane[2]]), inverse_far_[2], offset_far_[2]);
+            multiply_add(load8(planes + ray_.far_plane[2]), inverse_far_[2], offset_far_[2]);
         near = maximum(maximum(near_x, near_y), maximum(near_z, set8(0.0F)));
         const Float8 far = minimum(minimum(far_x, far_y), minimum(far_z, bound));
         return at_most(near, far);
@@ -64,7 +65,7 @@ private:
 /// What single precision knows about the triangles of a leaf.
 struct LeafHits {
     std::uint32_t possible = 0;  // bit per triangle: may be hit
-    Mask8 certain;               // of these: hit by the whole line for sure
+    Mask8 certain;               // hit by the whole line for sure
     Float8 near, far;            // bounds of where
 };
 
@@ -121,7 +122,8 @@ public:
         const Float8 t_to = to * set8(ray_.inverse_depth);
         hits.near = minimum(t_from, t_to);
         hits.far = maximum(t_from, t_to);
-        hits.certain = both(known, either(below(off, least), below(most, minus_off)));
+        hits.certain = both(first_lanes(count),
+                            both(known, either(below(off, least), below(most, minus_off))));
         return hits;
     }
 
@@ -135,6 +137,12 @@ struct Walk {
     std::uint32_t child = 0;  // to be visited next
     alignas(32) float near_of[kMostWaiting];
     std::uint32_t waiting[kMostWaiting];
+
+    /// Lets the masked children of a node wait, the nearest on top.
+    HWY_INLINE void push(const Float8& near, const Mask8& mask, const WideNode& node, int shift) {
+        count += compress_ordered(
+            near, mask, node.child, node.order, shift, near_of + count, waiting + count);
+    }
 
     /// Takes the next child that waits and is near enough; false if there is none.
     HWY_INLINE bool pop(float bound) {
@@ -161,14 +169,8 @@ HWY_INLINE void visit_leaf(const std::uint32_t* leaf,
     const Float8 zero = set8(0.0F);
     const Mask8 certain = both(
         hits.certain, both(at_most(zero, hits.near), at_most(hits.far, set8(ray.t_max_inside))));
-    if (const std::uint32_t sure = bits(certain) & hits.possible; sure != 0) {
-        alignas(32) float far[8];
-        store8(hits.far, far);
-        for (std::uint32_t left = sure; left != 0; left &= left - 1) {
-            const float bound = far[std::countr_zero(left)];
-            search.bound = bound < search.bound ? bound : search.bound;
-        }
-    }
+    const float bound = smallest(choose(certain, hits.far, set8(search.bound)));
+    search.bound = bound < search.bound ? bound : search.bound;
     const Mask8 in_reach = both(at_most(hits.near, set8(search.bound)), at_most(zero, hits.far));
     std::uint32_t left = bits(in_reach) & hits.possible;
     if (left != 0) {
@@ -186,13 +188,7 @@ HWY_INLINE bool descend(
     const WideNode& node, const Passing& passing, int order_shift, float bound, Walk& walk) {
     Float8 near;
     const Mask8 passed = passing(node, set8(bound), near);
-    walk.count += compress_ordered(near,
-                                   passed,
-                                   node.child,
-                                   node.order,
-                                   order_shift,
-                                   walk.near_of + walk.count,
-                                   walk.waiting + walk.count);
+    walk.push(near, passed, node, order_shift);
     return walk.pop(bound);
 }
 
@@ -209,7 +205,7 @@ HWY_INLINE bool touches_leaf(const std::uint32_t* leaf,
     const Float8 zero = set8(0.0F);
     const Float8 one = set8(1.0F);
     const Mask8 inside = both(below(zero, hits.near), below(hits.far, one));
-    if ((bits(both(hits.certain, inside)) & hits.possible) != 0) {
+    if (bits(both(hits.certain, inside)) != 0) {
         return true;
     }
     const Mask8 in_reach = both(at_most(hits.near, one), at_most(zero, hits.far));

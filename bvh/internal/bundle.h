@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/bvh/wide_tree.h"
+#include "earshot/geometry/sheared_ray.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace earshot::bvh {
+
+/// Up to 64 rays from one point, close to each other, on their way through a WideTree together: one
+/// box test for all, and edge functions that are linear in the direction. In single precision, with
+/// the bounds of FloatRay; distances are depths, in metres along the directions' largest component.
+class Bundle {
+public:
+    static constexpr std::size_t kMost = 64;
+
+    /// How many of the first rays can go together: the same origin, bit for bit, directions with
+    /// the same largest component and the same signs and slopes that differ little, all within the
+    /// range of FloatRay. 0 or 1 where it is not worth while.
+    static std::size_t length(std::span<const geometry::Ray> rays, double reach) noexcept;
+
+    /// Precondition: length() gave the number of rays.
+    void set(std::span<const geometry::Ray> rays, double reach) noexcept;
+
+    /// A triangle that a ray may hit, no nearer than `near`. Precondition: near <= bound[ray].
+    void add(const geometry::MeshView& mesh,
+             std::size_t ray,
+             std::uint32_t triangle,
+             float near) noexcept {
+        if (counts_[ray] == kMostCandidates) {
+            settle(mesh, ray);
+        }
+        candidates_[ray][counts_[ray]++] = {triangle, near};
+    }
+
+    /// Decides what was added for a ray, in double precision.
+    void settle(const geometry::MeshView& mesh, std::size_t ray) noexcept;
+
+    /// Hands over what is still to be decided of a ray.
+    template <typename Visit>
+    void for_each_left(std::size_t ray, Visit&& visit) const {
+        for (std::size_t i = 0; i < counts_[ray]; ++i) {
+            if (candidates_[ray][i].near <= bound[ray]) {
+                visit(candidates_[ray][i].triangle);
+            }
+        }
+    }
+
+    /// Of what was decided.
+    std::optional<geometry::Hit> best(std::size_t ray) const noexcept { return best_[ray]; }
+    std::size_t count() const noexcept { return rays_.size(); }
+
+    std::uint32_t axis[3];  ///< the last is the largest component
+    float sign;             ///< of the largest component
+    float origin[3];        ///< along these axes
+    float middle[2];        ///< slopes x / |z| and y / |z| of the bundle's middle
+    float spread[2];        ///< of slopes, to either side
+    float slack, edge_slack;
+    int order_shift;  ///< of WideNode::order
+
+    // Per ray; those beyond count() repeat the last with a bound below 0.
+    alignas(32) float slope_x[kMost];  ///< less the middle's
+    alignas(32) float slope_y[kMost];
+    alignas(32) float bound[kMost];   ///< no hit farther than this can be the closest
+    alignas(32) float inside[kMost];  ///< a hit no farther than this is not beyond t_max
+
+private:
+    static constexpr std::size_t kMostCandidates = 4;
+    struct Candidate {
+        std::uint32_t triangle;
+        float near;
+    };
+
+    std::span<const geometry::Ray> rays_;
+    double reach_;
+    std::array<std::uint8_t, kMost> counts_;
+    std::array<std::array<Candidate, kMostCandidates>, kMost> candidates_;
+    std::array<std::optional<geometry::Hit>, kMost> best_;
+};
+
+}  // namespace earshot::bvh

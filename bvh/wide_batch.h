@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/parallel.h"
+#include "earshot/bvh/wide_tree.h"
+#include "earshot/geometry/types.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace earshot::bvh {
+
+// Many questions of wide_ray.h at once, faster than one by one: neighbours that start from one
+// point go through the tree as a bundle, and of the others several are under way at a time, so that
+// the memory is never waited for. Results in the order of the questions, the same for any executor.
+// Precondition: the tree was built over or refitted to this mesh.
+
+/// closest_hit() of every ray.
+std::vector<std::optional<geometry::Hit>> closest_hits(const WideTree& tree,
+                                                       const geometry::MeshView& mesh,
+                                                       std::span<const geometry::Ray> rays,
+                                                       Executor& executor = Executor::serial());
+
+/// The same into a caller's array. Precondition: one place per ray.
+void closest_hits(const WideTree& tree,
+                  const geometry::MeshView& mesh,
+                  std::span<const geometry::Ray> rays,
+                  std::span<std::optional<geometry::Hit>> hits,
+                  Executor& executor = Executor::serial());
+
+/// occluded() of every segment: 1 or 0.
+std::vector<std::uint8_t> occluded(const WideTree& tree,
+                                   const geometry::MeshView& mesh,
+                                   std::span<const geometry::Segment> segments,
+                                   Executor& executor = Executor::serial());
+
+}  // namespace earshot::bvh

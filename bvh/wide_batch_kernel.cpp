@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/internal/wide_batch_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "earshot/bvh/wide_batch_kernel.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, which includes this file again for every instruction set.
+#include "earshot/base/wide.h"
+#include "earshot/base/wide_float.h"
+#include "earshot/bvh/internal/decision_queue-inl.h"
+#include "earshot/bvh/internal/float_ray-inl.h"
+#include "earshot/bvh/internal/wide_steps-inl.h"
+// After wide_steps-inl.h.
+#include "earshot/bvh/internal/bundle_steps-inl.h"
+#include "earshot/bvh/internal/stream_steps-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::bvh::HWY_NAMESPACE {
+
+// A bundle of fewer rays is slower than as many rays on their own.
+constexpr std::size_t kFewest = 12;
+
+void closest_of_many(const WideTree& tree,
+                     const geometry::MeshView& mesh,
+                     std::span<const geometry::Ray> rays,
+                     std::span<std::optional<geometry::Hit>> hits) {
+    const double reach = tree.reach();
+    DecisionQueue queue(mesh, rays, hits, reach);
+    Bundle bundle;
+    // After rays that form no bundle more are taken before the next are looked at.
+    constexpr std::size_t kFirstStretch = 8;
+    constexpr std::size_t kLastStretch = 1024;
+    std::size_t stretch = kFirstStretch;
+    for (std::size_t done = 0; done < rays.size();) {
+        const std::size_t count = Bundle::length(rays.subspan(done), reach);
+        if (count < kFewest) {
+            const std::size_t end = std::min(done + stretch, rays.size());
+            trace_stream(tree, mesh, rays, done, end, hits, queue);
+            done = end;
+            stretch = std::min(4 * stretch, kLastStretch);
+            continue;
+        }
+        stretch = kFirstStretch;
+        bundle.set(rays.subspan(done, count), reach);
+        trace_bundle(tree, mesh, bundle);
+        for (std::size_t i = 0; i < count; ++i) {
+            hits[done + i] = bundle.best(i);
+            bundle.for_each_left(i,
+                                 [&](std::uint32_t triangle) { queue.push(done + i, triangle); });
+        }
+        done += count;
+    }
+    queue.finish();
+}
+
+void any_of_many(const WideTree& tree,
+                 const geometry::MeshView& mesh,
+                 std::span<const geometry::Segment> segments,
+                 std::span<std::uint8_t> blocked) {
+    const double reach = tree.reach();
+    AnyLane lanes[kTogether];
+    std::size_t next = 0;
+    const auto start = [&](AnyLane& lane) {
+        for (; next < segments.size(); ++next) {
+            if (lane.start(tree, segments[next], reach)) {
+                lane.index = next++;
+                return true;
+            }
+            blocked[next] = occluded(tree, mesh, segments[next]) ? 1 : 0;
+        }
+        return false;
+    };
+    std::size_t active = 0;
+    while (active < kTogether && start(lanes[active])) {
+        ++active;
+    }
+    while (active > 0) {
+        for (std::size_t i = 0; i < active;) {
+            if (lanes[i].step(tree, mesh)) {
+                ++i;
+                continue;
+            }
+            blocked[lanes[i].index] = lanes[i].is_blocked ? 1 : 0;
+            if (start(lanes[i])) {
+                ++i;
+            } else if (--active != i) {
+                lanes[i] = lanes[active];
+            }
+        }
+    }
+}
+
+}  // namespace earshot::bvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace earshot::bvh {
+
+HWY_EXPORT(closest_of_many);
+HWY_EXPORT(any_of_many);
+
+void find_closest_of_many(const WideTree& tree,
+                          const geometry::MeshView& mesh,
+                          std::span<const geometry::Ray> rays,
+                          std::span<std::optional<geometry::Hit>> hits) noexcept {
+    HWY_DYNAMIC_DISPATCH(closest_of_many)(tree, mesh, rays, hits);
+}
+
+void find_any_of_many(const WideTree& tree,
+                      const geometry::MeshView& mesh,
+                      std::span<const geometry::Segment> segments,
+                      std::span<std::uint8_t> blocked) noexcept {
+    HWY_DYNAMIC_DISPATCH(any_of_many)(tree, mesh, segments, blocked);
+}
+
+}  // namespace earshot::bvh
+#endif
