@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+//
+// bench_bvh: builds, refits and traces a mesh with earshot's hierarchies and, where it was there at
+// configure time, with Embree, in one process, in turns, with the same rays.
+
+#include "earshot/base/error.h"
+#include "earshot/base/simd.h"
+#include "earshot/io/scene_file.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "bvh_contenders.h"
+#include "bvh_rays.h"
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace bench;
+using earshot::geometry::Mesh;
+
+struct Options {
+    std::string scene, json, simd = "auto";
+    int threads = 1, repeats = 5;
+    std::size_t rays = 1U << 20;
+    bool from_inside = false;
+    std::vector<std::string> sets, only;
+};
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values.empty() ? 0.0 : values[values.size() / 2];
+}
+
+template <typename Work>
+double seconds_of(Work&& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+bool is_wanted(const std::vector<std::string>& list, const std::string& name) {
+    return list.empty() || std::any_of(list.begin(), list.end(), [&](const std::string& part) {
+               return name.find(part) != std::string::npos;
+           });
+}
+
+/// Median seconds per contender; runs take turns, so that a slow minute slows all of them.
+template <typename Run>
+std::vector<double> take_turns(std::size_t contenders, int repeats, Run&& run) {
+    std::vector<std::vector<double>> times(contenders);
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        for (std::size_t i = 0; i < contenders; ++i) {
+            times[i].push_back(run(i));
+        }
+    }
+    std::vector<double> medians;
+    for (auto& of_one : times) {
+        medians.push_back(median(of_one));
+    }
+    return medians;
+}
+
+std::vector<std::unique_ptr<Contender>> all_contenders(const Options& options) {
+    auto contenders = earshot_contenders({});
+    for (auto& contender : embree_contenders(options.threads)) {
+        contenders.push_back(std::move(contender));
+    }
+    std::erase_if(contenders, [&](const auto& c) { return !is_wanted(options.only, c->name()); });
+    return contenders;
+}
+
+/// A table with a row per contender and a column per figure, printed and kept for the JSON file.
+class Table {
+public:
+    explicit Table(const std::vector<std::unique_ptr<Contender>>& contenders) {
+        for (const auto& contender : contenders) {
+            rows_.push_back(contender->name());
+        }
+    }
+
+    void add(const std::string& column, const std::vector<double>& values) {
+        columns_.push_back(column);
+        values_.push_back(values);
+    }
+
+    void print(const char* title) const {
+        std::printf("\n%s\n\n| |", title);
+        for (const std::string& column : columns_) {
+            std::printf(" %s |", column.c_str());
+        }
+        std::printf("\n| --- |");
+        for (std::size_t k = 0; k < columns_.size(); ++k) {
+            std::printf(" ---: |");
+        }
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            std::printf("\n| %s |", rows_[i].c_str());
+            for (const auto& values : values_) {
+                std::printf(values[i] > 0.0 ? " %.4g |" : " |", values[i]);
+            }
+        }
+        std::printf("\n");
+    }
+
+    nlohmann::json json() const {
+        nlohmann::json result;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            for (std::size_t k = 0; k < columns_.size(); ++k) {
+                result[rows_[i]][columns_[k]] = values_[k][i];
+            }
+        }
+        return result;
+    }
+
+    /// The row's values over another row's, column by column; empty if there is no such row.
+    void print_ratios(const std::string& reference) const {
+        const auto row = std::find(rows_.begin(), rows_.end(), reference);
+        if (row == rows_.end()) {
+            return;
+        }
+        const auto at = static_cast<std::size_t>(row - rows_.begin());
+        Table ratios = *this;
+        for (auto& values : ratios.values_) {
+            const double one = values[at];
+            for (double& value : values) {
+                value = one > 0.0 ? value / one : 0.0;
+            }
+        }
+        ratios.print(("Times as fast as " + reference).c_str());
+    }
+
+private:
+    std::vector<std::string> rows_, columns_;
+    std::vector<std::vector<double>> values_;  // per column, per row
+};
+
+/// Vertices moved a little, so that a refit has something to do.
+Mesh shaken(const Mesh& mesh) {
+    Mesh moved = mesh;
+    for (std::size_t i = 0; i < moved.positions.size(); ++i) {
+        moved.positions[i] *= 1.0 + 1e-4 * static_cast<double>(i % 7);
+    }
+    return moved;
+}
+
+Table measure_builds(const Options& options,
+                     const Mesh& mesh,
+                     std::vector<std::unique_ptr<Contender>>& contenders,
+                     earshot::Executor& executor) {
+    const std::size_t count = contenders.size();
+    Table table(contenders);
+    table.add("build, s", take_turns(count, options.repeats, [&](std::size_t i) {
+                  return seconds_of([&] { contenders[i]->build(mesh.view(), executor); });
+              }));
+    std::vector<double> bytes;
+    for (const auto& contender : contenders) {
+        bytes.push_back(static_cast<double>(contender->bytes()) /
+                        static_cast<double>(mesh.triangles.size()));
+    }
+    table.add("bytes per triangle", bytes);
+    const Mesh moved = shaken(mesh);
+    table.add("refit, ms", take_turns(count, options.repeats, [&](std::size_t i) {
+                  bool has_refit = false;
+                  const double seconds =
+                      seconds_of([&] { has_refit = contenders[i]->refit(moved.view(), executor); });
+                  return has_refit ? 1e3 * seconds : 0.0;
+              }));
+    for (const auto& contender : contenders) {
+        contender->build(mesh.view(), executor);
+    }
+    return table;
+}
+
+Table measure_rays(const Options& options,
+                   const std::vector<RaySet>& sets,
+                   std::vector<std::unique_ptr<Contender>>& contenders,
+                   earshot::Executor& executor) {
+    Table table(contenders);
+    for (const RaySet& set : sets) {
+        if (!is_wanted(options.sets, set.name)) {
+            continue;
+        }
+        const bool asks_any = set.rays.empty();
+        const std::size_t rays = asks_any ? set.segments.size() : set.rays.size();
+        std::vector<std::size_t> hits(contenders.size());
+        for (const auto& contender : contenders) {
+            asks_any ? contender->prepare(set.segments) : contender->prepare(set.rays);
+        }
+        const auto seconds = take_turns(contenders.size(), options.repeats, [&](std::size_t i) {
+            return seconds_of([&] {
+                hits[i] =
+                    asks_any ? contenders[i]->any(executor) : contenders[i]->closest(executor);
+            });
+        });
+        std::vector<double> rates;
+        std::printf("%s: %zu rays;", set.name.c_str(), rays);
+        for (std::size_t i = 0; i < contenders.size(); ++i) {
+            rates.push_back(1e-6 * static_cast<double>(rays) / seconds[i]);
+            std::printf(" %s %zu", contenders[i]->name().c_str(), hits[i]);
+            if (const std::uint64_t digest = contenders[i]->digest(); digest != 0) {
+                std::printf(" (%016llx)", static_cast<unsigned long long>(digest));
+            }
+        }
+        std::printf("\n");
+        table.add(set.name, rates);
+    }
+    return table;
+}
+
+void run(const Options& options) {
+    earshot::use_simd_target(options.simd);
+    const auto loaded = earshot::io::load_scene(options.scene, {});
+    const auto& source = loaded.scene.mesh;
+    const Mesh mesh = {source.positions_at(0.0),
+                       {source.triangles().begin(), source.triangles().end()}};
+    earshot::Executor executor(options.threads);
+    auto contenders = all_contenders(options);
+    std::printf("%s: %zu triangles, %d threads, %s, medians of %d\n",
+                options.scene.c_str(),
+                mesh.triangles.size(),
+                options.threads,
+                earshot::simd_targets().front().c_str(),
+                options.repeats);
+    const Table builds = measure_builds(options, mesh, contenders, executor);
+    builds.print("Building");
+    std::printf("\nHits (and digests of answers)\n\n");
+    const Table rays = measure_rays(options,
+                                    make_ray_sets(mesh.view(), options.rays, options.from_inside),
+                                    contenders,
+                                    executor);
+    rays.print("Million rays per second");
+    rays.print_ratios("embree medium");
+    rays.print_ratios("embree robust");
+    if (!options.json.empty()) {
+        std::ofstream file(options.json);
+        file << nlohmann::json{{"scene", options.scene},
+                               {"triangles", mesh.triangles.size()},
+                               {"threads", options.threads},
+                               {"builds", builds.json()},
+                               {"million_rays_per_second", rays.json()}}
+                    .dump(2)
+             << '\n';
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    CLI::App app("Builds, refits and traces a mesh with earshot and Embree");
+    app.add_option("SCENE", options.scene, "mesh or glTF scene")->required();
+    app.add_option("--threads", options.threads, "threads; default: 1");
+    app.add_option("--repeats", options.repeats, "runs of each cell; default: 5");
+    app.add_option("--rays", options.rays, "rays per set; default: 1048576");
+    app.add_flag("--inside", options.from_inside, "the camera stands inside: the mesh is a room");
+    app.add_option("--sets", options.sets, "camera, diffuse, ao, random, los; default: all");
+    app.add_option("--only", options.only, "contenders whose names contain one of these");
+    app.add_option("--simd", options.simd, "instruction set; default: auto");
+    app.add_option("--json", options.json, "file for the figures");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        run(options);
+    } catch (const earshot::Error& error) {
+        std::fprintf(stderr, "bench_bvh: error: %s\n", error.what());
+        return 1;
+    }
+    return 0;
+}
