@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/large_pages.h"
+
 #include <cstddef>
 #include <new>
 #include <utility>
@@ -8,11 +10,8 @@
 
 namespace earshot {
 
-/// Memory on a cache line's border; large blocks on large pages where the system grants them, which
-/// spares random reads most of their misses in the page tables. Throws std::bad_alloc.
-void* allocate_large(std::size_t bytes);
-void free_large(void* block) noexcept;
-
+/// Gives memory on a cache line's border, in large pages if it is large: random reads then miss
+/// less often in the page tables. Elements of trivial types begin unset, for threads to fill.
 template <typename T>
 struct LargeAllocator {
     using value_type = T;
@@ -25,11 +24,12 @@ struct LargeAllocator {
         if (count > static_cast<std::size_t>(-1) / sizeof(T)) {
             throw std::bad_array_new_length();
         }
-        return static_cast<T*>(allocate_large(count * sizeof(T)));
+        void* block = ::operator new(count * sizeof(T), kLine);
+        ask_for_large_pages(block, count * sizeof(T));
+        return static_cast<T*>(block);
     }
-    void deallocate(T* block, std::size_t) noexcept { free_large(block); }
+    void deallocate(T* block, std::size_t) noexcept { ::operator delete(block, kLine); }
 
-    /// resize() leaves new elements of trivial types unset, for threads to fill.
     template <typename U>
     void construct(U* place) {
         ::new (static_cast<void*>(place)) U;
@@ -40,6 +40,9 @@ struct LargeAllocator {
     }
 
     friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
+
+private:
+    static constexpr std::align_val_t kLine{64};
 };
 
 /// A vector for millions of elements that are read in random order.

@@ -29,13 +29,19 @@ static_assert(sizeof(Node) == 32);
 /// How a tree is built. Every builder's tree gives the same answers; they trade build time against
 /// query time.
 enum class Builder {
-    binned_sah,  ///< surface area heuristic over bins (Wald 2007)
+    binned_sah,      ///< surface area heuristic over bins (Wald 2007)
+    sweep_sah,       ///< the same heuristic over all cuts between centres: the reference, slow
+    spatial_median,  ///< every box in the middle of its longest side: fast to build, slow to ask
 };
 
 struct BuildOptions {
     Builder builder = Builder::binned_sah;
     int leaf_size = 4;            ///< most primitives in a leaf, 1..15
     double traversal_cost = 1.0;  ///< cost of a node visit, in primitive tests
+    /// A sample of the rays that will be asked, cut off where they hit, finite; some thousands are
+    /// plenty. With it binned_sah prefers cuts whose sides few of these rays meet; other builders
+    /// do not look at it. The memory is needed during the build only.
+    std::span<const geometry::Segment> rays{};
 };
 
 /// A binary hierarchy over boxes that may move. It knows boxes and indices only; triangles, swept
