@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/error.h"
+#include "earshot/bvh/internal/bottom_up.h"
 #include "earshot/bvh/internal/wide_node.h"
 #include "earshot/bvh/wide_tree.h"
 
@@ -35,11 +36,9 @@ using Slots = std::array<Slot, WideNode::kWidth>;
 /// section 3.2: dynamic programming from the leaves up).
 class Collapse {
 public:
-    explicit Collapse(const Tree& tree)
+    Collapse(const Tree& tree, Executor& executor)
         : tree_(tree), counts_(tree.nodes().size()), plans_(tree.nodes().size()) {
-        for (std::size_t i = tree.nodes().size(); i-- > 0;) {
-            plan(i);
-        }
+        for_each_bottom_up(tree.nodes(), executor, [&](std::size_t i) { plan(i); });
     }
 
     /// Appends the wide nodes of the subtree in depth-first order and returns the first's index.
@@ -47,7 +46,7 @@ public:
         const auto index = static_cast<std::uint32_t>(slots.size());
         slots.emplace_back();
         children.emplace_back();
-        children.back().fill(kLeafFlag);
+        children.back().fill(kNoChild);
         std::size_t count = 0;
         open(root, index, count);
         for (std::size_t i = 0; i < count; ++i) {
@@ -96,7 +95,13 @@ private:
         counts_[index] = static_cast<std::uint8_t>(std::min(count, 255U));
         std::array<float, WideNode::kWidth + 1> shared{};  // the children's cost in i slots
         std::array<std::uint8_t, WideNode::kWidth + 1> best{};
+        const std::size_t most = most_useful(left) + most_useful(right);
         for (std::size_t i = 2; i <= WideNode::kWidth; ++i) {
+            if (i > most) {
+                shared[i] = shared[i - 1];
+                best[i] = best[i - 1];
+                continue;
+            }
             shared[i] = std::numeric_limits<float>::infinity();
             for (std::size_t k = 1; k < i; ++k) {
                 const float cost = left.cost[k - 1] + right.cost[i - k - 1];
@@ -118,6 +123,15 @@ private:
             result.cost[i - 1] = is_better ? shared[i] : result.cost[i - 2];
             result.left[i - 1] = is_better ? best[i] : result.left[i - 2];
         }
+    }
+
+    /// More slots than these do not make a subtree cheaper.
+    static std::size_t most_useful(const Plan& plan) {
+        std::size_t most = kMostSlots;
+        while (most > 1 && plan.cost[most - 2] == plan.cost[most - 1]) {
+            --most;
+        }
+        return most;
     }
 
     /// Of being met by a ray that meets the root's box; 1 if that cannot be told.
@@ -157,19 +171,15 @@ private:
             slots[index][count++] = {root};
             return;
         }
-        // The share may be smaller than what there is: fewer slots cost the same.
-        std::size_t used = slots_left;
-        while (used > 1 && plans_[root].cost[used - 2] == plans_[root].cost[used - 1]) {
-            --used;
-        }
+        const std::size_t used = std::min(slots_left, most_useful(plans_[root]));
         const std::uint32_t first = tree_.nodes()[root].first;
         share(first, left, index, count);
         share(first + 1, used - left, index, count);
     }
 
     const Tree& tree_;
-    std::vector<std::uint8_t> counts_;  // of the primitives below a node; 255: or more
-    std::vector<Plan> plans_;
+    LargeArray<std::uint8_t> counts_;  // of the primitives below a node; 255: or more
+    LargeArray<Plan> plans_;
     std::uint32_t placed_ = 0;
 };
 
@@ -193,40 +203,61 @@ WideTree WideTree::build(const Tree& tree, const geometry::MeshView& mesh, Execu
     if (count == 0) {
         return wide;
     }
-    Collapse collapse(tree);
+    Collapse collapse(tree, executor);
     collapse.place(0);
     wide.triangles_ = count;
     wide.box_ = tree.nodes().front().box;
     wide.nodes_.resize(collapse.slots.size());
     wide.words_.resize(kWordsPerTriangle * count + WideNode::kWidth);
     std::fill_n(wide.words_.end() - WideNode::kWidth, WideNode::kWidth, 0U);
-    constexpr std::size_t kGrain = 256;
-    executor.for_each(wide.nodes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            WideNode& node = wide.nodes_[i];
-            for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
-                const Slot& slot = collapse.slots[i][k];
-                const std::uint32_t child = collapse.children[i][k];
-                node.child[k] = child;
-                if (slot.node == kNone) {
-                    set_slot_box(node, k, Aabb::empty());
-                    continue;
-                }
-                set_slot_box(node, k, tree.nodes()[slot.node].box);
-                if (!is_leaf(child)) {
-                    continue;
-                }
-                std::uint32_t* words = wide.words_.data() + kWordsPerTriangle * leaf_first(child);
-                const std::size_t in_leaf = leaf_count(child);
-                std::uint32_t* indices = words + 9 * in_leaf;
-                if (slot.run_begin != slot.run_end) {
-                    std::copy_n(tree.primitives().begin() + slot.run_begin, in_leaf, indices);
-                } else {
-                    write_primitives(tree, slot.node, indices);
-                }
-                fill_leaf(words, in_leaf, mesh);
+    const auto set_node = [&](std::size_t i) {
+        WideNode& node = wide.nodes_[i];
+        for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
+            const Slot& slot = collapse.slots[i][k];
+            node.child[k] = collapse.children[i][k];
+            set_slot_box(node, k, slot.node == kNone ? Aabb::empty() : tree.nodes()[slot.node].box);
+            if (slot.node == kNone || !is_leaf(node.child[k])) {
+                continue;
             }
-            set_order(node);
+            const std::size_t in_leaf = leaf_count(node.child[k]);
+            std::uint32_t* words =
+                wide.words_.data() + kWordsPerTriangle * leaf_first(node.child[k]);
+            if (slot.run_begin != slot.run_end) {
+                std::copy_n(
+                    tree.primitives().begin() + slot.run_begin, in_leaf, words + 9 * in_leaf);
+            } else {
+                write_primitives(tree, slot.node, words + 9 * in_leaf);
+            }
+            fetch_leaf_triangles(words, in_leaf, mesh);
+        }
+        set_order(node);
+    };
+    const auto for_each_leaf = [&](std::size_t i, auto&& visit) {
+        for (const std::uint32_t child : wide.nodes_[i].child) {
+            if (is_leaf(child)) {
+                visit(wide.words_.data() + kWordsPerTriangle * leaf_first(child),
+                      leaf_count(child));
+            }
+        }
+    };
+    // Chunks are short, so that what was fetched for a chunk is still there when it is wanted.
+    constexpr std::size_t kGrain = 16;
+    executor.for_each(wide.nodes_.size(), 64 * kGrain, [&](std::size_t first, std::size_t last) {
+        for (std::size_t begin = first; begin < last; begin += kGrain) {
+            const std::size_t end = std::min(begin + kGrain, last);
+            for (std::size_t i = begin; i < end; ++i) {
+                set_node(i);
+            }
+            for (std::size_t i = begin; i < end; ++i) {
+                for_each_leaf(i, [&](const std::uint32_t* words, std::size_t in_leaf) {
+                    fetch_leaf_corners(words, in_leaf, mesh);
+                });
+            }
+            for (std::size_t i = begin; i < end; ++i) {
+                for_each_leaf(i, [&](std::uint32_t* words, std::size_t in_leaf) {
+                    fill_leaf(words, in_leaf, mesh);
+                });
+            }
         }
     });
     return wide;

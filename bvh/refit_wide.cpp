@@ -33,7 +33,7 @@ Cut cut(std::span<const WideNode> nodes) {
         std::size_t end = run.end;
         for (std::size_t slot = WideNode::kWidth; slot-- > 0;) {
             const std::uint32_t child = nodes[run.begin].child[slot];
-            if (!is_leaf(child)) {
+            if (!is_leaf(child) && child != kNoChild) {
                 open.push_back({child, end});
                 end = child;
             }
@@ -49,23 +49,49 @@ void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
     if (nodes_.empty()) {
         return;
     }
+    const auto for_each_leaf = [&](const WideNode& node, auto&& visit) {
+        for (std::size_t slot = 0; slot < WideNode::kWidth; ++slot) {
+            const std::uint32_t child = node.child[slot];
+            if (is_leaf(child)) {
+                visit(
+                    slot, words_.data() + kWordsPerTriangle * leaf_first(child), leaf_count(child));
+            }
+        }
+    };
     const auto refit_node = [&](std::size_t index) {
         WideNode& node = nodes_[index];
         for (std::size_t slot = 0; slot < WideNode::kWidth; ++slot) {
-            const std::uint32_t child = node.child[slot];
-            if (!is_leaf(child)) {
-                set_slot_box(node, slot, box_of(nodes_[child]));
-            } else if (!slot_box(node, slot).is_empty()) {
-                std::uint32_t* words = words_.data() + kWordsPerTriangle * leaf_first(child);
-                set_slot_box(node, slot, fill_leaf(words, leaf_count(child), mesh));
+            if (!is_leaf(node.child[slot]) && node.child[slot] != kNoChild) {
+                set_slot_box(node, slot, box_of(nodes_[node.child[slot]]));
             }
+        }
+        for_each_leaf(node, [&](std::size_t slot, std::uint32_t* words, std::size_t count) {
+            set_slot_box(node, slot, fill_leaf(words, count, mesh));
+        });
+    };
+    // What a node will read of the mesh is asked for some nodes before.
+    constexpr std::size_t kAhead = 2;
+    const auto fetch_for = [&](const Run& run, std::size_t index) {
+        if (index >= run.begin + 2 * kAhead) {
+            for_each_leaf(nodes_[index - 2 * kAhead],
+                          [&](std::size_t, const std::uint32_t* words, std::size_t count) {
+                              fetch_leaf_triangles(words, count, mesh);
+                          });
+        }
+        if (index >= run.begin + kAhead) {
+            for_each_leaf(nodes_[index - kAhead],
+                          [&](std::size_t, const std::uint32_t* words, std::size_t count) {
+                              fetch_leaf_corners(words, count, mesh);
+                          });
         }
     };
     // Children stand behind their parents, so running backwards is bottom-up.
     const Cut parts = cut(nodes_);
     executor.for_each(parts.runs.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            for (std::size_t node = parts.runs[i].end; node-- > parts.runs[i].begin;) {
+            const Run& run = parts.runs[i];
+            for (std::size_t node = run.end; node-- > run.begin;) {
+                fetch_for(run, node);
                 refit_node(node);
             }
         }

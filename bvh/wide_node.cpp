@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/internal/wide_node.h"
 
-#include "earshot/geometry/intersect.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 
 namespace earshot::bvh {
 
@@ -69,22 +68,47 @@ void set_order(WideNode& node) noexcept {
 }
 
 Aabb fill_leaf(std::uint32_t* words, std::size_t count, const geometry::MeshView& mesh) noexcept {
-    Aabb box;
+    // Rounding is monotone, so the box of all corners is rounded once.
+    geometry::Vec3 lower(std::numeric_limits<double>::infinity());
+    geometry::Vec3 upper(-std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < count; ++i) {
-        const geometry::Triangle& triangle = mesh.triangles[words[9 * count + i]];
-        const std::array<const geometry::Vec3*, 3> corners = {&mesh.positions[triangle[0]],
-                                                              &mesh.positions[triangle[1]],
-                                                              &mesh.positions[triangle[2]]};
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const auto value =
-                    static_cast<float>((*corners[corner])[static_cast<glm::length_t>(axis)]);
-                words[(3 * corner + axis) * count + i] = std::bit_cast<std::uint32_t>(value);
+        std::uint32_t* word = words + i;
+        for (const geometry::VertexId vertex : mesh.triangles[words[9 * count + i]]) {
+            const geometry::Vec3& corner = mesh.positions[vertex];
+            for (int axis = 0; axis < 3; ++axis) {
+                const double value = corner[axis];
+                lower[axis] = value < lower[axis] ? value : lower[axis];
+                upper[axis] = value > upper[axis] ? value : upper[axis];
+                *word = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+                word += count;
             }
         }
-        box.include(geometry::triangle_box(*corners[0], *corners[1], *corners[2]));
+    }
+    Aabb box;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        box.lower[k] = geometry::round_down(lower[axis]);
+        box.upper[k] = geometry::round_up(upper[axis]);
     }
     return box;
+}
+
+void fetch_leaf_triangles(const std::uint32_t* words,
+                          std::size_t count,
+                          const geometry::MeshView& mesh) noexcept {
+    for (std::size_t i = 0; i < count; ++i) {
+        __builtin_prefetch(&mesh.triangles[words[9 * count + i]]);
+    }
+}
+
+void fetch_leaf_corners(const std::uint32_t* words,
+                        std::size_t count,
+                        const geometry::MeshView& mesh) noexcept {
+    for (std::size_t i = 0; i < count; ++i) {
+        for (const geometry::VertexId vertex : mesh.triangles[words[9 * count + i]]) {
+            __builtin_prefetch(&mesh.positions[vertex]);
+        }
+    }
 }
 
 }  // namespace earshot::bvh

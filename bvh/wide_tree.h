@@ -31,6 +31,9 @@ inline constexpr std::uint32_t kLeafFlag = 0x80000000U;
 inline constexpr int kLeafCountShift = 28;
 inline constexpr std::size_t kMostInWideLeaf = 8;
 
+/// The word of a slot without a child: the root, which is nobody's child.
+inline constexpr std::uint32_t kNoChild = 0;
+
 constexpr bool is_leaf(std::uint32_t child) noexcept {
     return (child & kLeafFlag) != 0;
 }

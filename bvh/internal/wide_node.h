@@ -17,6 +17,15 @@ geometry::Aabb box_of(const WideNode& node) noexcept;
 /// Sorts the slots along the eight diagonals.
 void set_order(WideNode& node) noexcept;
 
+/// Ask the memory for what fill_leaf() will read: first the triangles, and when they have come
+/// their corners.
+void fetch_leaf_triangles(const std::uint32_t* words,
+                          std::size_t count,
+                          const geometry::MeshView& mesh) noexcept;
+void fetch_leaf_corners(const std::uint32_t* words,
+                        std::size_t count,
+                        const geometry::MeshView& mesh) noexcept;
+
 /// Fills a leaf whose triangle indices are set from the mesh, and returns its box.
 geometry::Aabb fill_leaf(std::uint32_t* words,
                          std::size_t count,
