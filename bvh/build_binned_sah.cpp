@@ -1,13 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/assert.h"
+#include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/internal/builders.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <iterator>
 #include <limits>
-#include <utility>
+#include <memory>
 
 namespace earshot::bvh {
 
@@ -15,303 +13,382 @@ using geometry::Aabb;
 
 namespace {
 
-constexpr std::size_t kBins = 16;
-
-/// From this depth on, ranges are halved by count: 2^31 primitives end kMaxDepth - 32 + 31 levels
-/// down, whatever their boxes look like.
-constexpr std::size_t kHalvingDepth = kMaxDepth - 32;
-
 /// Ranges up to this size are built by one task.
-constexpr std::size_t kTaskSize = 8192;
+constexpr std::uint32_t kTaskSize = 16384;
 
-/// A box with its index, moved about together so that passes over a range read memory in order.
-struct Primitive {
-    Aabb box;
-    std::uint32_t index = 0;
+/// Larger ranges are binned and parted in pieces of this size.
+constexpr std::uint32_t kPieceSize = 4096;
+
+/// Bounds are brought into this range while cutting, where twice a centre and widths of twice a
+/// centre are finite.
+constexpr float kFarthest = 0x1p+125F;
+
+/// A range too large for one task, or one that is left to a task.
+struct TopNode {
+    Subtree range;
+    std::uint32_t left = 0;  // index of the left child; 0: a task
+    std::uint32_t task = 0;
 };
 
-/// Twice the centre of a box along an axis.
-double centre(const Aabb& box, std::size_t axis) {
-    return static_cast<double>(box.lower[axis]) + static_cast<double>(box.upper[axis]);
+/// Some references of a range.
+struct Piece {
+    std::uint32_t node = 0;  // of the top
+    std::uint32_t begin = 0, end = 0;
+};
+
+/// A range of the present level.
+struct Cut {
+    Binning binning{};
+    Split split{};
+    std::uint32_t first_piece = 0, last_piece = 0;
+};
+
+WideBox joined(const WideBox& a, const WideBox& b) {
+    WideBox result;
+    for (std::size_t k = 0; k < 4; ++k) {
+        result.low[k] = std::max(a.low[k], b.low[k]);
+        result.high[k] = std::max(a.high[k], b.high[k]);
+    }
+    return result;
 }
 
-struct Range {
-    std::size_t begin = 0, end = 0;
-    std::size_t size() const { return end - begin; }
-};
+WideBox no_box() {
+    constexpr float kLowest = -std::numeric_limits<float>::max();
+    return {{kLowest, kLowest, kLowest, kLowest}, {kLowest, kLowest, kLowest, kLowest}};
+}
 
-/// What a pass over a range finds: the box, and where centres lie.
-struct Extent {
-    Aabb box;
-    std::array<double, 3> lower{}, upper{};  // of centre()
-};
-
-struct Bin {
-    Aabb box;
-    std::size_t count = 0;
-};
-
-/// Maps centres to bins along one axis.
-struct Binning {
-    std::size_t axis = 0;
-    double lower = 0.0;
-    double scale = 0.0;  // 0: all centres coincide
-    std::size_t bins = kBins;
-
-    std::size_t bin_of(const Aabb& box) const {
-        const auto bin = static_cast<std::size_t>((centre(box, axis) - lower) * scale);
-        return std::min(bin, bins - 1);
+/// A reference to boxes[index]. Subtracting from and adding to zero leaves no negative zero.
+WideBox reference(const Aabb& box, std::uint32_t index) {
+    WideBox ref;
+    for (std::size_t k = 0; k < 3; ++k) {
+        ref.low[k] = 0.0F - std::clamp(box.lower[k], -kFarthest, kFarthest);
+        ref.high[k] = 0.0F + std::clamp(box.upper[k], -kFarthest, kFarthest);
     }
-};
+    ref.low[3] = static_cast<float>(index & 0xFFFFU);
+    ref.high[3] = static_cast<float>(index >> 16U);
+    return ref;
+}
 
-struct Split {
-    Binning binning;
-    std::size_t first_right_bin = 0;
-    double cost = std::numeric_limits<double>::infinity();  // of both sides, times the half area
-};
+/// The box of a single point: twice the centre.
+WideBox centre_box(const WideBox& box) {
+    WideBox centre;
+    for (std::size_t k = 0; k < 4; ++k) {
+        centre.low[k] = box.low[k] - box.high[k];
+        centre.high[k] = box.high[k] - box.low[k];
+    }
+    return centre;
+}
 
-class Splitter {
+/// The references, and a second array to part them into.
+class References {
 public:
-    Splitter(std::vector<Primitive>& primitives, const BuildOptions& options)
-        : primitives_(primitives),
-          leaf_size_(static_cast<std::size_t>(options.leaf_size)),
-          traversal_cost_(options.traversal_cost) {}
-
-    Extent extent_of(Range range) const {
-        Extent extent;
-        extent.lower.fill(std::numeric_limits<double>::infinity());
-        extent.upper.fill(-std::numeric_limits<double>::infinity());
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            const Aabb& box = primitives_[i].box;
-            extent.box.include(box);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                const double c = centre(box, axis);
-                extent.lower[axis] = c < extent.lower[axis] ? c : extent.lower[axis];
-                extent.upper[axis] = c > extent.upper[axis] ? c : extent.upper[axis];
+    References(std::span<const Aabb> boxes, Executor& executor)
+        : count_(static_cast<std::uint32_t>(boxes.size())) {
+        for (auto& array : arrays_) {
+            array = std::make_unique_for_overwrite<WideBox[]>(count_);
+        }
+        const std::size_t chunks = chunk_count(count_, kTaskSize);
+        std::vector<WideBox> chunk_boxes(chunks), chunk_centres(chunks);
+        executor.for_each(count_, kTaskSize, [&](std::size_t begin, std::size_t end) {
+            WideBox box = no_box();
+            WideBox centres = no_box();
+            for (std::size_t i = begin; i < end; ++i) {
+                const WideBox ref = reference(boxes[i], static_cast<std::uint32_t>(i));
+                arrays_[0][i] = ref;
+                box = joined(box, ref);
+                centres = joined(centres, centre_box(ref));
             }
+            chunk_boxes[begin / kTaskSize] = box;
+            chunk_centres[begin / kTaskSize] = centres;
+        });
+        for (std::size_t i = 0; i < chunks; ++i) {
+            box_ = joined(box_, chunk_boxes[i]);
+            centres_ = joined(centres_, chunk_centres[i]);
         }
-        return extent;
     }
 
-    /// Where the range is cut in two; its end if it is to be a leaf. Reorders the range.
-    std::size_t partition(Range range, const Extent& extent, std::size_t depth) {
-        const Aabb& box = extent.box;
-        if (range.size() == 1) {
-            return range.end;
-        }
-        if (depth >= kHalvingDepth) {
-            return range.size() <= leaf_size_ ? range.end : halve(range, box);
-        }
-        const Split split = find_split(range, extent);
-        const double leaf_cost = static_cast<double>(range.size()) * box.half_area();
-        const double split_cost = traversal_cost_ * box.half_area() + split.cost;
-        if (range.size() <= leaf_size_ && !(split_cost < leaf_cost)) {
-            return range.end;
-        }
-        if (split.first_right_bin == 0) {
-            return halve(range, box);
-        }
-        const auto first = primitives_.begin();
-        const auto middle =
-            std::partition(first + static_cast<std::ptrdiff_t>(range.begin),
-                           first + static_cast<std::ptrdiff_t>(range.end),
-                           [&](const Primitive& primitive) {
-                               return split.binning.bin_of(primitive.box) < split.first_right_bin;
-                           });
-        return static_cast<std::size_t>(middle - first);
+    Subtree all() const {
+        return {.refs = {arrays_[0].get(), arrays_[1].get()},
+                .begin = 0,
+                .end = count_,
+                .side = 0,
+                .depth = 0,
+                .box = box_,
+                .centres = centres_};
     }
 
-    /// Appends the descendants of nodes[root] in depth-first order.
-    void build(std::vector<Node>& nodes, std::size_t root, Range range, std::size_t depth) {
-        EARSHOT_ASSERT(depth <= kMaxDepth);
-        const Extent extent = extent_of(range);
-        nodes[root].box = extent.box;
-        const std::size_t middle = partition(range, extent, depth);
-        if (middle == range.end) {
-            nodes[root].first = static_cast<std::uint32_t>(range.begin);
-            nodes[root].count = static_cast<std::uint32_t>(range.size());
-            return;
-        }
-        const std::size_t left = nodes.size();
-        nodes.resize(left + 2);
-        nodes[root].first = static_cast<std::uint32_t>(left);
-        build(nodes, left, {range.begin, middle}, depth + 1);
-        build(nodes, left + 1, {middle, range.end}, depth + 1);
+    /// Whether some bounds are not what they were.
+    bool are_clamped() const {
+        const float farthest = *std::max_element(box_.low, box_.low + 3);
+        return std::max(farthest, *std::max_element(box_.high, box_.high + 3)) >= kFarthest;
     }
 
 private:
-    // Wald 2007, sections 3.1 to 3.3: bins over the centres, swept from both sides.
-    Split find_split(Range range, const Extent& extent) const {
-        std::array<Binning, 3> binnings;
-        // Most ranges are small, and their time is the sweep's.
-        const std::size_t bin_count = std::min(kBins, 2 * range.size());
-        std::array<std::array<Bin, kBins>, 3> bins;
-        for (auto& along_axis : bins) {
-            std::fill_n(along_axis.begin(), bin_count, Bin{});
-        }
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            const double width = extent.upper[axis] - extent.lower[axis];
-            const double scale = static_cast<double>(bin_count) / width;
-            binnings[axis] = {
-                axis, extent.lower[axis], std::isfinite(scale) ? scale : 0.0, bin_count};
-        }
-        for (std::size_t i = range.begin; i < range.end; ++i) {
-            const Aabb& box = primitives_[i].box;
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                Bin& bin = bins[axis][binnings[axis].bin_of(box)];
-                bin.box.include(box);
-                ++bin.count;
-            }
-        }
-        Split best;
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            if (binnings[axis].scale > 0.0) {
-                sweep(bins[axis], binnings[axis], best);
-            }
-        }
-        return best;
-    }
-
-    static void sweep(const std::array<Bin, kBins>& bins, const Binning& binning, Split& best) {
-        std::array<double, kBins> right_cost{};
-        Aabb box;
-        std::size_t count = 0;
-        for (std::size_t i = binning.bins; i-- > 1;) {
-            box.include(bins[i].box);
-            count += bins[i].count;
-            right_cost[i] = static_cast<double>(count) * box.half_area();
-        }
-        const std::size_t all = count + bins[0].count;
-        box = Aabb::empty();
-        count = 0;
-        for (std::size_t i = 1; i < binning.bins; ++i) {
-            box.include(bins[i - 1].box);
-            count += bins[i - 1].count;
-            const double cost = static_cast<double>(count) * box.half_area() + right_cost[i];
-            if (count > 0 && count < all && cost < best.cost) {
-                best = {binning, i, cost};
-            }
-        }
-    }
-
-    /// Half the range on either side, by centre along the longest axis, then by index.
-    std::size_t halve(Range range, const Aabb& box) {
-        std::size_t axis = 0;
-        for (std::size_t k = 1; k < 3; ++k) {
-            if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) {
-                axis = k;
-            }
-        }
-        const std::size_t middle = range.begin + range.size() / 2;
-        const auto first = primitives_.begin();
-        std::nth_element(first + static_cast<std::ptrdiff_t>(range.begin),
-                         first + static_cast<std::ptrdiff_t>(middle),
-                         first + static_cast<std::ptrdiff_t>(range.end),
-                         [&](const Primitive& a, const Primitive& b) {
-                             const double ca = centre(a.box, axis);
-                             const double cb = centre(b.box, axis);
-                             return ca != cb ? ca < cb : a.index < b.index;
-                         });
-        return middle;
-    }
-
-    std::vector<Primitive>& primitives_;
-    std::size_t leaf_size_;
-    double traversal_cost_;
+    std::uint32_t count_;
+    std::unique_ptr<WideBox[]> arrays_[2];
+    WideBox box_ = no_box();
+    WideBox centres_ = no_box();
 };
 
-/// The top of the tree, cut until ranges are small enough for a task each.
-struct TopNode {
-    Range range{};
-    std::size_t depth = 0;
-    Aabb box{};
-    std::size_t left = 0;  // index of the left child; 0: a task
-    std::size_t task = 0;
-};
+/// The top of the tree, cut level by level until ranges are small enough for a task each. All
+/// ranges of a level are binned and parted together, in pieces.
+class Top {
+public:
+    Top(const Subtree& all, Executor& executor) : executor_(executor) {
+        nodes_.push_back({.range = all});
+        std::uint32_t begin = 0;
+        while (begin < nodes_.size()) {
+            const auto end = static_cast<std::uint32_t>(nodes_.size());
+            cut_level(begin, end);
+            begin = end;
+        }
+    }
 
-std::vector<TopNode> build_top(Splitter& splitter, std::size_t count, std::size_t& tasks) {
-    std::vector<TopNode> top(1);
-    top[0].range = {0, count};
-    for (std::size_t i = 0; i < top.size(); ++i) {
-        TopNode node = top[i];
-        if (node.range.size() > kTaskSize) {
-            const Extent extent = splitter.extent_of(node.range);
-            node.box = extent.box;
-            const std::size_t middle = splitter.partition(node.range, extent, node.depth);
-            node.left = top.size();
-            top.push_back({.range = {node.range.begin, middle}, .depth = node.depth + 1});
-            top.push_back({.range = {middle, node.range.end}, .depth = node.depth + 1});
+    const std::vector<TopNode>& nodes() const { return nodes_; }
+    const std::vector<std::uint32_t>& tasks() const { return tasks_; }
+
+private:
+    void cut_level(std::uint32_t begin, std::uint32_t end) {
+        pieces_.clear();
+        cuts_.assign(end - begin, {});
+        for (std::uint32_t i = begin; i < end; ++i) {
+            const Subtree& range = nodes_[i].range;
+            if (range.end - range.begin <= kTaskSize) {
+                nodes_[i].task = static_cast<std::uint32_t>(tasks_.size());
+                tasks_.push_back(i);
+                continue;
+            }
+            Cut& cut = cuts_[i - begin];
+            cut.first_piece = static_cast<std::uint32_t>(pieces_.size());
+            for (std::uint32_t from = range.begin; from < range.end; from += kPieceSize) {
+                pieces_.push_back({i, from, std::min(from + kPieceSize, range.end)});
+            }
+            cut.last_piece = static_cast<std::uint32_t>(pieces_.size());
+        }
+        bins_.resize(std::max(bins_.size(), pieces_.size()));
+        find_splits(begin);
+        part_all(begin);
+        for (std::uint32_t i = begin; i < end; ++i) {
+            if (cuts_[i - begin].first_piece != cuts_[i - begin].last_piece) {
+                add_children(i, cuts_[i - begin]);
+            }
+        }
+    }
+
+    std::uint32_t count_of(const Piece& piece) const { return piece.end - piece.begin; }
+
+    const WideBox* refs_of(const Piece& piece) const {
+        const Subtree& range = nodes_[piece.node].range;
+        return range.refs[range.side] + piece.begin;
+    }
+
+    void find_splits(std::uint32_t begin) {
+        for (std::size_t i = 0; i < cuts_.size(); ++i) {
+            const Subtree& range = nodes_[begin + i].range;
+            cuts_[i].binning = binning_of(range.centres, range.end - range.begin);
+        }
+        executor_.for_each(pieces_.size(), 1, [&](std::size_t first, std::size_t) {
+            const Piece& piece = pieces_[first];
+            fill_bins(
+                refs_of(piece), count_of(piece), cuts_[piece.node - begin].binning, bins_[first]);
+        });
+        executor_.for_each(cuts_.size(), 1, [&](std::size_t first, std::size_t) {
+            Cut& cut = cuts_[first];
+            if (cut.first_piece == cut.last_piece ||
+                nodes_[begin + first].range.depth >= kHalvingDepth) {
+                return;
+            }
+            Bins all = bins_[cut.first_piece];
+            for (std::uint32_t i = cut.first_piece + 1; i < cut.last_piece; ++i) {
+                join_bins(bins_[i], cut.binning, all);
+            }
+            cut.split = find_split(all, cut.binning);
+        });
+    }
+
+    void part_all(std::uint32_t begin) {
+        // Where the left part of each piece goes follows from the counts of its bins.
+        lefts_.assign(pieces_.size(), 0);
+        for (std::size_t i = 0; i < cuts_.size(); ++i) {
+            const Cut& cut = cuts_[i];
+            std::uint32_t left = nodes_[begin + i].range.begin;
+            for (std::uint32_t piece = cut.first_piece; piece < cut.last_piece; ++piece) {
+                lefts_[piece] = left;
+                for (std::uint32_t bin = 0; bin < cut.split.first_right_bin; ++bin) {
+                    left += static_cast<std::uint32_t>(bins_[piece].at[bin].counts[cut.split.axis]);
+                }
+            }
+        }
+        centres_.resize(std::max(centres_.size(), 2 * pieces_.size()));
+        executor_.for_each(pieces_.size(), 1, [&](std::size_t first, std::size_t) {
+            const Piece& piece = pieces_[first];
+            const Cut& cut = cuts_[piece.node - begin];
+            if (cut.split.first_right_bin == 0) {
+                return;
+            }
+            const Subtree& range = nodes_[piece.node].range;
+            WideBox* const target = range.refs[1 - range.side];
+            const std::uint32_t middle = range.begin + cut.split.left_count;
+            // As many as stand before the piece and did not go to the left went to the right.
+            const std::uint32_t right = middle + (piece.begin - lefts_[first]);
+            part({refs_of(piece), count_of(piece), target + lefts_[first], target + right},
+                 cut.binning,
+                 cut.split,
+                 &centres_[2 * first]);
+        });
+    }
+
+    void add_children(std::uint32_t index, const Cut& cut) {
+        Subtree range = nodes_[index].range;
+        nodes_[index].left = static_cast<std::uint32_t>(nodes_.size());
+        Subtree left = range, right = range;
+        left.depth = right.depth = range.depth + 1;
+        if (cut.split.first_right_bin == 0) {
+            WideBox* const refs = range.refs[range.side];
+            const std::size_t count = halve(refs + range.begin, range.end - range.begin, range.box);
+            left.end = right.begin = range.begin + static_cast<std::uint32_t>(count);
+            bound(left);
+            bound(right);
         } else {
-            node.task = tasks++;
+            left.end = right.begin = range.begin + cut.split.left_count;
+            left.side = right.side = 1 - range.side;
+            left.box = cut.split.box[0];
+            right.box = cut.split.box[1];
+            left.centres = right.centres = no_box();
+            for (std::uint32_t i = cut.first_piece; i < cut.last_piece; ++i) {
+                left.centres = joined(left.centres, centres_[2 * i]);
+                right.centres = joined(right.centres, centres_[2 * i + 1]);
+            }
         }
-        top[i] = node;
+        nodes_.push_back({.range = left});
+        nodes_.push_back({.range = right});
     }
-    return top;
+
+    static void bound(Subtree& range) {
+        range.box = range.centres = no_box();
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
+            const WideBox& ref = range.refs[range.side][i];
+            range.box = joined(range.box, ref);
+            range.centres = joined(range.centres, centre_box(ref));
+        }
+    }
+
+    Executor& executor_;
+    std::vector<TopNode> nodes_;
+    std::vector<std::uint32_t> tasks_;  // indices of nodes
+    std::vector<Piece> pieces_;
+    std::vector<Cut> cuts_;
+    std::vector<Bins> bins_;            // per piece
+    std::vector<std::uint32_t> lefts_;  // per piece
+    std::vector<WideBox> centres_;      // two per piece
+};
+
+Node finished(const RawNode& raw, std::uint32_t shift) {
+    Node node;
+    node.first = raw.first + (raw.count == 0 ? shift : 0);
+    node.count = raw.count;
+    std::copy_n(raw.lower, 3, node.box.lower.begin());
+    std::copy_n(raw.upper, 3, node.box.upper.begin());
+    return node;
 }
 
 /// Joins the top and the tasks' trees in depth-first order.
-struct Joiner {
-    const std::vector<TopNode>& top;
-    const std::vector<std::vector<Node>>& trees;
-    std::vector<Node>& nodes;
+class Joiner {
+public:
+    Joiner(const Top& top, const RawNode* raw, const std::vector<std::uint32_t>& counts)
+        : top_(top), raw_(raw), counts_(counts), shifts_(counts.size()) {
+        std::size_t all = 1;
+        for (const TopNode& node : top.nodes()) {
+            all += node.left != 0 ? 2 : counts[node.task] - 1;
+        }
+        nodes_.resize(all);
+        place(0, 0);
+    }
 
-    void place(std::size_t source, std::size_t target) {
-        const TopNode& node = top[source];
-        if (node.left != 0) {
-            const std::size_t left = nodes.size();
-            nodes.resize(left + 2);
-            nodes[target] = {.box = node.box, .first = static_cast<std::uint32_t>(left)};
-            place(node.left, left);
-            place(node.left + 1, left + 1);
+    std::vector<Node> join(Executor& executor) {
+        executor.for_each(counts_.size(), 1, [&](std::size_t task, std::size_t) {
+            const RawNode* const from = raw_of(task);
+            for (std::uint32_t i = 1; i < counts_[task]; ++i) {
+                nodes_[shifts_[task] + i] = finished(from[i], shifts_[task]);
+            }
+        });
+        return std::move(nodes_);
+    }
+
+private:
+    const RawNode* raw_of(std::size_t task) const {
+        return raw_ + 2 * static_cast<std::size_t>(top_.nodes()[top_.tasks()[task]].range.begin);
+    }
+
+    void place(std::uint32_t source, std::uint32_t target) {
+        const TopNode& node = top_.nodes()[source];
+        if (node.left == 0) {
+            // A task's nodes follow its root, which goes to the slot beside its sibling.
+            const std::uint32_t shift = next_ - 1;
+            nodes_[target] = finished(*raw_of(node.task), shift);
+            shifts_[node.task] = shift;
+            next_ += counts_[node.task] - 1;
             return;
         }
-        // A task's nodes follow its root, which goes to the slot beside its sibling.
-        const std::vector<Node>& tree = trees[node.task];
-        const auto shift = static_cast<std::uint32_t>(nodes.size() - 1);
-        const auto shifted = [&](Node copy) {
-            copy.first += copy.is_leaf() ? 0 : shift;
-            return copy;
-        };
-        nodes[target] = shifted(tree[0]);
-        std::transform(tree.begin() + 1, tree.end(), std::back_inserter(nodes), shifted);
+        const std::uint32_t children = next_;
+        next_ += 2;
+        Node& inner = nodes_[target];
+        inner.first = children;
+        for (std::size_t k = 0; k < 3; ++k) {
+            inner.box.lower[k] = 0.0F - node.range.box.low[k];
+            inner.box.upper[k] = node.range.box.high[k];
+        }
+        place(node.left, children);
+        place(node.left + 1, children + 1);
     }
+
+    const Top& top_;
+    const RawNode* raw_;
+    const std::vector<std::uint32_t>& counts_;
+    std::vector<std::uint32_t> shifts_;
+    std::vector<Node> nodes_;
+    std::uint32_t next_ = 1;
 };
 
 }  // namespace
 
+std::size_t halve(WideBox* refs, std::size_t count, const WideBox& box) {
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k) {
+        if (box.low[k] + box.high[k] > box.low[axis] + box.high[axis]) {
+            axis = k;
+        }
+    }
+    const std::size_t middle = count / 2;
+    std::nth_element(refs, refs + middle, refs + count, [&](const WideBox& a, const WideBox& b) {
+        const float ca = centre_of(a, axis);
+        const float cb = centre_of(b, axis);
+        return ca != cb ? ca < cb : index_of(a) < index_of(b);
+    });
+    return middle;
+}
+
 Tree build_binned_sah(std::span<const Aabb> boxes,
                       const BuildOptions& options,
                       Executor& executor) {
-    std::vector<Primitive> primitives(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        primitives[i] = {boxes[i], static_cast<std::uint32_t>(i)};
-    }
-    Splitter splitter(primitives, options);
-    std::size_t tasks = 0;
-    const std::vector<TopNode> top = build_top(splitter, boxes.size(), tasks);
-    std::vector<const TopNode*> of_task(tasks);
-    for (const TopNode& node : top) {
-        if (node.left == 0) {
-            of_task[node.task] = &node;
-        }
-    }
-    std::vector<std::vector<Node>> trees(tasks);
-    executor.for_each(tasks, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t task = begin; task < end; ++task) {
-            trees[task].resize(1);
-            splitter.build(trees[task], 0, of_task[task]->range, of_task[task]->depth);
-        }
+    const References references(boxes, executor);
+    const Top top(references.all(), executor);
+    const LeafRule rule = {static_cast<std::uint32_t>(options.leaf_size),
+                           static_cast<float>(options.traversal_cost)};
+    const auto raw = std::make_unique_for_overwrite<RawNode[]>(2 * boxes.size());
+    std::vector<std::uint32_t> primitives(boxes.size());
+    std::vector<std::uint32_t> counts(top.tasks().size());
+    executor.for_each(counts.size(), 1, [&](std::size_t task, std::size_t) {
+        const Subtree& range = top.nodes()[top.tasks()[task]].range;
+        counts[task] = build_subtree(
+            range, rule, raw.get() + 2 * static_cast<std::size_t>(range.begin), primitives.data());
     });
-    std::vector<Node> nodes(1);
-    nodes.reserve(2 * boxes.size());
-    Joiner{top, trees, nodes}.place(0, 0);
-    nodes.shrink_to_fit();
-    std::vector<std::uint32_t> indices;
-    indices.reserve(primitives.size());
-    for (const Primitive& primitive : primitives) {
-        indices.push_back(primitive.index);
+    Tree tree =
+        Tree::from_nodes(Joiner(top, raw.get(), counts).join(executor), std::move(primitives));
+    if (references.are_clamped()) {
+        tree.refit(boxes, executor);
     }
-    return Tree::from_nodes(std::move(nodes), std::move(indices));
+    return tree;
 }
 
 }  // namespace earshot::bvh

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/error.h"
+#include "earshot/base/simd.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/bvh/tree.h"
 
@@ -9,6 +10,7 @@
 #include "support/tree_walker.h"
 #include <cmath>
 #include <cstring>
+#include <string>
 
 namespace earshot::bvh {
 namespace {
@@ -42,6 +44,20 @@ TEST(BuildSah, DoesNotDependOnTheNumberOfThreads) {
     for (const int threads : {2, 8}) {
         Executor executor(threads);
         EXPECT_TRUE(same_bits(Tree::build(boxes, {}, executor), expected)) << threads;
+    }
+}
+
+TEST(BuildSah, DoesNotDependOnTheInstructionSet) {
+    const auto boxes = triangle_boxes(test::triangle_soup(3, 30000).view());
+    for (const int leaf_size : {1, 4, 15}) {
+        const BuildOptions options{.leaf_size = leaf_size};
+        const Tree expected = Tree::build(boxes, options);
+        for (const std::string& target : simd_targets()) {
+            use_simd_target(target);
+            const Tree tree = Tree::build(boxes, options);
+            use_simd_target("auto");
+            EXPECT_TRUE(same_bits(tree, expected)) << target << ' ' << leaf_size;
+        }
     }
 }
 

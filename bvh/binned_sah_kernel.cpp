@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/internal/binned_sah.h"
+
+#include <algorithm>
+#include <initializer_list>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "earshot/bvh/binned_sah_kernel.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, which includes this file again for every instruction set.
+#include "earshot/bvh/internal/wide_binning.h"
+#include "earshot/bvh/internal/wide_small_tree.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::bvh::HWY_NAMESPACE {
+
+/// A range of a subtree, which stands in refs[side].
+struct Run {
+    std::uint32_t begin, end;
+    std::uint32_t side;
+    std::uint32_t depth;
+
+    HWY_INLINE std::uint32_t size() const { return end - begin; }
+};
+
+class SubtreeBuilder {
+public:
+    SubtreeBuilder(const Subtree& subtree,
+                   const LeafRule& rule,
+                   RawNode* nodes,
+                   std::uint32_t* primitives)
+        : refs_{subtree.refs[0], subtree.refs[1]},
+          rule_(rule),
+          output_{nodes, 1, primitives, subtree.begin} {}
+
+    std::uint32_t node_count() const { return output_.node_count; }
+
+    /// Builds the tree over a run into nodes[node] and what follows the nodes there are.
+    void build(std::uint32_t node, const Run& run, Box box, Box centres) {
+        const std::uint32_t size = run.size();
+        WideBox* const refs = refs_[run.side] + run.begin;
+        if (size == 1) {
+            write_leaf(node, run, box);
+            return;
+        }
+        if (size <= kSmallTree) {
+            SmallTree(refs, size, rule_, output_).write(node, box);
+            return;
+        }
+        if (run.depth >= kHalvingDepth) {
+            if (size <= rule_.leaf_size) {
+                write_leaf(node, run, box);
+            } else {
+                cut_in_half(node, run, box);
+            }
+            return;
+        }
+        const Binning binning = make_binning(centres, size);
+        fill(refs, size, binning, bins_);
+        const Split split = best_split(bins_, binning);
+        if (size <= rule_.leaf_size) {
+            const float area = half_area(box);
+            if (!(rule_.traversal_cost * area + split.cost < static_cast<float>(size) * area)) {
+                write_leaf(node, run, box);
+                return;
+            }
+        }
+        if (split.first_right_bin == 0) {
+            cut_in_half(node, run, box);
+        } else {
+            cut(node, run, box, binning, split);
+        }
+    }
+
+private:
+    void write_leaf(std::uint32_t node, const Run& run, Box box) {
+        for (std::uint32_t i = run.begin; i < run.end; ++i) {
+            output_.primitives[i] = index_of(refs_[run.side][i]);
+        }
+        output_.primitive_count = run.end;
+        store_node(box, run.begin, run.size(), output_.nodes[node]);
+    }
+
+    void cut(
+        std::uint32_t node, const Run& run, Box box, const Binning& binning, const Split& split) {
+        const std::uint32_t middle = run.begin + split.left_count;
+        const std::uint32_t side = 1 - run.side;
+        const Centres centres = part_stably({refs_[run.side] + run.begin,
+                                             run.size(),
+                                             refs_[side] + run.begin,
+                                             refs_[side] + middle},
+                                            binning,
+                                            split);
+        const Box left = load_box(split.box[0]);
+        const Box right = load_box(split.box[1]);
+        const std::uint32_t children = output_.add_children();
+        store_node(box, children, 0, output_.nodes[node]);
+        build(children, {run.begin, middle, side, run.depth + 1}, left, centres.left);
+        build(children + 1, {middle, run.end, side, run.depth + 1}, right, centres.right);
+    }
+
+    void cut_in_half(std::uint32_t node, const Run& run, Box box) {
+        WideBox bounds;
+        store_box(box, bounds);
+        WideBox* const refs = refs_[run.side];
+        const std::size_t left = halve(refs + run.begin, run.size(), bounds);
+        const std::uint32_t middle = run.begin + static_cast<std::uint32_t>(left);
+        const std::uint32_t children = output_.add_children();
+        store_node(box, children, 0, output_.nodes[node]);
+        build_bounded(children, {run.begin, middle, run.side, run.depth + 1});
+        build_bounded(children + 1, {middle, run.end, run.side, run.depth + 1});
+    }
+
+    void build_bounded(std::uint32_t node, const Run& run) {
+        Box box = nothing(), centres = nothing();
+        for (std::uint32_t i = run.begin; i < run.end; ++i) {
+            const Box next_box = load_box(refs_[run.side][i]);
+            box = join(box, next_box);
+            centres = join(centres, centre_box(next_box));
+        }
+        build(node, run, box, centres);
+    }
+
+    WideBox* refs_[2];
+    LeafRule rule_;
+    Output output_;
+    Bins bins_;
+};
+
+std::uint32_t subtree(const Subtree& task,
+                      const LeafRule& rule,
+                      RawNode* nodes,
+                      std::uint32_t* primitives) {
+    SubtreeBuilder builder(task, rule, nodes, primitives);
+    builder.build(0,
+                  {task.begin, task.end, task.side, task.depth},
+                  load_box(task.box),
+                  load_box(task.centres));
+    return builder.node_count();
+}
+
+Binning make_binning_of(const WideBox& centres, std::size_t count) {
+    return make_binning(load_box(centres), count);
+}
+
+void fill_from(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
+    fill(refs, count, binning, bins);
+}
+
+void join_all(const Bins& more, const Binning& binning, Bins& bins) {
+    for (std::size_t i = 0; i < binning.bins; ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            WideBox& box = bins.at[i].boxes[axis];
+            store_box(join(load_box(box), load_box(more.at[i].boxes[axis])), box);
+            bins.at[i].counts[axis] += more.at[i].counts[axis];
+        }
+    }
+}
+
+Split split_between(const Bins& bins, const Binning& binning) {
+    return best_split(bins, binning);
+}
+
+void part_into(const Parting& parting,
+               const Binning& binning,
+               const Split& split,
+               WideBox* centres) {
+    const Centres both = part_stably(parting, binning, split);
+    store_box(both.left, centres[0]);
+    store_box(both.right, centres[1]);
+}
+
+}  // namespace earshot::bvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace earshot::bvh {
+
+HWY_EXPORT(make_binning_of);
+HWY_EXPORT(fill_from);
+HWY_EXPORT(join_all);
+HWY_EXPORT(split_between);
+HWY_EXPORT(part_into);
+HWY_EXPORT(subtree);
+
+Binning binning_of(const WideBox& centres, std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(make_binning_of)(centres, count);
+}
+
+void fill_bins(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
+    HWY_DYNAMIC_DISPATCH(fill_from)(refs, count, binning, bins);
+}
+
+void join_bins(const Bins& more, const Binning& binning, Bins& bins) {
+    HWY_DYNAMIC_DISPATCH(join_all)(more, binning, bins);
+}
+
+Split find_split(const Bins& bins, const Binning& binning) {
+    return HWY_DYNAMIC_DISPATCH(split_between)(bins, binning);
+}
+
+void part(const Parting& parting, const Binning& binning, const Split& split, WideBox* centres) {
+    HWY_DYNAMIC_DISPATCH(part_into)(parting, binning, split, centres);
+}
+
+std::uint32_t build_subtree(const Subtree& task,
+                            const LeafRule& rule,
+                            RawNode* nodes,
+                            std::uint32_t* primitives) {
+    return HWY_DYNAMIC_DISPATCH(subtree)(task, rule, nodes, primitives);
+}
+
+}  // namespace earshot::bvh
+#endif

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+//
+// Binning, sweeping and parting of ranges of boxes; the steps of binned_sah.h, compiled once per
+// instruction set.
+
+#include "earshot/bvh/internal/binned_sah.h"
+#include "earshot/bvh/internal/wide_box.h"
+
+#if defined(EARSHOT_BVH_INTERNAL_WIDE_BINNING_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
+#undef EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
+#else
+#define EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::bvh::HWY_NAMESPACE {
+
+HWY_INLINE Binning make_binning(Box centres, std::size_t count) {
+    // Most ranges are small, and their time is the sweep's.
+    const std::size_t bins = count < 16 * (kMostBins - 4) ? 4 + count / 16 : kMostBins;
+    const Quad width = extent(centres);
+    const Quad scale = divide(all_four(static_cast<float>(bins - 1)), width);
+    // Of widths so small that the quotient overflows, and of none, there is nothing to cut.
+    const Quad none = all_four(0.0F);
+    const Quad not_tiny = select(less(scale, all_four(kHighest)), scale, none);
+    Binning binning;
+    store_quad(subtract(none, low(centres)), binning.lower);
+    store_quad(select(less(none, width), not_tiny, none), binning.scale);
+    binning.lower[3] = 0.0F;
+    binning.scale[3] = 0.0F;
+    binning.bins = static_cast<std::uint32_t>(bins);
+    return binning;
+}
+
+HWY_INLINE void clear(const Binning& binning, Bins& bins) {
+    for (std::size_t i = 0; i < binning.bins; ++i) {
+        Bin& bin = bins.at[i];
+        for (WideBox& box : bin.boxes) {
+            store_box(nothing(), box);
+        }
+        std::fill_n(bin.counts, 4, 0);
+    }
+}
+
+HWY_INLINE void fill(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
+    clear(binning, bins);
+    const Quad lower = load_quad(binning.lower);
+    const Quad scale = load_quad(binning.scale);
+    const Quad rounder = all_four(kRounder);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Box box = load_box(refs[i]);
+        const Quad centre = subtract(load_quad(refs[i].high), load_quad(refs[i].low));
+        const Quad place = add(multiply(subtract(centre, lower), scale), rounder);
+        std::uint32_t places[3];
+        store_bits(place, static_cast<std::int32_t>(kMostBins - 1), places);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            Bin& bin = bins.at[places[axis]];
+            store_box(join(load_box(bin.boxes[axis]), box), bin.boxes[axis]);
+            ++bin.counts[axis];
+        }
+    }
+}
+
+/// Boxes and counts that grow bin by bin, along three axes at once.
+struct Sweep {
+    Box boxes[3];
+    Quad counts;
+
+    HWY_INLINE Sweep() : boxes{nothing(), nothing(), nothing()}, counts(all_four(0.0F)) {}
+    HWY_INLINE void include(const Bin& bin) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            boxes[axis] = join(boxes[axis], load_box(bin.boxes[axis]));
+        }
+        counts = add(counts, load_counts(bin.counts));
+    }
+    /// Not a number where there is no box yet.
+    HWY_INLINE Quad cost() const {
+        const Quad last = extent(boxes[2]);
+        const Quad areas = half_areas(transpose(extent(boxes[0]), extent(boxes[1]), last, last));
+        return multiply(areas, counts);
+    }
+};
+
+/// The number of primitives left of the cut, and the boxes of both sides.
+HWY_INLINE void complete(const Bins& bins, const Binning& binning, Split& split) {
+    Box sides[2] = {nothing(), nothing()};
+    for (std::uint32_t i = 0; i < binning.bins; ++i) {
+        const Bin& bin = bins.at[i];
+        Box& side = sides[i < split.first_right_bin ? 0 : 1];
+        side = join(side, load_box(bin.boxes[split.axis]));
+        split.left_count +=
+            i < split.first_right_bin ? static_cast<std::uint32_t>(bin.counts[split.axis]) : 0;
+    }
+    store_box(sides[0], split.box[0]);
+    store_box(sides[1], split.box[1]);
+}
+
+// Wald 2007, sections 3.1 to 3.3: bins over the centres, swept from both sides.
+HWY_INLINE Split best_split(const Bins& bins, const Binning& binning) {
+    alignas(16) float right_costs[kMostBins][4];
+    Sweep right;
+    for (std::size_t i = binning.bins; i-- > 1;) {
+        right.include(bins.at[i]);
+        store_quad(right.cost(), right_costs[i]);
+    }
+    Quad best = all_four(kHighest);
+    Quad best_bin = all_four(0.0F);
+    Sweep left;
+    for (std::size_t i = 1; i < binning.bins; ++i) {
+        left.include(bins.at[i - 1]);
+        const Quad cost = add(left.cost(), load_quad(right_costs[i]));
+        const QuadMask is_better = less(cost, best);
+        best = select(is_better, cost, best);
+        best_bin = select(is_better, all_four(static_cast<float>(i)), best_bin);
+    }
+    alignas(16) float costs[4], places[4];
+    store_quad(best, costs);
+    store_quad(best_bin, places);
+    Split split{};
+    split.cost = kHighest;
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+        if (costs[axis] < split.cost) {
+            split.cost = costs[axis];
+            split.axis = axis;
+            split.first_right_bin = static_cast<std::uint32_t>(places[axis]);
+        }
+    }
+    if (split.first_right_bin != 0) {
+        complete(bins, binning, split);
+    }
+    return split;
+}
+
+/// The bounds of centres on both sides.
+struct Centres {
+    Box left, right;
+};
+
+HWY_INLINE Centres part_stably(const Parting& parting, const Binning& binning, const Split& split) {
+    const std::size_t axis = split.axis;
+    const float lower = binning.lower[axis];
+    const float scale = binning.scale[axis];
+    const float first_right = kRounder + static_cast<float>(split.first_right_bin);
+    Centres centres = {nothing(), nothing()};
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < parting.count; ++i) {
+        const WideBox& ref = parting.refs[i];
+        const Box box = load_box(ref);
+        const float place = (centre_of(ref, axis) - lower) * scale + kRounder;
+        const bool is_left = place < first_right;
+        WideBox* const target = is_left ? parting.left + left : parting.right + (i - left);
+        left += is_left ? 1 : 0;
+        store_box(box, *target);
+        const Choice choice = choose_if_less(place, first_right);
+        const Box centre = centre_box(box);
+        centres.left = join(centres.left, select(choice, centre, nothing()));
+        centres.right = join(centres.right, select(choice, nothing(), centre));
+    }
+    return centres;
+}
+
+}  // namespace earshot::bvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

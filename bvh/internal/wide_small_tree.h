@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: MIT
+//
+// The best trees over up to four boxes, compiled once per instruction set. Three quarters of all
+// nodes belong to such trees, and for so few boxes trying everything is faster than bins.
+
+#include "earshot/bvh/internal/binned_sah.h"
+#include "earshot/bvh/internal/wide_box.h"
+
+#if defined(EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H
+#undef EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H
+#else
+#define EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::bvh::HWY_NAMESPACE {
+
+constexpr std::size_t kSmallTree = 4;
+
+/// Half areas of the sets of up to three of four boxes. Lane i of `pairs` is of boxes i and i + 1,
+/// of `cross` i and i + 2, of `triples` i, i + 1 and i + 2; all counted around the end.
+struct SetAreas {
+    Quad singles, pairs, cross, triples;
+};
+
+HWY_INLINE SetAreas areas_of_sets(const Box boxes[kSmallTree]) {
+    const ThreeQuads lows = transpose(low(boxes[0]), low(boxes[1]), low(boxes[2]), low(boxes[3]));
+    const ThreeQuads highs =
+        transpose(high(boxes[0]), high(boxes[1]), high(boxes[2]), high(boxes[3]));
+    ThreeQuads single, pair, cross, triple;  // extents
+    const auto along = [](Quad low, Quad high, Quad& one, Quad& two, Quad& over, Quad& three) {
+        const Quad low_pair = larger(low, next(low));
+        const Quad high_pair = larger(high, next(high));
+        one = add(low, high);
+        two = add(low_pair, high_pair);
+        over = add(larger(low, opposite(low)), larger(high, opposite(high)));
+        three = add(larger(low_pair, opposite(low)), larger(high_pair, opposite(high)));
+    };
+    along(lows.x, highs.x, single.x, pair.x, cross.x, triple.x);
+    along(lows.y, highs.y, single.y, pair.y, cross.y, triple.y);
+    along(lows.z, highs.z, single.z, pair.z, cross.z, triple.z);
+    // Finite, so that no product with them is not a number.
+    const auto area = [](const ThreeQuads& extents) {
+        return smaller(half_areas(extents), all_four(kHighest));
+    };
+    return {area(single), area(pair), area(cross), area(triple)};
+}
+
+/// What the best tree over each set costs, and the sets that had best be leaves, a bit per lane.
+struct SetCosts {
+    alignas(16) float singles[4], pairs[4], cross[4], triples[4];
+    unsigned pair_leaves, cross_leaves, triple_leaves;
+};
+
+/// The cheaper of a split and a leaf, which wins ties.
+HWY_INLINE Quad cheaper(Quad split, Quad leaf, bool may_be_leaf, unsigned& leaves) {
+    if (!may_be_leaf) {
+        leaves = 0;
+        return split;
+    }
+    leaves = bits_where_not_above(leaf, split);
+    return smaller(split, leaf);
+}
+
+HWY_INLINE SetCosts costs_of_sets(const SetAreas& areas, const LeafRule& rule) {
+    const Quad traversal = all_four(rule.traversal_cost);
+    const auto split = [&](Quad area, Quad below) { return add(multiply(traversal, area), below); };
+    const Quad one = areas.singles;
+    SetCosts costs;
+    const Quad pairs = cheaper(split(areas.pairs, add(one, next(one))),
+                               multiply(all_four(2.0F), areas.pairs),
+                               rule.leaf_size >= 2,
+                               costs.pair_leaves);
+    const Quad cross = cheaper(split(areas.cross, add(one, opposite(one))),
+                               multiply(all_four(2.0F), areas.cross),
+                               rule.leaf_size >= 2,
+                               costs.cross_leaves);
+    const Quad first = add(one, next(pairs));
+    const Quad middle = add(next(one), cross);
+    const Quad last = add(opposite(one), pairs);
+    const Quad triples = cheaper(split(areas.triples, smaller(smaller(first, middle), last)),
+                                 multiply(all_four(3.0F), areas.triples),
+                                 rule.leaf_size >= 3,
+                                 costs.triple_leaves);
+    store_quad(one, costs.singles);
+    store_quad(pairs, costs.pairs);
+    store_quad(cross, costs.cross);
+    store_quad(triples, costs.triples);
+    return costs;
+}
+
+/// Where nodes and the indices of primitives go.
+struct Output {
+    RawNode* nodes;
+    std::uint32_t node_count;
+    std::uint32_t* primitives;
+    std::uint32_t primitive_count;
+
+    HWY_INLINE std::uint32_t add_children() {
+        node_count += 2;
+        return node_count - 2;
+    }
+};
+
+/// Writes the best tree over two to four references.
+class SmallTree {
+public:
+    HWY_INLINE SmallTree(const WideBox* refs,
+                         std::uint32_t count,
+                         const LeafRule& rule,
+                         Output& output)
+        : refs_(refs), count_(count), rule_(rule), output_(output) {
+        for (std::uint32_t i = 0; i < kSmallTree; ++i) {
+            boxes_[i] = load_box(refs[i < count ? i : count - 1]);
+        }
+        costs_ = costs_of_sets(areas_of_sets(boxes_), rule);
+    }
+
+    HWY_INLINE void write(std::uint32_t node, Box box) {
+        if (count_ == 2) {
+            write_pair(node, 0, 1, costs_.pair_leaves & 1U);
+        } else if (count_ == 3) {
+            write_triple(node, 0);
+        } else {
+            write_all(node, box);
+        }
+    }
+
+private:
+    /// A leaf of these boxes.
+    HWY_INLINE void write_leaf(std::uint32_t node, Box box, std::initializer_list<unsigned> lanes) {
+        const std::uint32_t first = output_.primitive_count;
+        for (const unsigned lane : lanes) {
+            output_.primitives[output_.primitive_count++] = index_of(refs_[lane]);
+        }
+        store_node(box, first, output_.primitive_count - first, output_.nodes[node]);
+    }
+
+    HWY_INLINE void write_single(std::uint32_t node, unsigned lane) {
+        write_leaf(node, boxes_[lane], {lane});
+    }
+
+    void write_pair(std::uint32_t node, unsigned a, unsigned b, bool is_leaf) {
+        const Box box = join(boxes_[a], boxes_[b]);
+        if (is_leaf) {
+            write_leaf(node, box, {a, b});
+            return;
+        }
+        const std::uint32_t children = output_.add_children();
+        store_node(box, children, 0, output_.nodes[node]);
+        write_single(children, a);
+        write_single(children + 1, b);
+    }
+
+    /// Of boxes i, i + 1 and i + 2, around the end.
+    void write_triple(std::uint32_t node, unsigned i) {
+        const unsigned j = (i + 1) % 4, k = (i + 2) % 4;
+        const Box box = join(join(boxes_[i], boxes_[j]), boxes_[k]);
+        if ((costs_.triple_leaves >> i & 1U) != 0) {
+            write_leaf(node, box, {i, j, k});
+            return;
+        }
+        const std::uint32_t children = output_.add_children();
+        store_node(box, children, 0, output_.nodes[node]);
+        const float first = costs_.singles[i] + costs_.pairs[j];
+        const float middle = costs_.singles[j] + costs_.cross[i];
+        const float last = costs_.singles[k] + costs_.pairs[i];
+        if (first <= middle && first <= last) {
+            write_single(children, i);
+            write_pair(children + 1, j, k, costs_.pair_leaves >> j & 1U);
+        } else if (middle <= last) {
+            write_single(children, j);
+            write_pair(children + 1, i, k, costs_.cross_leaves >> i & 1U);
+        } else {
+            write_single(children, k);
+            write_pair(children + 1, i, j, costs_.pair_leaves >> i & 1U);
+        }
+    }
+
+    void write_all(std::uint32_t node, Box box) {
+        const float* const one = costs_.singles;
+        const float halvings[3] = {costs_.pairs[0] + costs_.pairs[2],
+                                   costs_.pairs[1] + costs_.pairs[3],
+                                   costs_.cross[0] + costs_.cross[1]};
+        unsigned choice = 0;  // a box that stands alone, or 4 and the number of a halving
+        float best = one[0] + costs_.triples[1];
+        for (unsigned i = 1; i < 4; ++i) {
+            const float cost = one[i] + costs_.triples[(i + 1) % 4];
+            choice = cost < best ? i : choice;
+            best = cost < best ? cost : best;
+        }
+        for (unsigned i = 0; i < 3; ++i) {
+            choice = halvings[i] < best ? 4 + i : choice;
+            best = halvings[i] < best ? halvings[i] : best;
+        }
+        const float area = half_area(box);
+        if (rule_.leaf_size >= 4 && !(rule_.traversal_cost * area + best < 4.0F * area)) {
+            write_leaf(node, box, {0, 1, 2, 3});
+            return;
+        }
+        const std::uint32_t children = output_.add_children();
+        store_node(box, children, 0, output_.nodes[node]);
+        if (choice < 4) {
+            write_single(children, choice);
+            write_triple(children + 1, (choice + 1) % 4);
+        } else if (choice < 6) {
+            const unsigned i = choice - 4;
+            write_pair(children, i, i + 1, costs_.pair_leaves >> i & 1U);
+            write_pair(children + 1, i + 2, (i + 3) % 4, costs_.pair_leaves >> (i + 2) & 1U);
+        } else {
+            write_pair(children, 0, 2, costs_.cross_leaves & 1U);
+            write_pair(children + 1, 1, 3, costs_.cross_leaves >> 1U & 1U);
+        }
+    }
+
+    const WideBox* refs_;
+    std::uint32_t count_;
+    const LeafRule& rule_;
+    Output& output_;
+    Box boxes_[kSmallTree];
+    SetCosts costs_;
+};
+
+}  // namespace earshot::bvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
