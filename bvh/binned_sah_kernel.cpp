@@ -56,7 +56,7 @@ public:
             return;
         }
         const Binning binning = make_binning(centres, size);
-        fill(refs, size, binning, bins_);
+        fill(refs, size, binning, bins_, spare_bins_);
         const Split split = best_split(bins_, binning);
         if (size <= rule_.leaf_size) {
             const float area = half_area(box);
@@ -124,7 +124,7 @@ private:
     WideBox* refs_[2];
     LeafRule rule_;
     Output output_;
-    Bins bins_;
+    Bins bins_, spare_bins_;
 };
 
 std::uint32_t subtree(const Subtree& task,
@@ -134,9 +134,14 @@ std::uint32_t subtree(const Subtree& task,
     SubtreeBuilder builder(task, rule, nodes, primitives);
     builder.build(0,
                   {task.begin, task.end, task.side, task.depth},
-                  load_box(task.box),
-                  load_box(task.centres));
+                  load_box(task.bounds.box),
+                  load_box(task.bounds.centres));
     return builder.node_count();
+}
+
+void refer_into(
+    const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds) {
+    refer_to(boxes, first, count, refs, bounds);
 }
 
 Binning make_binning_of(const WideBox& centres, std::size_t count) {
@@ -144,17 +149,12 @@ Binning make_binning_of(const WideBox& centres, std::size_t count) {
 }
 
 void fill_from(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
-    fill(refs, count, binning, bins);
+    Bins spare;
+    fill(refs, count, binning, bins, spare);
 }
 
 void join_all(const Bins& more, const Binning& binning, Bins& bins) {
-    for (std::size_t i = 0; i < binning.bins; ++i) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            WideBox& box = bins.at[i].boxes[axis];
-            store_box(join(load_box(box), load_box(more.at[i].boxes[axis])), box);
-            bins.at[i].counts[axis] += more.at[i].counts[axis];
-        }
-    }
+    add_bins(more, binning, bins);
 }
 
 Split split_between(const Bins& bins, const Binning& binning) {
@@ -176,12 +176,18 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace earshot::bvh {
 
+HWY_EXPORT(refer_into);
 HWY_EXPORT(make_binning_of);
 HWY_EXPORT(fill_from);
 HWY_EXPORT(join_all);
 HWY_EXPORT(split_between);
 HWY_EXPORT(part_into);
 HWY_EXPORT(subtree);
+
+void refer(
+    const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds) {
+    HWY_DYNAMIC_DISPATCH(refer_into)(boxes, first, count, refs, bounds);
+}
 
 Binning binning_of(const WideBox& centres, std::size_t count) {
     return HWY_DYNAMIC_DISPATCH(make_binning_of)(centres, count);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/base/assert.h"
+#include "earshot/base/large_pages.h"
 #include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/internal/builders.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
-#include <memory>
 
 namespace earshot::bvh {
 
@@ -18,10 +18,6 @@ constexpr std::uint32_t kTaskSize = 16384;
 
 /// Larger ranges are binned and parted in pieces of this size.
 constexpr std::uint32_t kPieceSize = 4096;
-
-/// Bounds are brought into this range while cutting, where twice a centre and widths of twice a
-/// centre are finite.
-constexpr float kFarthest = 0x1p+125F;
 
 /// A range too large for one task, or one that is left to a task.
 struct TopNode {
@@ -52,21 +48,13 @@ WideBox joined(const WideBox& a, const WideBox& b) {
     return result;
 }
 
+Bounds joined(const Bounds& a, const Bounds& b) {
+    return {joined(a.box, b.box), joined(a.centres, b.centres)};
+}
+
 WideBox no_box() {
     constexpr float kLowest = -std::numeric_limits<float>::max();
     return {{kLowest, kLowest, kLowest, kLowest}, {kLowest, kLowest, kLowest, kLowest}};
-}
-
-/// A reference to boxes[index]. Subtracting from and adding to zero leaves no negative zero.
-WideBox reference(const Aabb& box, std::uint32_t index) {
-    WideBox ref;
-    for (std::size_t k = 0; k < 3; ++k) {
-        ref.low[k] = 0.0F - std::clamp(box.lower[k], -kFarthest, kFarthest);
-        ref.high[k] = 0.0F + std::clamp(box.upper[k], -kFarthest, kFarthest);
-    }
-    ref.low[3] = static_cast<float>(index & 0xFFFFU);
-    ref.high[3] = static_cast<float>(index >> 16U);
-    return ref;
 }
 
 /// The box of a single point: twice the centre.
@@ -83,51 +71,41 @@ WideBox centre_box(const WideBox& box) {
 class References {
 public:
     References(std::span<const Aabb> boxes, Executor& executor)
-        : count_(static_cast<std::uint32_t>(boxes.size())) {
-        for (auto& array : arrays_) {
-            array = std::make_unique_for_overwrite<WideBox[]>(count_);
-        }
-        const std::size_t chunks = chunk_count(count_, kTaskSize);
-        std::vector<WideBox> chunk_boxes(chunks), chunk_centres(chunks);
+        : count_(static_cast<std::uint32_t>(boxes.size())),
+          arrays_{UntouchedArray<WideBox>(count_), UntouchedArray<WideBox>(count_)} {
+        std::vector<Bounds> chunks(chunk_count(count_, kTaskSize));
         executor.for_each(count_, kTaskSize, [&](std::size_t begin, std::size_t end) {
-            WideBox box = no_box();
-            WideBox centres = no_box();
-            for (std::size_t i = begin; i < end; ++i) {
-                const WideBox ref = reference(boxes[i], static_cast<std::uint32_t>(i));
-                arrays_[0][i] = ref;
-                box = joined(box, ref);
-                centres = joined(centres, centre_box(ref));
-            }
-            chunk_boxes[begin / kTaskSize] = box;
-            chunk_centres[begin / kTaskSize] = centres;
+            refer(boxes[begin].lower.data(),
+                  static_cast<std::uint32_t>(begin),
+                  end - begin,
+                  arrays_[0].data() + begin,
+                  chunks[begin / kTaskSize]);
         });
-        for (std::size_t i = 0; i < chunks; ++i) {
-            box_ = joined(box_, chunk_boxes[i]);
-            centres_ = joined(centres_, chunk_centres[i]);
+        for (const Bounds& chunk : chunks) {
+            bounds_ = joined(bounds_, chunk);
         }
     }
 
     Subtree all() const {
-        return {.refs = {arrays_[0].get(), arrays_[1].get()},
+        return {.refs = {arrays_[0].data(), arrays_[1].data()},
                 .begin = 0,
                 .end = count_,
                 .side = 0,
                 .depth = 0,
-                .box = box_,
-                .centres = centres_};
+                .bounds = bounds_};
     }
 
     /// Whether some bounds are not what they were.
     bool are_clamped() const {
-        const float farthest = *std::max_element(box_.low, box_.low + 3);
-        return std::max(farthest, *std::max_element(box_.high, box_.high + 3)) >= kFarthest;
+        const WideBox& box = bounds_.box;
+        return std::max(*std::max_element(box.low, box.low + 3),
+                        *std::max_element(box.high, box.high + 3)) >= kFarthest;
     }
 
 private:
     std::uint32_t count_;
-    std::unique_ptr<WideBox[]> arrays_[2];
-    WideBox box_ = no_box();
-    WideBox centres_ = no_box();
+    UntouchedArray<WideBox> arrays_[2];
+    Bounds bounds_ = {no_box(), no_box()};
 };
 
 /// The top of the tree, cut level by level until ranges are small enough for a task each. All
@@ -185,7 +163,7 @@ private:
     void find_splits(std::uint32_t begin) {
         for (std::size_t i = 0; i < cuts_.size(); ++i) {
             const Subtree& range = nodes_[begin + i].range;
-            cuts_[i].binning = binning_of(range.centres, range.end - range.begin);
+            cuts_[i].binning = binning_of(range.bounds.centres, range.end - range.begin);
         }
         executor_.for_each(pieces_.size(), 1, [&](std::size_t first, std::size_t) {
             const Piece& piece = pieces_[first];
@@ -245,19 +223,19 @@ private:
         left.depth = right.depth = range.depth + 1;
         if (cut.split.first_right_bin == 0) {
             WideBox* const refs = range.refs[range.side];
-            const std::size_t count = halve(refs + range.begin, range.end - range.begin, range.box);
+            const std::size_t count =
+                halve(refs + range.begin, range.end - range.begin, range.bounds.box);
             left.end = right.begin = range.begin + static_cast<std::uint32_t>(count);
             bound(left);
             bound(right);
         } else {
             left.end = right.begin = range.begin + cut.split.left_count;
             left.side = right.side = 1 - range.side;
-            left.box = cut.split.box[0];
-            right.box = cut.split.box[1];
-            left.centres = right.centres = no_box();
+            left.bounds = {cut.split.box[0], no_box()};
+            right.bounds = {cut.split.box[1], no_box()};
             for (std::uint32_t i = cut.first_piece; i < cut.last_piece; ++i) {
-                left.centres = joined(left.centres, centres_[2 * i]);
-                right.centres = joined(right.centres, centres_[2 * i + 1]);
+                left.bounds.centres = joined(left.bounds.centres, centres_[2 * i]);
+                right.bounds.centres = joined(right.bounds.centres, centres_[2 * i + 1]);
             }
         }
         nodes_.push_back({.range = left});
@@ -265,11 +243,10 @@ private:
     }
 
     static void bound(Subtree& range) {
-        range.box = range.centres = no_box();
+        range.bounds = {no_box(), no_box()};
         for (std::uint32_t i = range.begin; i < range.end; ++i) {
             const WideBox& ref = range.refs[range.side][i];
-            range.box = joined(range.box, ref);
-            range.centres = joined(range.centres, centre_box(ref));
+            range.bounds = joined(range.bounds, {ref, centre_box(ref)});
         }
     }
 
@@ -283,6 +260,28 @@ private:
     std::vector<WideBox> centres_;      // two per piece
 };
 
+// When a subtree is built, its references are not needed any more, and there is room for all of its
+// nodes where they stood: first in one array, then in the other.
+
+void store(const Subtree& range, const RawNode* nodes, std::uint32_t count) {
+    static_assert(sizeof(RawNode) == sizeof(WideBox));
+    const std::uint32_t size = range.end - range.begin;
+    const std::uint32_t first = std::min(count, size);
+    std::memcpy(static_cast<void*>(range.refs[0] + range.begin), nodes, first * sizeof(RawNode));
+    std::memcpy(static_cast<void*>(range.refs[1] + range.begin),
+                nodes + first,
+                (count - first) * sizeof(RawNode));
+}
+
+RawNode stored(const Subtree& range, std::uint32_t index) {
+    const std::uint32_t size = range.end - range.begin;
+    const WideBox* const place = index < size ? range.refs[0] + range.begin + index
+                                              : range.refs[1] + range.begin + (index - size);
+    RawNode node;
+    std::memcpy(&node, place, sizeof(node));
+    return node;
+}
+
 Node finished(const RawNode& raw, std::uint32_t shift) {
     Node node;
     node.first = raw.first + (raw.count == 0 ? shift : 0);
@@ -295,29 +294,30 @@ Node finished(const RawNode& raw, std::uint32_t shift) {
 /// Joins the top and the tasks' trees in depth-first order.
 class Joiner {
 public:
-    Joiner(const Top& top, const RawNode* raw, const std::vector<std::uint32_t>& counts)
-        : top_(top), raw_(raw), counts_(counts), shifts_(counts.size()) {
+    Joiner(const Top& top, const std::vector<std::uint32_t>& counts)
+        : top_(top), counts_(counts), shifts_(counts.size()) {
         std::size_t all = 1;
         for (const TopNode& node : top.nodes()) {
             all += node.left != 0 ? 2 : counts[node.task] - 1;
         }
+        nodes_.reserve(all);
+        ask_for_large_pages(nodes_.data(), all * sizeof(Node));
         nodes_.resize(all);
         place(0, 0);
     }
 
     std::vector<Node> join(Executor& executor) {
         executor.for_each(counts_.size(), 1, [&](std::size_t task, std::size_t) {
-            const RawNode* const from = raw_of(task);
             for (std::uint32_t i = 1; i < counts_[task]; ++i) {
-                nodes_[shifts_[task] + i] = finished(from[i], shifts_[task]);
+                nodes_[shifts_[task] + i] = finished(raw_node(task, i), shifts_[task]);
             }
         });
         return std::move(nodes_);
     }
 
 private:
-    const RawNode* raw_of(std::size_t task) const {
-        return raw_ + 2 * static_cast<std::size_t>(top_.nodes()[top_.tasks()[task]].range.begin);
+    RawNode raw_node(std::size_t task, std::uint32_t index) const {
+        return stored(top_.nodes()[top_.tasks()[task]].range, index);
     }
 
     void place(std::uint32_t source, std::uint32_t target) {
@@ -325,7 +325,7 @@ private:
         if (node.left == 0) {
             // A task's nodes follow its root, which goes to the slot beside its sibling.
             const std::uint32_t shift = next_ - 1;
-            nodes_[target] = finished(*raw_of(node.task), shift);
+            nodes_[target] = finished(raw_node(node.task, 0), shift);
             shifts_[node.task] = shift;
             next_ += counts_[node.task] - 1;
             return;
@@ -335,15 +335,14 @@ private:
         Node& inner = nodes_[target];
         inner.first = children;
         for (std::size_t k = 0; k < 3; ++k) {
-            inner.box.lower[k] = 0.0F - node.range.box.low[k];
-            inner.box.upper[k] = node.range.box.high[k];
+            inner.box.lower[k] = 0.0F - node.range.bounds.box.low[k];
+            inner.box.upper[k] = node.range.bounds.box.high[k];
         }
         place(node.left, children);
         place(node.left + 1, children + 1);
     }
 
     const Top& top_;
-    const RawNode* raw_;
     const std::vector<std::uint32_t>& counts_;
     std::vector<std::uint32_t> shifts_;
     std::vector<Node> nodes_;
@@ -375,16 +374,15 @@ Tree build_binned_sah(std::span<const Aabb> boxes,
     const Top top(references.all(), executor);
     const LeafRule rule = {static_cast<std::uint32_t>(options.leaf_size),
                            static_cast<float>(options.traversal_cost)};
-    const auto raw = std::make_unique_for_overwrite<RawNode[]>(2 * boxes.size());
     std::vector<std::uint32_t> primitives(boxes.size());
     std::vector<std::uint32_t> counts(top.tasks().size());
     executor.for_each(counts.size(), 1, [&](std::size_t task, std::size_t) {
         const Subtree& range = top.nodes()[top.tasks()[task]].range;
-        counts[task] = build_subtree(
-            range, rule, raw.get() + 2 * static_cast<std::size_t>(range.begin), primitives.data());
+        const UntouchedArray<RawNode> nodes(2 * (range.end - range.begin));
+        counts[task] = build_subtree(range, rule, nodes.data(), primitives.data());
+        store(range, nodes.data(), counts[task]);
     });
-    Tree tree =
-        Tree::from_nodes(Joiner(top, raw.get(), counts).join(executor), std::move(primitives));
+    Tree tree = Tree::from_nodes(Joiner(top, counts).join(executor), std::move(primitives));
     if (references.are_clamped()) {
         tree.refit(boxes, executor);
     }

@@ -14,6 +14,16 @@ inline constexpr std::size_t kMostBins = 32;
 /// down, whatever their boxes look like.
 inline constexpr std::uint32_t kHalvingDepth = 32;
 
+/// Bounds are brought into this range while cutting, where twice a centre and widths of twice a
+/// centre are finite.
+inline constexpr float kFarthest = 0x1p+125F;
+
+/// The bounds of boxes, and of twice their centres.
+struct Bounds {
+    WideBox box;
+    WideBox centres;
+};
+
 /// Boxes and numbers of the primitives whose centres lie in a bin, for every axis.
 struct alignas(64) Bin {
     WideBox boxes[3];
@@ -53,9 +63,13 @@ struct Subtree {
     std::uint32_t begin, end;
     std::uint32_t side;
     std::uint32_t depth;
-    WideBox box;
-    WideBox centres;  ///< of twice the centres
+    Bounds bounds;
 };
+
+/// Makes references to boxes, given as six floats each, whose indices count from `first`, and
+/// returns their bounds.
+void refer(
+    const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds);
 
 /// How to bin `count` references with these bounds of their centres.
 Binning binning_of(const WideBox& centres, std::size_t count);

@@ -10,8 +10,8 @@ namespace earshot::bvh {
 /// one maximum joins boxes. The fourth lanes are free; in a reference to a primitive they hold the
 /// halves of its index as numbers, since its bits could be a denormal, which is slow to compute
 /// with. No zero is negative, so that the order of joining does not show. Trivial on purpose:
-/// arrays of it begin uninitialised.
-struct alignas(32) WideBox {
+/// arrays of it begin uninitialised. Aligned no more than the stack is.
+struct alignas(16) WideBox {
     float low[4];
     float high[4];
 };

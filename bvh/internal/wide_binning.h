@@ -6,6 +6,8 @@
 #include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/internal/wide_box.h"
 
+#include <algorithm>
+
 #if defined(EARSHOT_BVH_INTERNAL_WIDE_BINNING_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
 #undef EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
@@ -18,7 +20,7 @@ namespace earshot::bvh::HWY_NAMESPACE {
 
 HWY_INLINE Binning make_binning(Box centres, std::size_t count) {
     // Most ranges are small, and their time is the sweep's.
-    const std::size_t bins = count < 16 * (kMostBins - 4) ? 4 + count / 16 : kMostBins;
+    const std::size_t bins = count < 16 * (kMostBins - 6) ? 6 + count / 16 : kMostBins;
     const Quad width = extent(centres);
     const Quad scale = divide(all_four(static_cast<float>(bins - 1)), width);
     // Of widths so small that the quotient overflows, and of none, there is nothing to cut.
@@ -43,22 +45,77 @@ HWY_INLINE void clear(const Binning& binning, Bins& bins) {
     }
 }
 
-HWY_INLINE void fill(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
-    clear(binning, bins);
+/// Makes references to boxes, given as six floats each, whose indices count from `first`, and joins
+/// their bounds and those of their centres.
+HWY_INLINE void refer_to(
+    const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds) {
+    const Quad farthest = all_four(kFarthest);
+    const Quad zero = all_four(0.0F);
+    const Quad nearest = subtract(zero, farthest);
+    const auto clamp = [&](Quad quad) { return larger(smaller(quad, farthest), nearest); };
+    Box box = nothing(), centres = nothing();
+    for (std::size_t i = 0; i < count; ++i) {
+        const float* const numbers = boxes + 6 * i;
+        const auto index = first + static_cast<std::uint32_t>(i);
+        // Subtracting from and adding to zero leaves no negative zero.
+        store_quad(subtract(zero, clamp(load_unaligned(numbers))), refs[i].low);
+        store_quad(add(clamp(next(load_unaligned(numbers + 2))), zero), refs[i].high);
+        refs[i].low[3] = static_cast<float>(index & 0xFFFFU);
+        refs[i].high[3] = static_cast<float>(index >> 16U);
+        const Box ref = load_box(refs[i]);
+        box = join(box, ref);
+        centres = join(centres, centre_box(ref));
+    }
+    store_box(box, bounds.box);
+    store_box(centres, bounds.centres);
+}
+
+HWY_INLINE void put(const WideBox& ref, Quad lower, Quad scale, Bins& bins) {
+    const Box box = load_box(ref);
+    const Quad centre = subtract(load_quad(ref.high), load_quad(ref.low));
+    const Quad place = add(multiply(subtract(centre, lower), scale), all_four(kRounder));
+    std::uint32_t places[3];
+    store_bits(place, static_cast<std::int32_t>(kMostBins - 1), places);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        Bin& bin = bins.at[places[axis]];
+        store_box(join(load_box(bin.boxes[axis]), box), bin.boxes[axis]);
+        ++bin.counts[axis];
+    }
+}
+
+/// Adds what is in `more` to `bins`.
+HWY_INLINE void add_bins(const Bins& more, const Binning& binning, Bins& bins) {
+    for (std::size_t i = 0; i < binning.bins; ++i) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            WideBox& box = bins.at[i].boxes[axis];
+            store_box(join(load_box(box), load_box(more.at[i].boxes[axis])), box);
+            bins.at[i].counts[axis] += more.at[i].counts[axis];
+        }
+    }
+}
+
+/// Counts and joins references into bins; `spare` is for its own use.
+HWY_INLINE void fill(
+    const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins, Bins& spare) {
+    // Neighbours tend to share bins, and what was just stored loads late. So large ranges are
+    // binned from two ends into two sets of bins.
+    constexpr std::size_t kWorthTwoSets = 128;
     const Quad lower = load_quad(binning.lower);
     const Quad scale = load_quad(binning.scale);
-    const Quad rounder = all_four(kRounder);
-    for (std::size_t i = 0; i < count; ++i) {
-        const Box box = load_box(refs[i]);
-        const Quad centre = subtract(load_quad(refs[i].high), load_quad(refs[i].low));
-        const Quad place = add(multiply(subtract(centre, lower), scale), rounder);
-        std::uint32_t places[3];
-        store_bits(place, static_cast<std::int32_t>(kMostBins - 1), places);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            Bin& bin = bins.at[places[axis]];
-            store_box(join(load_box(bin.boxes[axis]), box), bin.boxes[axis]);
-            ++bin.counts[axis];
+    clear(binning, bins);
+    std::size_t i = 0;
+    if (count >= kWorthTwoSets) {
+        clear(binning, spare);
+        const std::size_t half = count / 2;
+        for (; i < half; ++i) {
+            put(refs[i], lower, scale, bins);
+            put(refs[i + half], lower, scale, spare);
         }
+        add_bins(spare, binning, bins);
+        i = 2 * half;
+    }
+    for (; i < count; ++i) {
+        put(refs[i], lower, scale, bins);
     }
 }
 
@@ -84,16 +141,19 @@ struct Sweep {
 
 /// The number of primitives left of the cut, and the boxes of both sides.
 HWY_INLINE void complete(const Bins& bins, const Binning& binning, Split& split) {
-    Box sides[2] = {nothing(), nothing()};
-    for (std::uint32_t i = 0; i < binning.bins; ++i) {
-        const Bin& bin = bins.at[i];
-        Box& side = sides[i < split.first_right_bin ? 0 : 1];
-        side = join(side, load_box(bin.boxes[split.axis]));
-        split.left_count +=
-            i < split.first_right_bin ? static_cast<std::uint32_t>(bin.counts[split.axis]) : 0;
+    const std::uint32_t axis = split.axis;
+    std::int32_t count = 0;
+    Box left = nothing(), right = nothing();
+    for (std::uint32_t i = 0; i < split.first_right_bin; ++i) {
+        left = join(left, load_box(bins.at[i].boxes[axis]));
+        count += bins.at[i].counts[axis];
     }
-    store_box(sides[0], split.box[0]);
-    store_box(sides[1], split.box[1]);
+    for (std::uint32_t i = split.first_right_bin; i < binning.bins; ++i) {
+        right = join(right, load_box(bins.at[i].boxes[axis]));
+    }
+    split.left_count = static_cast<std::uint32_t>(count);
+    store_box(left, split.box[0]);
+    store_box(right, split.box[1]);
 }
 
 // Wald 2007, sections 3.1 to 3.3: bins over the centres, swept from both sides.
@@ -143,15 +203,17 @@ HWY_INLINE Centres part_stably(const Parting& parting, const Binning& binning, c
     const float scale = binning.scale[axis];
     const float first_right = kRounder + static_cast<float>(split.first_right_bin);
     Centres centres = {nothing(), nothing()};
-    std::size_t left = 0;
+    const std::ptrdiff_t gap = parting.right - parting.left;
+    std::ptrdiff_t left = 0;
     for (std::size_t i = 0; i < parting.count; ++i) {
         const WideBox& ref = parting.refs[i];
         const Box box = load_box(ref);
         const float place = (centre_of(ref, axis) - lower) * scale + kRounder;
-        const bool is_left = place < first_right;
-        WideBox* const target = is_left ? parting.left + left : parting.right + (i - left);
-        left += is_left ? 1 : 0;
-        store_box(box, *target);
+        // Which side comes next is hard to predict, so no branch depends on it.
+        const std::ptrdiff_t goes_left = place < first_right ? 1 : 0;
+        const std::ptrdiff_t right = gap + static_cast<std::ptrdiff_t>(i) - left;
+        store_box(box, parting.left[right ^ ((right ^ left) & -goes_left)]);
+        left += goes_left;
         const Choice choice = choose_if_less(place, first_right);
         const Box centre = centre_box(box);
         centres.left = join(centres.left, select(choice, centre, nothing()));

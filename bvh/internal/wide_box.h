@@ -28,10 +28,10 @@ using Box = hn::Vec<BoxTag>;
 using Choice = hn::Mask<BoxTag>;
 
 HWY_INLINE Box load_box(const WideBox& box) {
-    return hn::Load(BoxTag(), box.low);
+    return hn::LoadU(BoxTag(), box.low);
 }
 HWY_INLINE void store_box(Box box, WideBox& to) {
-    hn::Store(box, BoxTag(), to.low);
+    hn::StoreU(box, BoxTag(), to.low);
 }
 HWY_INLINE Box nothing() {
     return hn::Set(BoxTag(), -kHighest);

@@ -35,6 +35,9 @@ using QuadMask = hn::Mask<QuadTag>;
 HWY_INLINE Quad load_quad(const float* aligned) {
     return hn::Load(QuadTag(), aligned);
 }
+HWY_INLINE Quad load_unaligned(const float* numbers) {
+    return hn::LoadU(QuadTag(), numbers);
+}
 HWY_INLINE void store_quad(Quad quad, float* aligned) {
     hn::Store(quad, QuadTag(), aligned);
 }
@@ -116,6 +119,9 @@ Quad of_lanes(const Operation& operation) {
 
 inline Quad load_quad(const float* aligned) {
     return of_lanes([&](int i) { return aligned[i]; });
+}
+inline Quad load_unaligned(const float* numbers) {
+    return load_quad(numbers);
 }
 inline void store_quad(Quad quad, float* aligned) {
     for (int i = 0; i < 4; ++i) {
