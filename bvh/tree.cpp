@@ -35,6 +35,10 @@ Tree Tree::build(std::span<const geometry::Aabb> boxes,
     switch (options.builder) {
         case Builder::binned_sah:
             return build_binned_sah(boxes, options, executor);
+        case Builder::sweep_sah:
+            return build_sweep_sah(boxes, options, executor);
+        case Builder::spatial_median:
+            return build_spatial_median(boxes, options, executor);
     }
     throw Error("builder", "is none that this library knows");
 }

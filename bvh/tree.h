@@ -29,7 +29,9 @@ static_assert(sizeof(Node) == 32);
 /// How a tree is built. Every builder's tree gives the same answers; they trade build time against
 /// query time.
 enum class Builder {
-    binned_sah,  ///< surface area heuristic over bins (Wald 2007)
+    binned_sah,      ///< surface area heuristic over bins (Wald 2007)
+    sweep_sah,       ///< the same heuristic over all cuts between centres: the reference, slow
+    spatial_median,  ///< every box in the middle of its longest side: fast to build, slow to ask
 };
 
 struct BuildOptions {

@@ -1,24 +1,38 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/simd.h"
+#include "earshot/bvh/builder_names.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/hierarchy_report.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/scene_file.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 namespace earshot::cli {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kNotes =
     "Times run from vertex positions to a tree that can be asked; each is the median of five.\n"
-    "The SAH cost is the expected work of a random ray, in triangle tests.\n\n"
-    "Examples:\n"
+    "The SAH cost is the expected work of a random ray, in triangle tests.\n\n";
+
+constexpr const char* kExamples =
+    "\nExamples:\n"
     "  earshot bvh hall.gltf                        nodes, depth, cost, memory, times\n"
     "  earshot bvh fox.glb --frames 0:1:0.1         how the tree ages over an animation\n"
     "  earshot bvh kitchen.ply --threads 1 --json   for a program";
+
+std::string footer() {
+    std::string text = std::string(kNotes) + "Builders:\n";
+    for (const bvh::NamedBuilder& builder : bvh::named_builders()) {
+        std::string name(builder.name);
+        name.resize(std::max<std::size_t>(name.size(), 16), ' ');
+        text += "  " + name + std::string(builder.summary) + "\n";
+    }
+    return text + kExamples;
+}
 
 class BvhCommand : public Command {
 public:
@@ -34,15 +48,17 @@ public:
             ->excludes(time);
         app().add_option(
             "--animation", animation_, "name or number of the animation; default: the first");
-        app().footer(kFooter);
+        app().add_option("--builder", builder_, "how the tree is built; default: binned_sah");
+        app().footer(footer());
     }
 
     void run() override {
         const std::vector<double> instants = times();
+        const bvh::BuildOptions options = {.builder = builder()};
         use_simd_target(common().simd);
         const io::LoadedScene loaded = io::load_scene(scene_file_, {.animation = animation_});
         Executor executor(static_cast<int>(common().threads));
-        const HierarchyReport report = measure_hierarchy(loaded.scene, instants, executor);
+        const HierarchyReport report = measure_hierarchy(loaded.scene, instants, options, executor);
         if (common().json) {
             write_output(hierarchy_json(report));
         } else if (!common().quiet) {
@@ -63,7 +79,16 @@ private:
         return *instants;
     }
 
+    bvh::Builder builder() {
+        const auto named = bvh::builder_named(builder_);
+        if (!named) {
+            throw wrong_usage(app(), "--builder", "'" + builder_ + "' is none of the builders");
+        }
+        return named->builder;
+    }
+
     std::string scene_file_, frames_, animation_;
+    std::string builder_{bvh::named_builders().front().name};
     double time_ = 0.0;
 };
 

@@ -47,6 +47,7 @@ std::string formatted(const char* format, Values... values) {
 
 HierarchyReport measure_hierarchy(const propagation::Scene& scene,
                                   std::span<const double> times,
+                                  const bvh::BuildOptions& options,
                                   Executor& executor) {
     EARSHOT_ASSERT(!times.empty());
     HierarchyReport report;
@@ -55,7 +56,7 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
     std::vector<geometry::Vec3> positions = scene.mesh.positions_at(times.front());
     const geometry::MeshView mesh = {positions, scene.mesh.triangles()};
     const auto build = [&] {
-        return bvh::Tree::build(bvh::triangle_boxes(mesh, executor), {}, executor);
+        return bvh::Tree::build(bvh::triangle_boxes(mesh, executor), options, executor);
     };
     bvh::Tree tree;
     const auto refit = [&] { tree.refit(bvh::triangle_boxes(mesh, executor), executor); };

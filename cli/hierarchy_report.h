@@ -32,10 +32,11 @@ struct HierarchyReport {
     std::vector<HierarchyFrame> frames{};  ///< one per instant; empty where one was asked for
 };
 
-/// Builds the tree at the first instant, measures, and follows the animation through the others.
-/// Precondition: at least one instant.
+/// Builds the tree with these options at the first instant, measures, and follows the animation
+/// through the others. Precondition: at least one instant.
 HierarchyReport measure_hierarchy(const propagation::Scene& scene,
                                   std::span<const double> times,
+                                  const bvh::BuildOptions& options,
                                   Executor& executor);
 
 std::string hierarchy_text(const HierarchyReport& report);

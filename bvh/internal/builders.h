@@ -12,4 +12,12 @@ Tree build_binned_sah(std::span<const geometry::Aabb> boxes,
                       const BuildOptions& options,
                       Executor& executor);
 
+Tree build_sweep_sah(std::span<const geometry::Aabb> boxes,
+                     const BuildOptions& options,
+                     Executor& executor);
+
+Tree build_spatial_median(std::span<const geometry::Aabb> boxes,
+                          const BuildOptions& options,
+                          Executor& executor);
+
 }  // namespace earshot::bvh

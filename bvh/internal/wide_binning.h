@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// Binning, sweeping and parting of ranges of boxes; the steps of binned_sah.h, compiled once per
+// Binning, sweeping and parting of ranges of boxes; the steps of bin_cuts.h, compiled once per
 // instruction set.
 
-#include "earshot/bvh/internal/binned_sah.h"
+#include "earshot/bvh/internal/bin_cuts.h"
 #include "earshot/bvh/internal/wide_box.h"
 
 #include <algorithm>
@@ -32,6 +32,22 @@ HWY_INLINE Binning make_binning(Box centres, std::size_t count) {
     binning.lower[3] = 0.0F;
     binning.scale[3] = 0.0F;
     binning.bins = static_cast<std::uint32_t>(bins);
+    return binning;
+}
+
+/// Two bins along the longest side, which meet in its middle.
+HWY_INLINE Binning make_halves(Box box) {
+    alignas(16) float widths[4], lower[4];
+    store_quad(extent(box), widths);
+    store_quad(low(box), lower);
+    const std::size_t first_two = widths[1] > widths[0] ? 1 : 0;
+    const std::size_t axis = widths[2] > widths[first_two] ? 2 : first_two;
+    // Centres are doubled, and so is the side.
+    const float scale = 1.0F / (2.0F * widths[axis]);
+    Binning binning{};
+    binning.lower[axis] = -2.0F * lower[axis];
+    binning.scale[axis] = scale < kHighest ? scale : 0.0F;
+    binning.bins = 2;
     return binning;
 }
 

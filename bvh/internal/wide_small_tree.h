@@ -3,7 +3,7 @@
 // The best trees over up to four boxes, compiled once per instruction set. Three quarters of all
 // nodes belong to such trees, and for so few boxes trying everything is faster than bins.
 
-#include "earshot/bvh/internal/binned_sah.h"
+#include "earshot/bvh/internal/bin_cuts.h"
 #include "earshot/bvh/internal/wide_box.h"
 
 #if defined(EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H) == defined(HWY_TARGET_TOGGLE)
@@ -63,7 +63,7 @@ HWY_INLINE Quad cheaper(Quad split, Quad leaf, bool may_be_leaf, unsigned& leave
     return smaller(split, leaf);
 }
 
-HWY_INLINE SetCosts costs_of_sets(const SetAreas& areas, const LeafRule& rule) {
+HWY_INLINE SetCosts costs_of_sets(const SetAreas& areas, const CutRule& rule) {
     const Quad traversal = all_four(rule.traversal_cost);
     const auto split = [&](Quad area, Quad below) { return add(multiply(traversal, area), below); };
     const Quad one = areas.singles;
@@ -108,7 +108,7 @@ class SmallTree {
 public:
     HWY_INLINE SmallTree(const WideBox* refs,
                          std::uint32_t count,
-                         const LeafRule& rule,
+                         const CutRule& rule,
                          Output& output)
         : refs_(refs), count_(count), rule_(rule), output_(output) {
         for (std::uint32_t i = 0; i < kSmallTree; ++i) {
@@ -216,7 +216,7 @@ private:
 
     const WideBox* refs_;
     std::uint32_t count_;
-    const LeafRule& rule_;
+    const CutRule& rule_;
     Output& output_;
     Box boxes_[kSmallTree];
     SetCosts costs_;

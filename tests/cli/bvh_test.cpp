@@ -88,7 +88,17 @@ TEST(Bvh, TableHasALinePerQuantityAndFrame) {
     EXPECT_EQ(run_earshot({"bvh", kScenes + "door.gltf", "--quiet"}).out, "");
 }
 
+TEST(Bvh, BuildersMakeTreesOfTheirOwn) {
+    const std::string scene = kScenes + "door.gltf";
+    const Json usual = without_times(json_of({scene}));
+    EXPECT_EQ(without_times(json_of({scene, "--builder", "binned_sah"})), usual);
+    EXPECT_NE(without_times(json_of({scene, "--builder", "spatial_median"})), usual);
+    EXPECT_NE(run_earshot({"bvh", "--help"}).out.find("\n  sweep_sah "), std::string::npos);
+}
+
 TEST(Bvh, ErrorsSayWhatIsWrong) {
+    EXPECT_TRUE(
+        failed_with(run_earshot({"bvh", kScenes + "door.gltf", "--builder", "magic"}), 2, "magic"));
     EXPECT_TRUE(failed_with(run_earshot({"bvh"}), 2, "SCENE"));
     EXPECT_TRUE(failed_with(run_earshot({"bvh", "missing.gltf"}), 1, "missing.gltf"));
     EXPECT_TRUE(failed_with(

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/binned_sah.h"
+#include "earshot/bvh/internal/bin_cuts.h"
 
 #include <algorithm>
 #include <initializer_list>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "earshot/bvh/binned_sah_kernel.cpp"
+#define HWY_TARGET_INCLUDE "earshot/bvh/bin_cuts_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
 #include "earshot/bvh/internal/wide_binning.h"
@@ -26,7 +26,7 @@ struct Run {
 class SubtreeBuilder {
 public:
     SubtreeBuilder(const Subtree& subtree,
-                   const LeafRule& rule,
+                   const CutRule& rule,
                    RawNode* nodes,
                    std::uint32_t* primitives)
         : refs_{subtree.refs[0], subtree.refs[1]},
@@ -43,7 +43,11 @@ public:
             write_leaf(node, run, box);
             return;
         }
-        if (size <= kSmallTree) {
+        if (rule_.at_middle && size <= rule_.leaf_size) {
+            write_leaf(node, run, box);
+            return;
+        }
+        if (size <= kSmallTree && !rule_.at_middle) {
             SmallTree(refs, size, rule_, output_).write(node, box);
             return;
         }
@@ -55,7 +59,7 @@ public:
             }
             return;
         }
-        const Binning binning = make_binning(centres, size);
+        const Binning binning = rule_.at_middle ? make_halves(box) : make_binning(centres, size);
         fill(refs, size, binning, bins_, spare_bins_);
         const Split split = best_split(bins_, binning);
         if (size <= rule_.leaf_size) {
@@ -122,13 +126,13 @@ private:
     }
 
     WideBox* refs_[2];
-    LeafRule rule_;
+    CutRule rule_;
     Output output_;
     Bins bins_, spare_bins_;
 };
 
 std::uint32_t subtree(const Subtree& task,
-                      const LeafRule& rule,
+                      const CutRule& rule,
                       RawNode* nodes,
                       std::uint32_t* primitives) {
     SubtreeBuilder builder(task, rule, nodes, primitives);
@@ -144,8 +148,9 @@ void refer_into(
     refer_to(boxes, first, count, refs, bounds);
 }
 
-Binning make_binning_of(const WideBox& centres, std::size_t count) {
-    return make_binning(load_box(centres), count);
+Binning make_binning_of(const CutRule& rule, const Bounds& bounds, std::size_t count) {
+    return rule.at_middle ? make_halves(load_box(bounds.box))
+                          : make_binning(load_box(bounds.centres), count);
 }
 
 void fill_from(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
@@ -189,8 +194,8 @@ void refer(
     HWY_DYNAMIC_DISPATCH(refer_into)(boxes, first, count, refs, bounds);
 }
 
-Binning binning_of(const WideBox& centres, std::size_t count) {
-    return HWY_DYNAMIC_DISPATCH(make_binning_of)(centres, count);
+Binning binning_of(const CutRule& rule, const Bounds& bounds, std::size_t count) {
+    return HWY_DYNAMIC_DISPATCH(make_binning_of)(rule, bounds, count);
 }
 
 void fill_bins(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
@@ -210,7 +215,7 @@ void part(const Parting& parting, const Binning& binning, const Split& split, Wi
 }
 
 std::uint32_t build_subtree(const Subtree& task,
-                            const LeafRule& rule,
+                            const CutRule& rule,
                             RawNode* nodes,
                             std::uint32_t* primitives) {
     return HWY_DYNAMIC_DISPATCH(subtree)(task, rule, nodes, primitives);

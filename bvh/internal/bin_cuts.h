@@ -2,11 +2,14 @@
 #pragma once
 
 #include "earshot/bvh/internal/box_ref.h"
+#include "earshot/bvh/tree.h"
+
+#include <span>
 
 namespace earshot::bvh {
 
-// The steps of the binned SAH builder that are compiled once per instruction set. They compute the
-// same bits on all of them: maxima, sums and products lane by lane, nothing fused.
+// The steps of cutting boxes between bins that are compiled once per instruction set. They compute
+// the same bits on all of them: maxima, sums and products lane by lane, nothing fused.
 
 inline constexpr std::size_t kMostBins = 32;
 
@@ -51,9 +54,11 @@ struct Split {
     WideBox box[2];
 };
 
-struct LeafRule {
-    std::uint32_t leaf_size;
-    float traversal_cost;
+/// How ranges are cut and when they become leaves.
+struct CutRule {
+    std::uint32_t leaf_size = 4;
+    float traversal_cost = 1.0F;
+    bool at_middle = false;  ///< in the middle of the longest side, not where it is cheapest
 };
 
 /// A run of references and what is known of it. It stands in refs[side]; the same run of the other
@@ -71,8 +76,8 @@ struct Subtree {
 void refer(
     const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds);
 
-/// How to bin `count` references with these bounds of their centres.
-Binning binning_of(const WideBox& centres, std::size_t count);
+/// How to bin `count` references with these bounds.
+Binning binning_of(const CutRule& rule, const Bounds& bounds, std::size_t count);
 
 /// Counts and joins references into bins.
 void fill_bins(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins);
@@ -97,12 +102,15 @@ void part(const Parting& parting, const Binning& binning, const Split& split, Wi
 /// their number is returned. Inner nodes count from nodes[0], leaves from refs[...][0]; the indices
 /// of primitives go to primitives[begin ... end - 1].
 std::uint32_t build_subtree(const Subtree& subtree,
-                            const LeafRule& rule,
+                            const CutRule& rule,
                             RawNode* nodes,
                             std::uint32_t* primitives);
 
+/// The tree over boxes by such cuts.
+Tree build_by_bins(std::span<const geometry::Aabb> boxes, const CutRule& rule, Executor& executor);
+
 /// Moves the half of the references whose centres along the longest axis of `box` are lower to the
-/// front, ties by index, and returns its size. Not compiled per instruction set.
+/// front, ties by index, and returns its size. For all instruction sets alike.
 std::size_t halve(WideBox* refs, std::size_t count, const WideBox& box);
 
 }  // namespace earshot::bvh
