@@ -5,6 +5,7 @@
 #include "earshot/bvh/internal/builders.h"
 #include "earshot/geometry/intersect.h"
 
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -17,6 +18,14 @@ void check(const BuildOptions& options, std::size_t count) {
     }
     if (!(options.traversal_cost >= 0.0 && options.traversal_cost <= 1e6)) {
         throw Error("traversal cost", "must be 0 to 1e6");
+    }
+    const auto is_finite = [](const geometry::Vec3& point) {
+        return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
+    };
+    for (const geometry::Segment& ray : options.rays) {
+        if (!is_finite(ray.from) || !is_finite(ray.to)) {
+            throw Error("sample of rays", "must be finite", "cut rays off where they hit");
+        }
     }
     if (count >= std::size_t{1} << 31) {
         throw Error("hierarchy", "cannot hold 2^31 boxes or more", "split the scene");
@@ -34,7 +43,8 @@ Tree Tree::build(std::span<const geometry::Aabb> boxes,
     }
     switch (options.builder) {
         case Builder::binned_sah:
-            return build_binned_sah(boxes, options, executor);
+            return options.rays.empty() ? build_binned_sah(boxes, options, executor)
+                                        : build_ray_distribution(boxes, options, executor);
         case Builder::sweep_sah:
             return build_sweep_sah(boxes, options, executor);
         case Builder::spatial_median:

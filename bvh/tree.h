@@ -38,6 +38,10 @@ struct BuildOptions {
     Builder builder = Builder::binned_sah;
     int leaf_size = 4;            ///< most primitives in a leaf, 1..15
     double traversal_cost = 1.0;  ///< cost of a node visit, in primitive tests
+    /// A sample of the rays that will be asked, cut off where they hit, finite; some thousands are
+    /// plenty. With it binned_sah prefers cuts whose sides few of these rays meet; other builders
+    /// do not look at it. The memory is needed during the build only.
+    std::span<const geometry::Segment> rays{};
 };
 
 /// A binary hierarchy over boxes that may move. It knows boxes and indices only; triangles, swept

@@ -12,6 +12,15 @@ Tree build_binned_sah(std::span<const geometry::Aabb> boxes,
                       const BuildOptions& options,
                       Executor& executor);
 
+/// binned_sah where there are rays.
+Tree build_ray_distribution(std::span<const geometry::Aabb> boxes,
+                            const BuildOptions& options,
+                            Executor& executor);
+
+/// The share that counts of rays have in the probability that a node is visited, when `rays` of the
+/// sample meet its parent.
+double weight_of_rays(std::size_t rays) noexcept;
+
 Tree build_sweep_sah(std::span<const geometry::Aabb> boxes,
                      const BuildOptions& options,
                      Executor& executor);

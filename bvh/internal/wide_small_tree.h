@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// The best trees over up to four boxes, compiled once per instruction set. Three quarters of all
+// The best trees over up to four boxes, compiled once per instruction set. Two thirds of all
 // nodes belong to such trees, and for so few boxes trying everything is faster than bins.
 
 #include "earshot/bvh/internal/bin_cuts.h"
