@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/large_array.h"
 
+#include <cstdint>
 #include <cstdlib>
 
 #ifdef __linux__
@@ -35,6 +36,20 @@ void* allocate_large(std::size_t bytes) {
     }
 #endif
     return block;
+}
+
+void ask_for_large_pages([[maybe_unused]] void* memory,
+                         [[maybe_unused]] std::size_t bytes) noexcept {
+#ifdef __linux__
+    // Only whole large pages; the ends may share theirs with something else.
+    const auto begin = reinterpret_cast<std::uintptr_t>(memory);
+    const std::uintptr_t first = (begin + kLargePage - 1) / kLargePage * kLargePage;
+    const std::uintptr_t last = (begin + bytes) / kLargePage * kLargePage;
+    if (first < last) {
+        // A wish, as above.
+        madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
+    }
+#endif
 }
 
 void free_large(void* block) noexcept {

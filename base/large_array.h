@@ -13,6 +13,10 @@ namespace earshot {
 void* allocate_large(std::size_t bytes);
 void free_large(void* block) noexcept;
 
+/// Asks for large pages for the inside of memory that was allocated otherwise and that nobody has
+/// touched yet. Contents stay as they are.
+void ask_for_large_pages(void* memory, std::size_t bytes) noexcept;
+
 template <typename T>
 struct LargeAllocator {
     using value_type = T;
