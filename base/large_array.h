@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/base/large_pages.h"
-
 #include <cstddef>
 #include <new>
 #include <utility>
@@ -10,8 +8,15 @@
 
 namespace earshot {
 
-/// Gives memory on a cache line's border, in large pages if it is large: random reads then miss
-/// less often in the page tables. Elements of trivial types begin unset, for threads to fill.
+/// Memory on a cache line's border; large blocks on large pages where the system grants them, which
+/// spares random reads most of their misses in the page tables. Throws std::bad_alloc.
+void* allocate_large(std::size_t bytes);
+void free_large(void* block) noexcept;
+
+/// Asks for large pages for the inside of memory that was allocated otherwise and that nobody has
+/// touched yet. Contents stay as they are.
+void ask_for_large_pages(void* memory, std::size_t bytes) noexcept;
+
 template <typename T>
 struct LargeAllocator {
     using value_type = T;
@@ -24,12 +29,11 @@ struct LargeAllocator {
         if (count > static_cast<std::size_t>(-1) / sizeof(T)) {
             throw std::bad_array_new_length();
         }
-        void* block = ::operator new(count * sizeof(T), kLine);
-        ask_for_large_pages(block, count * sizeof(T));
-        return static_cast<T*>(block);
+        return static_cast<T*>(allocate_large(count * sizeof(T)));
     }
-    void deallocate(T* block, std::size_t) noexcept { ::operator delete(block, kLine); }
+    void deallocate(T* block, std::size_t) noexcept { free_large(block); }
 
+    /// resize() leaves new elements of trivial types unset, for threads to fill.
     template <typename U>
     void construct(U* place) {
         ::new (static_cast<void*>(place)) U;
@@ -40,9 +44,6 @@ struct LargeAllocator {
     }
 
     friend bool operator==(const LargeAllocator&, const LargeAllocator&) { return true; }
-
-private:
-    static constexpr std::align_val_t kLine{64};
 };
 
 /// A vector for millions of elements that are read in random order.

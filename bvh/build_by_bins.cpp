@@ -177,7 +177,7 @@ private:
 }  // namespace
 
 Tree build_by_bins(std::span<const geometry::Aabb> boxes, const CutRule& rule, Executor& executor) {
-    const References references(boxes, executor);
+    References references(boxes, executor);
     const Top top(references.all(), rule, executor);
     return references.build(top.nodes(), top.tasks(), rule, executor);
 }

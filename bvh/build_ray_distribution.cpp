@@ -221,7 +221,7 @@ double weight_of_rays(std::size_t rays) noexcept {
 Tree build_ray_distribution(std::span<const Aabb> boxes,
                             const BuildOptions& options,
                             Executor& executor) {
-    const References references(boxes, executor);
+    References references(boxes, executor);
     if (references.are_clamped()) {
         return build_binned_sah(boxes, options, executor);  // too far for counting
     }

@@ -93,7 +93,7 @@ Aabb finished(const WideBox& box) noexcept {
 
 References::References(std::span<const Aabb> boxes, Executor& executor)
     : boxes_(boxes),
-      arrays_{UntouchedArray<WideBox>(boxes.size()), UntouchedArray<WideBox>(boxes.size())},
+      arrays_{LargeArray<WideBox>(boxes.size()), LargeArray<WideBox>(boxes.size())},
       bounds_(no_bounds()) {
     constexpr std::size_t kGrain = 16384;
     std::vector<Bounds> chunks(chunk_count(boxes.size(), kGrain));
@@ -109,7 +109,7 @@ References::References(std::span<const Aabb> boxes, Executor& executor)
     }
 }
 
-Subtree References::all() const noexcept {
+Subtree References::all() noexcept {
     return {.refs = {arrays_[0].data(), arrays_[1].data()},
             .begin = 0,
             .end = static_cast<std::uint32_t>(boxes_.size()),
@@ -132,7 +132,7 @@ Tree References::build(std::span<const TopNode> top,
     std::vector<std::uint32_t> counts(tasks.size());
     executor.for_each(counts.size(), 1, [&](std::size_t task, std::size_t) {
         const Subtree& range = tasks[task];
-        const UntouchedArray<RawNode> nodes(2 * (range.end - range.begin));
+        LargeArray<RawNode> nodes(2 * static_cast<std::size_t>(range.end - range.begin));
         counts[task] = build_subtree(range, rule, nodes.data(), primitives.data());
         store(range, nodes.data(), counts[task]);
     });

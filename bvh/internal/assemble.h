@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/base/large_pages.h"
+#include "earshot/base/large_array.h"
 #include "earshot/bvh/tree.h"
 
 #include <cstdint>

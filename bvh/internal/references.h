@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/base/large_pages.h"
+#include "earshot/base/large_array.h"
 #include "earshot/bvh/internal/assemble.h"
 #include "earshot/bvh/internal/bin_cuts.h"
 
@@ -25,8 +25,8 @@ class References {
 public:
     References(std::span<const geometry::Aabb> boxes, Executor& executor);
 
-    /// The range of all of them.
-    Subtree all() const noexcept;
+    /// The range of all of them, to be cut and reordered.
+    Subtree all() noexcept;
 
     /// Whether some bounds are not those of the boxes, but kFarthest.
     bool are_clamped() const noexcept;
@@ -39,7 +39,7 @@ public:
 
 private:
     std::span<const geometry::Aabb> boxes_;
-    UntouchedArray<WideBox> arrays_[2];
+    LargeArray<WideBox> arrays_[2];
     Bounds bounds_;
 };
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/brute_force.h"
+#include "earshot/bvh/builder_names.h"
 #include "earshot/bvh/ray.h"
 
 #include <gtest/gtest.h>
@@ -81,7 +82,8 @@ std::vector<Answer> ask_every_triangle(const MeshView& mesh, std::span<const Que
 }
 
 /// Moves the vertices over a few frames and asks trees of all leaf sizes, refitted since the first
-/// frame and rebuilt, made by 1, 2 and 8 threads.
+/// frame and rebuilt by every builder with 1, 2 and 8
+/// threads.
 void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::size_t by_force) {
     constexpr std::array<int, 3> kLeafSizes = {1, 4, 15};
     constexpr std::array<int, 3> kThreads = {1, 2, 8};
@@ -102,9 +104,12 @@ void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::si
         ASSERT_TRUE(std::equal(forced.begin(), forced.end(), expected.begin())) << frame;
         for (std::size_t k = 0; k < kThreads.size(); ++k) {
             Executor executor(kThreads[k]);
-            const BuildOptions options{.leaf_size = kLeafSizes[k]};
-            const Tree rebuilt = Tree::build(boxes, options, executor);
-            ASSERT_EQ(ask(rebuilt, mesh.view(), questions), expected) << frame << ' ' << k;
+            for (const NamedBuilder& named : named_builders()) {
+                const BuildOptions options{.builder = named.builder, .leaf_size = kLeafSizes[k]};
+                const Tree rebuilt = Tree::build(boxes, options, executor);
+                ASSERT_EQ(ask(rebuilt, mesh.view(), questions), expected)
+                    << frame << ' ' << k << ' ' << named.name;
+            }
             refitted[k].refit(boxes, executor);
             ASSERT_EQ(ask(refitted[k], mesh.view(), questions), expected) << frame << ' ' << k;
         }

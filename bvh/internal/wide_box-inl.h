@@ -4,7 +4,7 @@
 // how such a file is included, and why this header has a guard per target.
 
 #include "earshot/bvh/internal/box_ref.h"
-#include "earshot/bvh/internal/wide_quad.h"
+#include "earshot/bvh/internal/wide_quad-inl.h"
 
 #include <limits>
 

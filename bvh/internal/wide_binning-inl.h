@@ -4,7 +4,7 @@
 // instruction set.
 
 #include "earshot/bvh/internal/bin_cuts.h"
-#include "earshot/bvh/internal/wide_box.h"
+#include "earshot/bvh/internal/wide_box-inl.h"
 
 #include <algorithm>
 

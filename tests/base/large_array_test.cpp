@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/base/large_pages.h"
+#include "earshot/base/large_array.h"
 
 #include <gtest/gtest.h>
 
@@ -10,13 +10,15 @@
 namespace earshot {
 namespace {
 
-TEST(UntouchedArray, KeepsWhatIsWrittenWhateverItsSize) {
+TEST(LargeArray, KeepsWhatIsWrittenWhateverItsSize) {
     for (const std::size_t count : {std::size_t{1}, std::size_t{1000}, std::size_t{3'000'001}}) {
-        const UntouchedArray<std::uint32_t> array(count);
+        LargeArray<std::uint32_t> array(count);
         ASSERT_EQ(reinterpret_cast<std::uintptr_t>(array.data()) % 64, 0U);
-        std::iota(array.data(), array.data() + count, 7U);
-        EXPECT_EQ(array.data()[0], 7U);
-        EXPECT_EQ(array.data()[count - 1], static_cast<std::uint32_t>(count) + 6U);
+        std::iota(array.begin(), array.end(), 7U);
+        array.resize(count + 1, 5U);
+        EXPECT_EQ(array.front(), 7U);
+        EXPECT_EQ(array[count - 1], static_cast<std::uint32_t>(count) + 6U);
+        EXPECT_EQ(array.back(), 5U);
     }
 }
 

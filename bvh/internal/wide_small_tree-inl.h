@@ -4,7 +4,7 @@
 // nodes belong to such trees, and for so few boxes trying everything is faster than bins.
 
 #include "earshot/bvh/internal/bin_cuts.h"
-#include "earshot/bvh/internal/wide_box.h"
+#include "earshot/bvh/internal/wide_box-inl.h"
 
 #if defined(EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H
