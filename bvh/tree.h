@@ -31,7 +31,7 @@ static_assert(sizeof(Node) == 32);
 enum class Builder {
     binned_sah,      ///< surface area heuristic over bins (Wald 2007)
     sweep_sah,       ///< the same heuristic over all cuts between centres: the reference, slow
-    spatial_median,  ///< every box in the middle of its longest side: fast to build, slow to ask
+    spatial_median,  ///< every box in the middle of its longest side (Lauterbach 2010): slow to ask
 };
 
 struct BuildOptions {

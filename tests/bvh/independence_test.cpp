@@ -82,8 +82,7 @@ std::vector<Answer> ask_every_triangle(const MeshView& mesh, std::span<const Que
 }
 
 /// Moves the vertices over a few frames and asks trees of all leaf sizes, refitted since the first
-/// frame and rebuilt by every builder with 1, 2 and 8
-/// threads.
+/// frame and rebuilt by every builder with 1, 2 and 8 threads.
 void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::size_t by_force) {
     constexpr std::array<int, 3> kLeafSizes = {1, 4, 15};
     constexpr std::array<int, 3> kThreads = {1, 2, 8};
