@@ -106,6 +106,12 @@ Reinserter::Move Reinserter::best_move(std::uint32_t from) const {
         if (pivot != parent) {
             rest.include(nodes_[side].box);
             gain += area(pivot) - rest.half_area();
+            // Beside the ancestor itself, whose old box the two then fill again.
+            const double here = gain - united(rest, box).half_area();
+            if (pivot != kRoot && here > best.gain) {
+                best.to = pivot;
+                best.gain = here;
+            }
         }
         if (pivot == kRoot) {
             break;

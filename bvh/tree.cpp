@@ -49,6 +49,8 @@ Tree Tree::build(std::span<const geometry::Aabb> boxes,
             return build_sweep_sah(boxes, options, executor);
         case Builder::spatial_median:
             return build_spatial_median(boxes, options, executor);
+        case Builder::quality:
+            return build_quality(boxes, options, executor);
     }
     throw Error("builder", "is none that this library knows");
 }

@@ -32,6 +32,7 @@ enum class Builder {
     binned_sah,      ///< surface area heuristic over bins (Wald 2007)
     sweep_sah,       ///< the same heuristic over all cuts between centres: the reference, slow
     spatial_median,  ///< every box in the middle of its longest side (Lauterbach 2010): slow to ask
+    quality,         ///< binned_sah, then optimise(): longer to build, the fastest to ask
 };
 
 struct BuildOptions {

@@ -29,4 +29,8 @@ Tree build_spatial_median(std::span<const geometry::Aabb> boxes,
                           const BuildOptions& options,
                           Executor& executor);
 
+Tree build_quality(std::span<const geometry::Aabb> boxes,
+                   const BuildOptions& options,
+                   Executor& executor);
+
 }  // namespace earshot::bvh

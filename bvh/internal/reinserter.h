@@ -16,6 +16,15 @@ class Reinserter {
 public:
     explicit Reinserter(std::span<const Node> nodes);
 
+    /// A subtree and the node beside which it goes; `to` is 0 if it stays.
+    struct Move {
+        std::uint32_t from = 0, to = 0;
+        double gain = 0.0;  ///< by how much the sum of areas shrinks
+    };
+
+    /// The best place for a subtree. Precondition: neither the root nor a child of it.
+    Move best_move(std::uint32_t from) const;
+
     /// One batch: the `count` nodes whose places seem worst look for better ones, all in the same
     /// tree; the moves that gain most are made first, and those that touch what another has changed
     /// are dropped. Returns the number of moves.
@@ -24,23 +33,17 @@ public:
     /// The nodes in depth-first order. Empty if a leaf lies deeper than kMaxDepth.
     std::vector<Node> ordered() const;
 
-    /// The sum of inner nodes' areas, each times its share in leaf_weight's units: proportional to
-    /// the SAH cost but for the leaves, whose sum no move changes.
+    /// The sum of inner nodes' half areas: the SAH cost but for a factor and the leaves, whose sum
+    /// no move changes.
     double inner_area() const noexcept;
 
 private:
-    struct Move {
-        std::uint32_t from = 0, to = 0;
-        double gain = 0.0;  ///< by how much the sum of areas shrinks
-    };
-
     std::uint32_t sibling(std::uint32_t index) const noexcept {
         // The root is alone in its place, so that a pair begins at an odd index.
         return index % 2 == 1 ? index + 1 : index - 1;
     }
     double area(std::uint32_t index) const noexcept { return nodes_[index].box.half_area(); }
     std::vector<std::uint32_t> worst(std::size_t count, Executor& executor) const;
-    Move best_move(std::uint32_t from) const;
     bool make(const Move& move);
     void adopt(std::uint32_t index);
     void refit_from(std::uint32_t index);

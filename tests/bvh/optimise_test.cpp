@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/optimise.h"
+
+#include "earshot/base/error.h"
+#include "earshot/bvh/internal/reinserter.h"
+#include "earshot/bvh/quality.h"
+#include "earshot/bvh/ray.h"
+
+#include <gtest/gtest.h>
+
+#include "support/meshes.h"
+#include "support/tree_walker.h"
+#include <algorithm>
+#include <cstring>
+
+namespace earshot::bvh {
+namespace {
+
+using geometry::Aabb;
+
+Aabb cube_at(float x) {
+    return {{x, 0.0F, 0.0F}, {x + 1.0F, 1.0F, 1.0F}};
+}
+
+Aabb united(Aabb a, const Aabb& b) {
+    a.include(b);
+    return a;
+}
+
+/// Balanced over boxes in the order given, however far apart they are: as bad as a tree can be.
+Tree balanced(std::span<const Aabb> boxes) {
+    std::vector<Node> nodes(1);
+    std::vector<std::uint32_t> primitives(boxes.size());
+    const auto build = [&](auto&& self, std::size_t node, std::uint32_t begin, std::uint32_t end) {
+        Aabb box;
+        for (std::uint32_t i = begin; i < end; ++i) {
+            box.include(boxes[i]);
+            primitives[i] = i;
+        }
+        nodes[node].box = box;
+        if (end - begin == 1) {
+            nodes[node].first = begin;
+            nodes[node].count = 1;
+            return;
+        }
+        const std::size_t left = nodes.size();
+        nodes.resize(left + 2);
+        nodes[node].first = static_cast<std::uint32_t>(left);
+        const std::uint32_t middle = begin + (end - begin) / 2;
+        self(self, left, begin, middle);
+        self(self, left + 1, middle, end);
+    };
+    build(build, 0, 0, static_cast<std::uint32_t>(boxes.size()));
+    return Tree::from_nodes(std::move(nodes), std::move(primitives));
+}
+
+std::vector<Aabb> shuffled_boxes(std::uint64_t seed, std::size_t count) {
+    const auto mesh = test::triangle_soup(seed, count);
+    return triangle_boxes(mesh.view());
+}
+
+// Bittner, Hapala and Havran 2013: cubes at x = 0, 10, 1, 11 paired (0, 10) and (1, 11), half areas
+// 25 + 23 + 23 = 71 of inner nodes; paired (0, 1) and (10, 11) they are 25 + 5 + 5 = 35.
+TEST(Optimise, UntanglesFourCubes) {
+    const std::vector<Aabb> boxes = {cube_at(0.0F), cube_at(10.0F), cube_at(1.0F), cube_at(11.0F)};
+    const Tree tangled = balanced(boxes);
+    Reinserter reinserter(tangled.nodes());
+    EXPECT_DOUBLE_EQ(reinserter.inner_area(), 71.0);
+    while (reinserter.improve(7, Executor::serial()) > 0) {
+    }
+    EXPECT_DOUBLE_EQ(reinserter.inner_area(), 35.0);
+}
+
+/// The least sum of inner areas that one move of one subtree can lead to, by trying every pair.
+double best_single_move(const Tree& tree) {
+    double best = Reinserter(tree.nodes()).inner_area();
+    const auto nodes = tree.nodes();
+    std::vector<std::uint32_t> parents(nodes.size(), 0);
+    for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+        if (!nodes[i].is_leaf()) {
+            parents[nodes[i].first] = parents[nodes[i].first + 1] = i;
+        }
+    }
+    // Without copying the tree: the moved subtree leaves its ancestors and joins others.
+    const auto area_with = [&](std::uint32_t from, std::uint32_t to) {
+        const auto box_of = [&](auto&& self, std::uint32_t index, double& sum) -> Aabb {
+            if (index == from) {
+                return Aabb::empty();
+            }
+            Aabb box = nodes[index].box;
+            if (!nodes[index].is_leaf()) {
+                const Aabb left = self(self, nodes[index].first, sum);
+                const Aabb right = self(self, nodes[index].first + 1, sum);
+                box = united(left, right);
+                sum += index == parents[from] ? 0.0 : box.half_area();
+            }
+            if (index == to) {
+                box.include(nodes[from].box);
+                sum += box.half_area();
+            }
+            return box;
+        };
+        double sum = 0.0;
+        const auto inside = [&](std::uint32_t index) {
+            while (index != 0 && index != from) {
+                index = parents[index];
+            }
+            return index == from;
+        };
+        double inner_of_moved = 0.0;
+        for (std::uint32_t i = 0; i < nodes.size(); ++i) {
+            inner_of_moved += !nodes[i].is_leaf() && inside(i) ? nodes[i].box.half_area() : 0.0;
+        }
+        box_of(box_of, 0, sum);
+        return sum + inner_of_moved;
+    };
+    for (std::uint32_t from = 1; from < nodes.size(); ++from) {
+        for (std::uint32_t to = 1; to < nodes.size(); ++to) {
+            std::uint32_t above = to;
+            while (above != 0 && above != from) {
+                above = parents[above];
+            }
+            if (above != from && to != parents[from] && parents[from] != 0) {
+                best = std::min(best, area_with(from, to));
+            }
+        }
+    }
+    return best;
+}
+
+TEST(Optimise, FindsTheBestSingleMove) {
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        const auto boxes = shuffled_boxes(seed, 5 + seed % 9);
+        const Tree tree = balanced(boxes);
+        const double best = best_single_move(tree);
+        const Reinserter reinserter(tree.nodes());
+        double gain = 0.0;
+        for (std::uint32_t from = 3; from < tree.nodes().size(); ++from) {
+            if (from != tree.nodes()[0].first && from != tree.nodes()[0].first + 1) {
+                gain = std::max(gain, reinserter.best_move(from).gain);
+            }
+        }
+        EXPECT_NEAR(gain, reinserter.inner_area() - best, 1e-12 * best) << "seed " << seed;
+    }
+}
+
+TEST(Optimise, KeepsTheTreeSoundAndNeverMakesItWorse) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        const auto boxes = shuffled_boxes(seed, 3000);
+        for (Tree tree :
+             {balanced(boxes), Tree::build(boxes), Tree::build(boxes, {.leaf_size = 1})}) {
+            double cost = sah_cost(tree);
+            for (int pass = 0; pass < 6; ++pass) {
+                const OptimiseReport report = optimise(tree, {.passes = 1, .share = 0.3});
+                ASSERT_EQ(test::fault_of(tree, boxes, 4), "") << "pass " << pass;
+                EXPECT_DOUBLE_EQ(report.cost_before, cost);
+                EXPECT_LE(report.cost_after, report.cost_before);
+                cost = sah_cost(tree);
+                EXPECT_DOUBLE_EQ(report.cost_after, cost);
+            }
+        }
+    }
+}
+
+TEST(Optimise, MendsATreeThatIsAsBadAsCanBe) {
+    const auto boxes = shuffled_boxes(9, 2000);
+    Tree tree = balanced(boxes);
+    const double before = sah_cost(tree);
+    optimise(tree, {.passes = 30, .share = 0.2});
+    EXPECT_LT(sah_cost(tree), 0.7 * before);
+}
+
+TEST(Optimise, IsTheSameForAnyNumberOfThreads) {
+    const auto boxes = shuffled_boxes(5, 20000);
+    Tree first = Tree::build(boxes);
+    Tree second = first;
+    optimise(first);
+    Executor eight(8);
+    optimise(second, {}, eight);
+    ASSERT_EQ(first.nodes().size(), second.nodes().size());
+    EXPECT_EQ(std::memcmp(first.nodes().data(), second.nodes().data(), first.nodes().size_bytes()),
+              0);
+    EXPECT_TRUE(std::ranges::equal(first.primitives(), second.primitives()));
+}
+
+TEST(Optimise, LeavesSmallTreesAlone) {
+    for (std::size_t count = 0; count < 6; ++count) {
+        const auto boxes = shuffled_boxes(7, count);
+        Tree tree = Tree::build(boxes, {.leaf_size = 1});
+        optimise(tree);
+        EXPECT_EQ(test::fault_of(tree, boxes, 1), "") << count;
+    }
+}
+
+TEST(Optimise, RefusesOptionsOutOfRange) {
+    Tree tree;
+    EXPECT_THROW(optimise(tree, {.passes = -1}), Error);
+    EXPECT_THROW(optimise(tree, {.share = 1.5}), Error);
+}
+
+}  // namespace
+}  // namespace earshot::bvh
