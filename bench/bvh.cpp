@@ -5,6 +5,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/simd.h"
+#include "earshot/bvh/builder_names.h"
 #include "earshot/io/scene_file.h"
 
 #include <CLI/CLI.hpp>
@@ -30,6 +31,7 @@ struct Options {
     int threads = 1, repeats = 5;
     std::size_t rays = 1U << 20;
     bool from_inside = false;
+    std::string builder = "binned_sah";
     std::vector<std::string> sets, only;
 };
 
@@ -68,7 +70,8 @@ std::vector<double> take_turns(std::size_t contenders, int repeats, Run&& run) {
 }
 
 std::vector<std::unique_ptr<Contender>> all_contenders(const Options& options) {
-    auto contenders = earshot_contenders({});
+    auto contenders =
+        earshot_contenders({.builder = earshot::bvh::builder_named(options.builder)->builder});
     for (auto& contender : embree_contenders(options.threads)) {
         contenders.push_back(std::move(contender));
     }
@@ -249,6 +252,14 @@ void run(const Options& options) {
     }
 }
 
+std::vector<std::string> builder_names() {
+    std::vector<std::string> names;
+    for (const auto& builder : earshot::bvh::named_builders()) {
+        names.emplace_back(builder.name);
+    }
+    return names;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -259,6 +270,8 @@ int main(int argc, char** argv) {
     app.add_option("--repeats", options.repeats, "runs of each cell; default: 5");
     app.add_option("--rays", options.rays, "rays per set; default: 1048576");
     app.add_flag("--inside", options.from_inside, "the camera stands inside: the mesh is a room");
+    app.add_option("--builder", options.builder, "earshot's builder; default: binned_sah")
+        ->check(CLI::IsMember(builder_names()));
     app.add_option("--sets", options.sets, "camera, diffuse, ao, random, los; default: all");
     app.add_option("--only", options.only, "contenders whose names contain one of these");
     app.add_option("--simd", options.simd, "instruction set; default: auto");

@@ -12,6 +12,9 @@ constexpr std::array kBuilders = {
     NamedBuilder{
         Builder::spatial_median, "spatial_median", "boxes cut in the middle of the longest side"},
     NamedBuilder{Builder::quality, "quality", "binned_sah, then re-insertion: the fastest to ask"},
+    NamedBuilder{Builder::lbvh, "lbvh", "along a Morton curve: the fastest to build"},
+    NamedBuilder{Builder::hybrid, "hybrid", "six levels along the curve, then binned_sah"},
+    NamedBuilder{Builder::fast, "fast", "along the curve down to 512 boxes, then binned_sah"},
 };
 
 }  // namespace

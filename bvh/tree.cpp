@@ -51,6 +51,12 @@ Tree Tree::build(std::span<const geometry::Aabb> boxes,
             return build_spatial_median(boxes, options, executor);
         case Builder::quality:
             return build_quality(boxes, options, executor);
+        case Builder::lbvh:
+            return build_lbvh(boxes, options, executor);
+        case Builder::hybrid:
+            return build_hybrid(boxes, options, executor);
+        case Builder::fast:
+            return build_fast(boxes, options, executor);
     }
     throw Error("builder", "is none that this library knows");
 }

@@ -33,4 +33,16 @@ Tree build_quality(std::span<const geometry::Aabb> boxes,
                    const BuildOptions& options,
                    Executor& executor);
 
+Tree build_lbvh(std::span<const geometry::Aabb> boxes,
+                const BuildOptions& options,
+                Executor& executor);
+
+Tree build_hybrid(std::span<const geometry::Aabb> boxes,
+                  const BuildOptions& options,
+                  Executor& executor);
+
+Tree build_fast(std::span<const geometry::Aabb> boxes,
+                const BuildOptions& options,
+                Executor& executor);
+
 }  // namespace earshot::bvh

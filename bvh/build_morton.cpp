@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/internal/builders.h"
+#include "earshot/bvh/internal/morton.h"
+#include "earshot/bvh/internal/top_down.h"
+#include "earshot/bvh/optimise.h"
+
+#include <algorithm>
+
+namespace earshot::bvh {
+
+using geometry::Aabb;
+
+namespace {
+
+std::vector<std::uint32_t> indices_of(std::span<const MortonPlace> places) {
+    std::vector<std::uint32_t> indices;
+    indices.reserve(places.size());
+    for (const MortonPlace& place : places) {
+        indices.push_back(place.index);
+    }
+    return indices;
+}
+
+/// Cuts ranges of the curve where the highest bit turns. Boxes come later, from the bottom up.
+class CurveSplitter {
+public:
+    CurveSplitter(std::span<const MortonPlace> places, const BuildOptions& options)
+        : places_(places), leaf_size_(static_cast<std::uint32_t>(options.leaf_size)) {}
+
+    static Aabb box_of(const Range&) { return {}; }
+
+    std::uint32_t cut(const Range& range, const Aabb&, Executor&) const {
+        if (range.size() <= leaf_size_) {
+            return range.end;
+        }
+        // From here on halves end in time, whatever the codes are.
+        constexpr std::uint32_t kHalvingDepth = kMaxDepth - 32;
+        return range.depth >= kHalvingDepth ? range.begin + range.size() / 2
+                                            : morton_cut(places_, range.begin, range.end);
+    }
+
+private:
+    std::span<const MortonPlace> places_;
+    std::uint32_t leaf_size_;
+};
+
+/// Cuts the curve down to ranges of `most` at a depth of `levels` at most, and builds the rest with
+/// binned SAH, a range by a task.
+Tree build_curve_then_sah(std::span<const Aabb> boxes,
+                          const BuildOptions& options,
+                          std::uint32_t most,
+                          std::uint32_t levels,
+                          Executor& executor) {
+    const auto places = sorted_by_morton_code(boxes, executor);
+    std::vector<TopNode> top;
+    std::vector<Range> ranges = {{0, static_cast<std::uint32_t>(boxes.size()), 0}};
+    std::vector<Range> tasks;
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+        const Range range = ranges[i];
+        TopNode& node = top.emplace_back();
+        if (range.size() <= most || range.depth >= levels) {
+            node.task = static_cast<std::uint32_t>(tasks.size());
+            tasks.push_back(range);
+            continue;
+        }
+        node.left = static_cast<std::uint32_t>(ranges.size());
+        const std::uint32_t middle = morton_cut(places, range.begin, range.end);
+        ranges.push_back({range.begin, middle, range.depth + 1});
+        ranges.push_back({middle, range.end, range.depth + 1});
+    }
+    std::vector<Tree> trees(tasks.size());
+    std::vector<std::uint32_t> primitives(boxes.size());
+    executor.for_each(tasks.size(), 1, [&](std::size_t task, std::size_t) {
+        const Range& range = tasks[task];
+        std::vector<Aabb> own;
+        own.reserve(range.size());
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
+            own.push_back(boxes[places[i].index]);
+        }
+        trees[task] = build_binned_sah(own, options, Executor::serial());
+        const auto order = trees[task].primitives();
+        std::transform(
+            order.begin(), order.end(), primitives.begin() + range.begin, [&](std::uint32_t i) {
+                return places[range.begin + i].index;
+            });
+    });
+    std::vector<std::uint32_t> counts;
+    for (const Tree& tree : trees) {
+        counts.push_back(static_cast<std::uint32_t>(tree.nodes().size()));
+    }
+    const auto node_of = [&](std::uint32_t task, std::uint32_t i) {
+        Node node = trees[task].nodes()[i];
+        node.first += node.is_leaf() ? tasks[task].begin : 0;
+        return node;
+    };
+    std::vector<Node> nodes =
+        Assembly(std::span<const TopNode>(top), counts, node_of).nodes(executor);
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+        if (!nodes[i].is_leaf()) {
+            nodes[i].box = nodes[nodes[i].first].box;
+            nodes[i].box.include(nodes[nodes[i].first + 1].box);
+        }
+    }
+    return Tree::from_nodes(std::move(nodes), std::move(primitives));
+}
+
+}  // namespace
+
+Tree build_lbvh(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
+    const auto places = sorted_by_morton_code(boxes, executor);
+    CurveSplitter splitter(places, options);
+    std::vector<Node> nodes =
+        TopDown(splitter, static_cast<std::uint32_t>(boxes.size()), executor).nodes();
+    Tree tree = Tree::from_nodes(std::move(nodes), indices_of(places));
+    tree.refit(boxes, executor);
+    return tree;
+}
+
+Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
+    constexpr std::uint32_t kLevels = 6;  // Lauterbach 2010, section 5.3
+    return build_curve_then_sah(boxes, options, 1, kLevels, executor);
+}
+
+Tree build_fast(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
+    // Ranges that fit into the second cache are cut well and fast; what the curve spoils above them
+    // is mended among the few largest boxes.
+    constexpr std::uint32_t kMost = 512;
+    constexpr std::uint32_t kLevels = kMaxDepth / 2;
+    Tree tree = build_curve_then_sah(boxes, options, kMost, kLevels, executor);
+    optimise(tree, {.passes = 2, .share = 0.005}, executor);
+    return tree;
+}
+
+}  // namespace earshot::bvh
