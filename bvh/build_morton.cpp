@@ -44,13 +44,20 @@ private:
     std::uint32_t leaf_size_;
 };
 
-/// Cuts the curve down to ranges of `most` at a depth of `levels` at most, and builds the rest with
-/// binned SAH, a range by a task.
-Tree build_curve_then_sah(std::span<const Aabb> boxes,
-                          const BuildOptions& options,
-                          std::uint32_t most,
-                          std::uint32_t levels,
-                          Executor& executor) {
+}  // namespace
+
+Tree build_lbvh(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
+    const auto places = sorted_by_morton_code(boxes, executor);
+    CurveSplitter splitter(places, options);
+    std::vector<Node> nodes =
+        TopDown(splitter, static_cast<std::uint32_t>(boxes.size()), executor).nodes();
+    Tree tree = Tree::from_nodes(std::move(nodes), indices_of(places));
+    tree.refit(boxes, executor);
+    return tree;
+}
+
+Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
+    constexpr std::uint32_t kLevels = 6;  // Lauterbach 2010, section 5.3
     const auto places = sorted_by_morton_code(boxes, executor);
     std::vector<TopNode> top;
     std::vector<Range> ranges = {{0, static_cast<std::uint32_t>(boxes.size()), 0}};
@@ -58,7 +65,7 @@ Tree build_curve_then_sah(std::span<const Aabb> boxes,
     for (std::size_t i = 0; i < ranges.size(); ++i) {
         const Range range = ranges[i];
         TopNode& node = top.emplace_back();
-        if (range.size() <= most || range.depth >= levels) {
+        if (range.size() == 1 || range.depth >= kLevels) {
             node.task = static_cast<std::uint32_t>(tasks.size());
             tasks.push_back(range);
             continue;
@@ -104,30 +111,11 @@ Tree build_curve_then_sah(std::span<const Aabb> boxes,
     return Tree::from_nodes(std::move(nodes), std::move(primitives));
 }
 
-}  // namespace
-
-Tree build_lbvh(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
-    const auto places = sorted_by_morton_code(boxes, executor);
-    CurveSplitter splitter(places, options);
-    std::vector<Node> nodes =
-        TopDown(splitter, static_cast<std::uint32_t>(boxes.size()), executor).nodes();
-    Tree tree = Tree::from_nodes(std::move(nodes), indices_of(places));
-    tree.refit(boxes, executor);
-    return tree;
-}
-
-Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
-    constexpr std::uint32_t kLevels = 6;  // Lauterbach 2010, section 5.3
-    return build_curve_then_sah(boxes, options, 1, kLevels, executor);
-}
-
 Tree build_fast(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
-    // Ranges that fit into the second cache are cut well and fast; what the curve spoils above them
-    // is mended among the few largest boxes.
-    constexpr std::uint32_t kMost = 512;
-    constexpr std::uint32_t kLevels = kMaxDepth / 2;
-    Tree tree = build_curve_then_sah(boxes, options, kMost, kLevels, executor);
-    optimise(tree, {.passes = 2, .share = 0.005}, executor);
+    // What the curve spoils are few large boxes.
+    constexpr OptimiseOptions kMend = {.passes = 3, .share = 0.005};
+    Tree tree = build_lbvh(boxes, options, executor);
+    optimise(tree, kMend, executor);
     return tree;
 }
 

@@ -14,7 +14,7 @@ constexpr std::array kBuilders = {
     NamedBuilder{Builder::quality, "quality", "binned_sah, then re-insertion: the fastest to ask"},
     NamedBuilder{Builder::lbvh, "lbvh", "along a Morton curve: the fastest to build"},
     NamedBuilder{Builder::hybrid, "hybrid", "six levels along the curve, then binned_sah"},
-    NamedBuilder{Builder::fast, "fast", "along the curve down to 512 boxes, then binned_sah"},
+    NamedBuilder{Builder::fast, "fast", "along the curve, then the largest boxes re-inserted"},
 };
 
 }  // namespace

@@ -16,8 +16,8 @@ namespace {
 constexpr double kRepairPrice = 10.0;
 constexpr double kBuildPricePerLevel = 1.0;
 
-// One batch: what a frame of motion spoils is mostly found among the largest boxes.
-constexpr OptimiseOptions kRepair = {.passes = 1, .share = 0.02};
+// Two batches: what a frame of motion spoils is mostly found among the largest boxes.
+constexpr OptimiseOptions kRepair = {.passes = 2, .share = 0.005};
 
 // Less is not worth the time, and is waited for twice as long the next time.
 constexpr double kLeastGain = 0.03;

@@ -10,8 +10,8 @@
 namespace earshot::bvh {
 
 struct OptimiseOptions {
-    int passes = 3;       ///< 0 or more
-    double share = 0.05;  ///< of the nodes that a pass tries to place better, 0 ... 1
+    int passes = 6;        ///< 0 or more
+    double share = 0.005;  ///< of the nodes, largest first, that a pass tries to place better
 };
 
 /// What optimising has done.

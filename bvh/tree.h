@@ -32,10 +32,10 @@ enum class Builder {
     binned_sah,      ///< surface area heuristic over bins (Wald 2007)
     sweep_sah,       ///< the same heuristic over all cuts between centres: the reference, slow
     spatial_median,  ///< every box in the middle of its longest side (Lauterbach 2010): slow to ask
-    quality,         ///< binned_sah, then optimise(): longer to build, the fastest to ask
-    lbvh,            ///< along a Morton curve of 63 bits (Lauterbach 2010): the fastest to build
-    hybrid,          ///< six levels along the curve, then binned_sah
-    fast,            ///< along the curve down to 512 boxes, then binned_sah, and the top mended
+    quality,  ///< binned_sah, then optimise(): half as long again to build, the fastest to ask
+    lbvh,     ///< along a Morton curve of 63 bits (Lauterbach 2010): the fastest to build
+    hybrid,   ///< six levels along the curve, then binned_sah
+    fast,     ///< along the curve, then optimise() of the largest boxes
 };
 
 struct BuildOptions {
