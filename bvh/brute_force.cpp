@@ -56,4 +56,34 @@ bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) 
         });
 }
 
+std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mesh,
+                                                   const geometry::Vec3& point,
+                                                   std::size_t count,
+                                                   double most) {
+    const geometry::PreparedPoint prepared(point);
+    std::vector<geometry::NearPoint> found;
+    for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
+        const geometry::Triangle& triangle = mesh.triangles[i];
+        if (auto near = prepared.nearest(mesh.positions[triangle[0]],
+                                         mesh.positions[triangle[1]],
+                                         mesh.positions[triangle[2]],
+                                         most)) {
+            near->triangle = static_cast<geometry::TriangleId>(i);
+            found.push_back(*near);
+        }
+    }
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) {
+        return a.distance < b.distance;
+    });
+    found.resize(std::min(found.size(), count));
+    return found;
+}
+
+std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
+                                                 const geometry::Vec3& point,
+                                                 double most) {
+    const auto nearest = nearest_triangles(mesh, point, 1, most);
+    return nearest.empty() ? std::nullopt : std::optional(nearest.front());
+}
+
 }  // namespace earshot::bvh::brute_force

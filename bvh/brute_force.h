@@ -1,18 +1,30 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/geometry/closest_point.h"
 #include "earshot/geometry/mesh.h"
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace earshot::bvh::brute_force {
 
-// The questions of ray.h answered by trying every triangle: oracle of tests and baseline of
-// benchmarks. Same decisions, same bits.
+// The questions of ray.h, all_hits.h, closest_point.h and overlap.h answered by trying every
+// triangle: oracle of tests and baseline of benchmarks. Same decisions, same bits.
 
 std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
                                          const geometry::Ray& ray) noexcept;
 
 bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) noexcept;
+
+std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
+                                                 const geometry::Vec3& point,
+                                                 double most);
+
+std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mesh,
+                                                   const geometry::Vec3& point,
+                                                   std::size_t count,
+                                                   double most);
 
 }  // namespace earshot::bvh::brute_force
