@@ -26,6 +26,20 @@ double reach_of(const geometry::MeshView& mesh) noexcept {
     return reach;
 }
 
+std::optional<geometry::Hit> hit_of(const geometry::PreparedRay& ray,
+                                    const geometry::MeshView& mesh,
+                                    std::size_t i) noexcept {
+    const geometry::Triangle& triangle = mesh.triangles[i];
+    auto hit = ray.hit(mesh.positions[triangle[0]],
+                       mesh.positions[triangle[1]],
+                       mesh.positions[triangle[2]],
+                       ray.t_max());
+    if (hit) {
+        hit->triangle = static_cast<geometry::TriangleId>(i);
+    }
+    return hit;
+}
+
 }  // namespace
 
 std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
@@ -33,17 +47,25 @@ std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
     const geometry::PreparedRay prepared(ray, reach_of(mesh));
     std::optional<geometry::Hit> best;
     for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
-        const geometry::Triangle& triangle = mesh.triangles[i];
-        auto hit = prepared.hit(mesh.positions[triangle[0]],
-                                mesh.positions[triangle[1]],
-                                mesh.positions[triangle[2]],
-                                prepared.t_max());
+        const auto hit = hit_of(prepared, mesh, i);
         if (hit && (!best || hit->t < best->t)) {
-            hit->triangle = static_cast<geometry::TriangleId>(i);
             best = hit;
         }
     }
     return best;
+}
+
+std::vector<geometry::Hit> all_hits(const geometry::MeshView& mesh, const geometry::Ray& ray) {
+    const geometry::PreparedRay prepared(ray, reach_of(mesh));
+    std::vector<geometry::Hit> hits;
+    for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
+        if (const auto hit = hit_of(prepared, mesh, i)) {
+            hits.push_back(*hit);
+        }
+    }
+    std::stable_sort(
+        hits.begin(), hits.end(), [](const auto& a, const auto& b) { return a.t < b.t; });
+    return hits;
 }
 
 bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) noexcept {

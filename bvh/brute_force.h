@@ -16,6 +16,8 @@ namespace earshot::bvh::brute_force {
 std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
                                          const geometry::Ray& ray) noexcept;
 
+std::vector<geometry::Hit> all_hits(const geometry::MeshView& mesh, const geometry::Ray& ray);
+
 bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) noexcept;
 
 std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,

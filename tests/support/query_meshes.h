@@ -104,4 +104,18 @@ inline geometry::Vec3 query_point(const QueryMesh& of, std::uint64_t seed, std::
     }
 }
 
+/// A ray between two such places, at times with an end or along an axis.
+inline geometry::Ray query_ray(const QueryMesh& of, std::uint64_t seed, std::uint64_t i) {
+    const geometry::Vec3 from = query_point(of, seed, 2 * i);
+    geometry::Ray ray{from, query_point(of, seed, 2 * i + 1 + i % 5) - from};
+    if (i % 7 == 0) {
+        ray.direction = geometry::Vec3(0.0);
+        ray.direction[static_cast<int>(i % 3)] = of.size;
+    }
+    if (i % 4 == 0) {
+        ray.t_max = 2.0 * random(seed, 6, i);
+    }
+    return ray;
+}
+
 }  // namespace earshot::test
