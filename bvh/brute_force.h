@@ -3,6 +3,7 @@
 
 #include "earshot/geometry/closest_point.h"
 #include "earshot/geometry/mesh.h"
+#include "earshot/geometry/overlap.h"
 
 #include <cstddef>
 #include <optional>
@@ -28,5 +29,20 @@ std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mes
                                                    const geometry::Vec3& point,
                                                    std::size_t count,
                                                    double most);
+
+template <geometry::Region Region>
+std::vector<geometry::TriangleId> overlapping(const geometry::MeshView& mesh,
+                                              const Region& region) {
+    std::vector<geometry::TriangleId> found;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const geometry::Triangle& triangle = mesh.triangles[i];
+        if (region.touches(mesh.positions[triangle[0]],
+                           mesh.positions[triangle[1]],
+                           mesh.positions[triangle[2]])) {
+            found.push_back(static_cast<geometry::TriangleId>(i));
+        }
+    }
+    return found;
+}
 
 }  // namespace earshot::bvh::brute_force
