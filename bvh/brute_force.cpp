@@ -9,14 +9,8 @@
 namespace earshot::bvh::brute_force {
 namespace {
 
-// As reach_of() of a tree over the mesh.
-double reach_of(const geometry::MeshView& mesh) noexcept {
-    geometry::Aabb box;
-    for (const geometry::Triangle& triangle : mesh.triangles) {
-        for (const geometry::VertexId vertex : triangle) {
-            box.include(mesh.positions[vertex]);
-        }
-    }
+// As reach_of() of a tree with this box.
+double reach_of(const geometry::Aabb& box) noexcept {
     double reach = 0.0;
     for (std::size_t k = 0; k < 3 && !box.is_empty(); ++k) {
         reach = std::max({reach,
@@ -24,6 +18,24 @@ double reach_of(const geometry::MeshView& mesh) noexcept {
                           std::abs(static_cast<double>(box.upper[k]))});
     }
     return reach;
+}
+
+double reach_of(const geometry::MeshView& mesh) noexcept {
+    geometry::Aabb box;
+    for (const geometry::Triangle& triangle : mesh.triangles) {
+        for (const geometry::VertexId vertex : triangle) {
+            box.include(mesh.positions[vertex]);
+        }
+    }
+    return reach_of(box);
+}
+
+double reach_of(const Instances& scene) noexcept {
+    geometry::Aabb box;
+    for (const Instances::Instance& instance : scene.placed()) {
+        box.include(instance.box);
+    }
+    return reach_of(box);
 }
 
 std::optional<geometry::Hit> hit_of(const geometry::PreparedRay& ray,
@@ -106,6 +118,38 @@ std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
                                                  double most) {
     const auto nearest = nearest_triangles(mesh, point, 1, most);
     return nearest.empty() ? std::nullopt : std::optional(nearest.front());
+}
+
+std::optional<InstanceHit> closest_hit(const Instances& scene, const geometry::Ray& ray) noexcept {
+    const geometry::PreparedRay prepared(ray, reach_of(scene));
+    std::optional<InstanceHit> best;
+    for (const Instances::Instance& instance : scene.placed()) {
+        const auto own = prepared.passage(instance.box, prepared.t_max());
+        if (!prepared.is_valid() || own.is_empty()) {
+            continue;
+        }
+        auto hit =
+            closest_hit(scene.part(instance.part).mesh, instance.into_part(ray, prepared.t_max()));
+        if (hit) {
+            hit->t = std::clamp(hit->t, own.near, own.far);
+            if (!best || hit->t < best->hit.t) {
+                best = InstanceHit{instance.id, *hit};
+            }
+        }
+    }
+    return best;
+}
+
+bool occluded(const Instances& scene, const geometry::Segment& segment) noexcept {
+    const geometry::Vec3 along = segment.to - segment.from;
+    const geometry::Slabs slabs(segment.from, along, reach_of(scene));
+    const auto blocks = [&](const Instances::Instance& instance) {
+        return !slabs.passage(instance.box, 1.0).is_empty() &&
+               occluded(scene.part(instance.part).mesh, instance.into_part(segment));
+    };
+    const double sum = along.x + along.y + along.z;
+    return sum - sum == 0.0 &&  // only if all are finite
+           std::any_of(scene.placed().begin(), scene.placed().end(), blocks);
 }
 
 }  // namespace earshot::bvh::brute_force

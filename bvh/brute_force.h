@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/bvh/instances.h"
 #include "earshot/geometry/closest_point.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/overlap.h"
@@ -11,8 +12,9 @@
 
 namespace earshot::bvh::brute_force {
 
-// The questions of ray.h, all_hits.h, closest_point.h and overlap.h answered by trying every
-// triangle: oracle of tests and baseline of benchmarks. Same decisions, same bits.
+// The questions of ray.h, all_hits.h, closest_point.h, overlap.h and instances.h answered by trying
+// every instance and triangle: oracle of tests and baseline of benchmarks. Same decisions, same
+// bits.
 
 std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
                                          const geometry::Ray& ray) noexcept;
@@ -29,6 +31,10 @@ std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mes
                                                    const geometry::Vec3& point,
                                                    std::size_t count,
                                                    double most);
+
+std::optional<InstanceHit> closest_hit(const Instances& scene, const geometry::Ray& ray) noexcept;
+
+bool occluded(const Instances& scene, const geometry::Segment& segment) noexcept;
 
 template <geometry::Region Region>
 std::vector<geometry::TriangleId> overlapping(const geometry::MeshView& mesh,
