@@ -1,18 +1,54 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/bvh/instances.h"
+#include "earshot/geometry/closest_point.h"
 #include "earshot/geometry/mesh.h"
+#include "earshot/geometry/overlap.h"
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace earshot::bvh::brute_force {
 
-// The questions of ray.h answered by trying every triangle: oracle of tests and baseline of
-// benchmarks. Same decisions, same bits.
+// The questions of ray.h, all_hits.h, closest_point.h, overlap.h and instances.h answered by trying
+// every instance and triangle: oracle of tests and baseline of benchmarks. Same decisions, same
+// bits.
 
 std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
                                          const geometry::Ray& ray) noexcept;
 
+std::vector<geometry::Hit> all_hits(const geometry::MeshView& mesh, const geometry::Ray& ray);
+
 bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) noexcept;
+
+std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
+                                                 const geometry::Vec3& point,
+                                                 double most);
+
+std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mesh,
+                                                   const geometry::Vec3& point,
+                                                   std::size_t count,
+                                                   double most);
+
+std::optional<InstanceHit> closest_hit(const Instances& scene, const geometry::Ray& ray) noexcept;
+
+bool occluded(const Instances& scene, const geometry::Segment& segment) noexcept;
+
+template <geometry::Region Region>
+std::vector<geometry::TriangleId> overlapping(const geometry::MeshView& mesh,
+                                              const Region& region) {
+    std::vector<geometry::TriangleId> found;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const geometry::Triangle& triangle = mesh.triangles[i];
+        if (region.touches(mesh.positions[triangle[0]],
+                           mesh.positions[triangle[1]],
+                           mesh.positions[triangle[2]])) {
+            found.push_back(static_cast<geometry::TriangleId>(i));
+        }
+    }
+    return found;
+}
 
 }  // namespace earshot::bvh::brute_force

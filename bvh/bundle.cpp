@@ -25,7 +25,7 @@ constexpr double kCornerSlack = 0x1p-20;
 constexpr double kEdge = 5.0;
 
 // Wider bundles meet so many boxes that rays are faster one by one.
-constexpr double kMostSpread = 0.15;
+constexpr float kMostSpread = 0.15F;
 
 double largest(const Vec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -47,93 +47,79 @@ unsigned signs_of(const Vec3& v) noexcept {
            (std::signbit(v.z) ? 4U : 0U);
 }
 
-bool is_in_range(const Ray& ray, double reach) noexcept {
-    const double scene = std::max(largest(ray.origin), reach);
-    const double size = largest(ray.direction);
-    const double sum = (ray.origin.x + ray.origin.y + ray.origin.z) +
-                       (ray.direction.x + ray.direction.y + ray.direction.z);
-    return scene >= kSmallest && scene <= kLargest && size >= kShortest && size <= kLongest &&
-           sum - sum == 0.0 && ray.t_max >= 0.0;
-}
-
 }  // namespace
 
-std::size_t Bundle::length(std::span<const Ray> rays, double reach) noexcept {
-    if (rays.empty() || !is_in_range(rays[0], reach)) {
+std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
+    rays_ = {};
+    if (rays.empty()) {
+        return 0;
+    }
+    const Vec3& from = rays[0].origin;
+    const double scene = std::max(largest(from), reach);
+    const double sum = from.x + from.y + from.z;
+    if (!(scene >= kSmallest && scene <= kLargest && sum - sum == 0.0)) {
         return 0;
     }
     const Axes axes = axes_of(rays[0].direction);
     const unsigned signs = signs_of(rays[0].direction);
-    double lower[2] = {2.0, 2.0};
-    double upper[2] = {-2.0, -2.0};
+    float lower[2] = {2.0F, 2.0F};
+    float upper[2] = {-2.0F, -2.0F};
     std::size_t count = 0;
     for (; count < std::min(rays.size(), kMost); ++count) {
         const Ray& ray = rays[count];
         const double* d = glm::value_ptr(ray.direction);
-        const double inverse = 1.0 / std::abs(d[axes.z]);
-        const double slopes[2] = {d[axes.x] * inverse, d[axes.y] * inverse};
-        if (ray.origin != rays[0].origin || signs_of(ray.direction) != signs ||
-            !is_in_range(ray, reach) || std::abs(slopes[0]) > 1.0 || std::abs(slopes[1]) > 1.0) {
+        const double size = std::abs(d[axes.z]);
+        const double inverse = 1.0 / size;
+        const auto x = static_cast<float>(d[axes.x] * inverse);
+        const auto y = static_cast<float>(d[axes.y] * inverse);
+        const float low[2] = {std::min(lower[0], x), std::min(lower[1], y)};
+        const float high[2] = {std::max(upper[0], x), std::max(upper[1], y)};
+        // What is not a number fails one of these.
+        if (!(ray.origin == from && signs_of(ray.direction) == signs && size >= kShortest &&
+              size <= kLongest && std::abs(x) <= 1.0F && std::abs(y) <= 1.0F &&
+              high[0] - low[0] <= kMostSpread && high[1] - low[1] <= kMostSpread &&
+              ray.t_max >= 0.0)) {
             break;
         }
-        for (std::size_t k = 0; k < 2; ++k) {
-            lower[k] = std::min(lower[k], slopes[k]);
-            upper[k] = std::max(upper[k], slopes[k]);
-        }
-        if (upper[0] - lower[0] > kMostSpread || upper[1] - lower[1] > kMostSpread) {
-            break;
-        }
+        std::copy_n(low, 2, lower);
+        std::copy_n(high, 2, upper);
+        slope_x[count] = x;
+        slope_y[count] = y;
+        const double depth = ray.t_max * size;
+        bound[count] = geometry::round_up(depth * (1.0 + 0x1p-40));
+        inside[count] = geometry::round_down(depth * (1.0 - 0x1p-40));
+        counts_[count] = 0;
+        best_[count].reset();
     }
-    return count;
-}
-
-void Bundle::set(std::span<const Ray> rays, double reach) noexcept {
-    rays_ = rays;
+    if (count == 0) {
+        return 0;
+    }
+    rays_ = rays.first(count);
     reach_ = reach;
-    const Axes axes = axes_of(rays[0].direction);
     axis[0] = static_cast<std::uint32_t>(axes.x);
     axis[1] = static_cast<std::uint32_t>(axes.y);
     axis[2] = static_cast<std::uint32_t>(axes.z);
-    const double scene = std::max(largest(rays[0].origin), reach);
     for (std::size_t k = 0; k < 3; ++k) {
-        origin[k] = static_cast<float>(glm::value_ptr(rays[0].origin)[axis[k]]);
+        origin[k] = static_cast<float>(glm::value_ptr(from)[axis[k]]);
     }
-    sign = std::signbit(glm::value_ptr(rays[0].direction)[axes.z]) ? -1.0F : 1.0F;
-    order_shift = static_cast<int>(3 * signs_of(rays[0].direction));
+    sign = (signs >> axes.z & 1U) != 0 ? -1.0F : 1.0F;
+    order_shift = static_cast<int>(3 * signs);
     slack = static_cast<float>(kCornerSlack * scene);
     edge_slack = static_cast<float>(kEdge * kCornerSlack * scene);
-    float lower[2] = {2.0F, 2.0F};
-    float upper[2] = {-2.0F, -2.0F};
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        const double* d = glm::value_ptr(rays[i].direction);
-        const double size = std::abs(d[axes.z]);
-        const double inverse = 1.0 / size;
-        slope_x[i] = static_cast<float>(d[axes.x] * inverse);
-        slope_y[i] = static_cast<float>(d[axes.y] * inverse);
-        lower[0] = std::min(lower[0], slope_x[i]);
-        upper[0] = std::max(upper[0], slope_x[i]);
-        lower[1] = std::min(lower[1], slope_y[i]);
-        upper[1] = std::max(upper[1], slope_y[i]);
-        const double depth = rays[i].t_max * size;
-        bound[i] = geometry::round_up(depth * (1.0 + 0x1p-40));
-        inside[i] = geometry::round_down(depth * (1.0 - 0x1p-40));
-        counts_[i] = 0;
-        best_[i].reset();
-    }
     for (std::size_t k = 0; k < 2; ++k) {
         middle[k] = 0.5F * (lower[k] + upper[k]);
         spread[k] = 0.5F * (upper[k] - lower[k]) + 0x1p-22F;
     }
-    // The slopes' rounding counts as corners' (FloatRay: the shear's error).
-    for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         slope_x[i] -= middle[0];
         slope_y[i] -= middle[1];
     }
-    for (std::size_t i = rays.size(); i < kMost; ++i) {
-        slope_x[i] = slope_x[rays.size() - 1];
-        slope_y[i] = slope_y[rays.size() - 1];
+    for (std::size_t i = count; i < kMost && i % 8 != 0; ++i) {
+        slope_x[i] = slope_x[count - 1];
+        slope_y[i] = slope_y[count - 1];
         bound[i] = inside[i] = -1.0F;
     }
+    return count;
 }
 
 void Bundle::settle(const geometry::MeshView& mesh, std::size_t ray) noexcept {

@@ -32,7 +32,7 @@ void closest_of_many(const WideTree& tree,
     constexpr std::size_t kLastStretch = 1024;
     std::size_t stretch = kFirstStretch;
     for (std::size_t done = 0; done < rays.size();) {
-        const std::size_t count = Bundle::length(rays.subspan(done), reach);
+        const std::size_t count = bundle.take(rays.subspan(done), reach);
         if (count < kFewest) {
             const std::size_t end = std::min(done + stretch, rays.size());
             trace_stream(tree, mesh, rays, done, end, hits, queue);
@@ -41,7 +41,6 @@ void closest_of_many(const WideTree& tree,
             continue;
         }
         stretch = kFirstStretch;
-        bundle.set(rays.subspan(done, count), reach);
         trace_bundle(tree, mesh, bundle);
         for (std::size_t i = 0; i < count; ++i) {
             hits[done + i] = bundle.best(i);

@@ -6,6 +6,7 @@
 #include "earshot/cli/output.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/scene_file.h"
+#include "earshot/io/whole_file.h"
 
 #include <algorithm>
 #include <string>
@@ -16,12 +17,17 @@ namespace {
 
 constexpr const char* kNotes =
     "Times run from vertex positions to a tree that can be asked; each is the median of five.\n"
-    "The SAH cost is the expected work of a random ray, in triangle tests.\n\n";
+    "The SAH cost is the expected work of a random ray, in triangle tests. Over frames, a step is "
+    "a\n"
+    "node or leaf of the layout for rays; `updated` is the tree that chooses between refit, "
+    "repair\n"
+    "and rebuild.\n\n";
 
 constexpr const char* kExamples =
     "\nExamples:\n"
     "  earshot bvh hall.gltf                        nodes, depth, cost, memory, times\n"
     "  earshot bvh fox.glb --frames 0:1:0.1         how the tree ages over an animation\n"
+    "  earshot bvh fox.glb --frames 0:1:0.1 --plot ages.svg\n"
     "  earshot bvh kitchen.ply --threads 1 --json   for a program";
 
 std::string footer() {
@@ -48,17 +54,31 @@ public:
             ->excludes(time);
         app().add_option(
             "--animation", animation_, "name or number of the animation; default: the first");
+        CLI::Option* frames = app().get_option("--frames");
+        add_number(app(),
+                   "--rays",
+                   rays_,
+                   {.least = 0.0},
+                   "rays per frame that an update reckons with; default: 1000000")
+            ->needs(frames);
+        app()
+            .add_option(
+                "--plot", plot_file_, "a picture of steps per ray over the frames, FILE.svg")
+            ->needs(frames);
         app().add_option("--builder", builder_, "how the tree is built; default: binned_sah");
         app().footer(footer());
     }
 
     void run() override {
         const std::vector<double> instants = times();
-        const bvh::BuildOptions options = {.builder = builder()};
+        const HierarchyOptions options = {.build = {.builder = builder()}, .rays_per_frame = rays_};
         use_simd_target(common().simd);
         const io::LoadedScene loaded = io::load_scene(scene_file_, {.animation = animation_});
         Executor executor(static_cast<int>(common().threads));
         const HierarchyReport report = measure_hierarchy(loaded.scene, instants, options, executor);
+        if (!plot_file_.empty() && !report.frames.empty()) {
+            io::write_whole_file(plot_file_, hierarchy_plot(report));
+        }
         if (common().json) {
             write_output(hierarchy_json(report));
         } else if (!common().quiet) {
@@ -87,6 +107,8 @@ private:
         return named->builder;
     }
 
+    double rays_ = 1e6;
+    std::string plot_file_;
     std::string scene_file_, frames_, animation_;
     std::string builder_{bvh::named_builders().front().name};
     double time_ = 0.0;

@@ -2,6 +2,7 @@
 #include "earshot/cli/hierarchy_report.h"
 
 #include "earshot/base/assert.h"
+#include "earshot/bvh/aging.h"
 
 #include <nlohmann/json.hpp>
 
@@ -47,7 +48,7 @@ std::string formatted(const char* format, Values... values) {
 
 HierarchyReport measure_hierarchy(const propagation::Scene& scene,
                                   std::span<const double> times,
-                                  const bvh::BuildOptions& options,
+                                  const HierarchyOptions& options,
                                   Executor& executor) {
     EARSHOT_ASSERT(!times.empty());
     HierarchyReport report;
@@ -56,7 +57,7 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
     std::vector<geometry::Vec3> positions = scene.mesh.positions_at(times.front());
     const geometry::MeshView mesh = {positions, scene.mesh.triangles()};
     const auto build = [&] {
-        return bvh::Tree::build(bvh::triangle_boxes(mesh, executor), options, executor);
+        return bvh::Tree::build(bvh::triangle_boxes(mesh, executor), options.build, executor);
     };
     bvh::Tree tree;
     const auto refit = [&] { tree.refit(bvh::triangle_boxes(mesh, executor), executor); };
@@ -66,6 +67,9 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
     if (times.size() == 1) {
         return report;
     }
+    bvh::WideTree wide = bvh::WideTree::build(tree, mesh, executor);
+    bvh::MovingTree moving(
+        mesh, {.build = options.build, .rays_per_update = options.rays_per_frame}, executor);
     for (const double time : times) {
         scene.mesh.positions_at(time, positions);
         HierarchyFrame frame{.time = time};
@@ -74,6 +78,14 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
         bvh::Tree rebuilt;
         frame.build_seconds = seconds_of([&] { rebuilt = build(); });
         frame.rebuilt_sah_cost = bvh::sah_cost(rebuilt);
+        wide.refit(mesh, executor);
+        frame.refit_steps = bvh::expected_steps(wide, executor);
+        frame.rebuild_steps =
+            bvh::expected_steps(bvh::WideTree::build(rebuilt, mesh, executor), executor);
+        bvh::UpdateReport update;
+        frame.update_seconds = seconds_of([&] { update = moving.update(mesh, executor); });
+        frame.update_steps = update.steps;
+        frame.action = update.action;
         report.frames.push_back(frame);
     }
     return report;
@@ -93,15 +105,22 @@ std::string hierarchy_text(const HierarchyReport& report) {
     text += formatted("build      %.3f ms\n", 1e3 * report.build_seconds);
     text += formatted("refit      %.3f ms\n", 1e3 * report.refit_seconds);
     if (!report.frames.empty()) {
-        text += "\n    time s  refit ms  build ms  SAH refitted  SAH rebuilt\n";
+        text +=
+            "\n                                                            steps of a random ray\n"
+            "    time s  refit ms  build ms  SAH refitted  SAH rebuilt"
+            "  refitted  rebuilt  updated by\n";
     }
     for (const HierarchyFrame& frame : report.frames) {
-        text += formatted("%10.4f%10.3f%10.3f%14.2f%13.2f\n",
+        text += formatted("%10.4f%10.3f%10.3f%14.2f%13.2f%10.2f%9.2f%9.2f %s\n",
                           frame.time,
                           1e3 * frame.refit_seconds,
                           1e3 * frame.build_seconds,
                           frame.sah_cost,
-                          frame.rebuilt_sah_cost);
+                          frame.rebuilt_sah_cost,
+                          frame.refit_steps,
+                          frame.rebuild_steps,
+                          frame.update_steps,
+                          std::string(bvh::name_of(frame.action)).c_str());
     }
     return text;
 }
@@ -122,7 +141,12 @@ std::string hierarchy_json(const HierarchyReport& report) {
                                       {"sah_cost", frame.sah_cost},
                                       {"rebuilt_sah_cost", frame.rebuilt_sah_cost},
                                       {"refit_seconds", frame.refit_seconds},
-                                      {"build_seconds", frame.build_seconds}});
+                                      {"build_seconds", frame.build_seconds},
+                                      {"refit_steps", frame.refit_steps},
+                                      {"rebuild_steps", frame.rebuild_steps},
+                                      {"update_steps", frame.update_steps},
+                                      {"action", bvh::name_of(frame.action)},
+                                      {"update_seconds", frame.update_seconds}});
     }
     return document.dump(1) + "\n";
 }

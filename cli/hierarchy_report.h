@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/bvh/moving_tree.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/propagation/scene.h"
 
@@ -19,6 +20,18 @@ struct HierarchyFrame {
     double rebuilt_sah_cost = 0.0;  ///< of a tree built at this instant
     double refit_seconds = 0.0;
     double build_seconds = 0.0;
+    // Expected steps of a random ray over the wide layout, kept in three ways
+    // (bvh::expected_steps).
+    double refit_steps = 0.0;    ///< built at the first instant and refitted since
+    double rebuild_steps = 0.0;  ///< built at this instant
+    double update_steps = 0.0;   ///< kept by bvh::MovingTree
+    bvh::UpdateAction action{};  ///< what it did
+    double update_seconds = 0.0;
+};
+
+struct HierarchyOptions {
+    bvh::BuildOptions build{};
+    double rays_per_frame = 1e6;  ///< see bvh::UpdateOptions
 };
 
 /// What `earshot bvh` tells about the hierarchy of a scene. Times include the boxes of the
@@ -32,14 +45,18 @@ struct HierarchyReport {
     std::vector<HierarchyFrame> frames{};  ///< one per instant; empty where one was asked for
 };
 
-/// Builds the tree with these options at the first instant, measures, and follows the animation
+/// Builds the tree at the first instant, measures, and follows the animation
 /// through the others. Precondition: at least one instant.
 HierarchyReport measure_hierarchy(const propagation::Scene& scene,
                                   std::span<const double> times,
-                                  const bvh::BuildOptions& options,
+                                  const HierarchyOptions& options,
                                   Executor& executor);
 
 std::string hierarchy_text(const HierarchyReport& report);
 std::string hierarchy_json(const HierarchyReport& report);
+
+/// A picture of steps per ray over the frames, for a tree that is refitted only, rebuilt always,
+/// and kept by bvh::MovingTree: an SVG file. Precondition: there are frames.
+std::string hierarchy_plot(const HierarchyReport& report);
 
 }  // namespace earshot::cli

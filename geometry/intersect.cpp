@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/intersect.h"
 
+#include "earshot/geometry/internal/projection.h"
 #include "earshot/geometry/predicates.h"
 
 #include <glm/gtc/type_ptr.hpp>
@@ -23,10 +24,6 @@ constexpr double kMostInverse = 0x1p1023;
 
 double largest(const Vec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
-
-glm::dvec2 drop(const Vec3& point, int axis) noexcept {
-    return {point[(axis + 1) % 3], point[(axis + 2) % 3]};
 }
 
 /// An axis along which the triangle does not project to a line.

@@ -19,13 +19,10 @@ class Bundle {
 public:
     static constexpr std::size_t kMost = 64;
 
-    /// How many of the first rays can go together: the same origin, bit for bit, directions with
-    /// the same largest component and the same signs and slopes that differ little, all within the
-    /// range of FloatRay. 0 or 1 where it is not worth while.
-    static std::size_t length(std::span<const geometry::Ray> rays, double reach) noexcept;
-
-    /// Precondition: length() gave the number of rays.
-    void set(std::span<const geometry::Ray> rays, double reach) noexcept;
+    /// Takes as many of the first rays as can go together, and returns how many: they have the same
+    /// origin, directions with the same largest component and the same signs, slopes that differ
+    /// little, and lie within the range of FloatRay. 0 if the first does not.
+    std::size_t take(std::span<const geometry::Ray> rays, double reach) noexcept;
 
     /// A triangle that a ray may hit, no nearer than `near`. Precondition: near <= bound[ray].
     void add(const geometry::MeshView& mesh,
@@ -63,7 +60,7 @@ public:
     float slack, edge_slack;
     int order_shift;  ///< of WideNode::order
 
-    // Per ray; those beyond count() repeat the last with a bound below 0.
+    // Per ray; up to a multiple of eight the last is repeated, with a bound below 0.
     alignas(32) float slope_x[kMost];  ///< less the middle's
     alignas(32) float slope_y[kMost];
     alignas(32) float bound[kMost];   ///< no hit farther than this can be the closest

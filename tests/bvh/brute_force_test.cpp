@@ -19,14 +19,14 @@ TEST(BruteForce, FindsTheNearerOfTwoWalls) {
     EXPECT_DOUBLE_EQ(hit->u, 0.25);
     EXPECT_DOUBLE_EQ(hit->v, 0.25);
     EXPECT_FALSE(brute_force::closest_hit(kWalls.view(), {.direction = {-1, 0, 0}}));
-    EXPECT_FALSE(brute_force::closest_hit({}, {.direction = {1, 0, 0}}));
+    EXPECT_FALSE(brute_force::closest_hit(geometry::MeshView{}, {.direction = {1, 0, 0}}));
 }
 
 TEST(BruteForce, SegmentsStopAtTheirEnds) {
     EXPECT_TRUE(brute_force::occluded(kWalls.view(), {{0, 0, 0}, {1, 0, 0}}));
     EXPECT_FALSE(brute_force::occluded(kWalls.view(), {{0, 0, 0}, {0.99, 0, 0}}));
     EXPECT_FALSE(brute_force::occluded(kWalls.view(), {{1.01, 0, 0}, {1.99, 0, 0}}));
-    EXPECT_FALSE(brute_force::occluded({}, {{0, 0, 0}, {1, 0, 0}}));
+    EXPECT_FALSE(brute_force::occluded(geometry::MeshView{}, {{0, 0, 0}, {1, 0, 0}}));
 }
 
 }  // namespace

@@ -2,7 +2,10 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/temporary_folder.h"
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 namespace earshot::test {
@@ -28,6 +31,7 @@ Json without_times(Json report) {
     for (Json& frame : report["frames"]) {
         frame.erase("build_seconds");
         frame.erase("refit_seconds");
+        frame.erase("update_seconds");
     }
     return report;
 }
@@ -57,6 +61,11 @@ TEST(Bvh, FramesFollowTheAnimation) {
         EXPECT_GT(frame.at("rebuilt_sah_cost"), 0.0);
         EXPECT_GT(frame.at("refit_seconds"), 0.0);
         EXPECT_GT(frame.at("build_seconds"), 0.0);
+        EXPECT_GT(frame.at("refit_steps"), 1.0);
+        EXPECT_GT(frame.at("rebuild_steps"), 1.0);
+        EXPECT_GT(frame.at("update_steps"), 1.0);
+        const std::string action = frame.at("action");
+        EXPECT_TRUE(action == "refit" || action == "repair" || action == "rebuild") << action;
         time += 0.5;
     }
     EXPECT_EQ(report["frames"][0]["sah_cost"], report["sah_cost"]);
@@ -86,6 +95,29 @@ TEST(Bvh, TableHasALinePerQuantityAndFrame) {
     }
     EXPECT_EQ(frames, 3);
     EXPECT_EQ(run_earshot({"bvh", kScenes + "door.gltf", "--quiet"}).out, "");
+}
+
+TEST(Bvh, PlotsTheFrames) {
+    const TemporaryFolder folder;
+    const std::string file = (folder.path() / "frames.svg").string();
+    const RunResult result =
+        run_earshot({"bvh", kScenes + "door.gltf", "--frames", "0:1:0.25", "--plot", file});
+    EXPECT_EQ(result.status, 0) << result.err;
+    std::ifstream stream(file);
+    const std::string svg{std::istreambuf_iterator<char>(stream), {}};
+    EXPECT_EQ(svg.rfind("<svg", 0), 0U);
+    EXPECT_NE(svg.find("rebuild always"), std::string::npos);
+    EXPECT_NE(svg.find("</svg>"), std::string::npos);
+    EXPECT_TRUE(
+        failed_with(run_earshot({"bvh", kScenes + "door.gltf", "--plot", file}), 2, "--frames"));
+    EXPECT_TRUE(failed_with(run_earshot({"bvh",
+                                         kScenes + "door.gltf",
+                                         "--frames",
+                                         "0:1:0.5",
+                                         "--plot",
+                                         "/no/such/folder/x.svg"}),
+                            1,
+                            "/no/such/folder"));
 }
 
 TEST(Bvh, BuildersMakeTreesOfTheirOwn) {

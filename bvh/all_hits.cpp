@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/all_hits.h"
+
+#include "earshot/bvh/ray.h"
+
+#include <algorithm>
+
+namespace earshot::bvh {
+
+using geometry::Hit;
+using geometry::PreparedRay;
+using geometry::TriangleId;
+
+namespace {
+
+bool comes_before(const Hit& a, const Hit& b) noexcept {
+    return a.t != b.t ? a.t < b.t : a.triangle < b.triangle;
+}
+
+bool comes_after(const Hit& a, const Hit& b) noexcept {
+    return comes_before(b, a);
+}
+
+std::optional<Hit> hit_of(const PreparedRay& ray, const geometry::MeshView& mesh, TriangleId id) {
+    const geometry::Triangle& triangle = mesh.triangles[id];
+    auto hit = ray.hit(mesh.positions[triangle[0]],
+                       mesh.positions[triangle[1]],
+                       mesh.positions[triangle[2]],
+                       ray.t_max());
+    if (hit) {
+        hit->triangle = id;
+    }
+    return hit;
+}
+
+}  // namespace
+
+OrderedHits::OrderedHits(const Tree& tree, const geometry::MeshView& mesh, const geometry::Ray& ray)
+    : tree_(tree), mesh_(mesh), ray_(ray, reach_of(tree)) {
+    if (!tree.nodes().empty() && ray_.is_valid()) {
+        wait_for(0);
+    }
+}
+
+std::optional<Hit> OrderedHits::next() {
+    // A node that begins at the distance of a hit may hold another of lower index.
+    while (!waiting_.empty() && (hits_.empty() || waiting_.front().near <= hits_.front().t)) {
+        const std::uint32_t node = waiting_.front().node;
+        std::pop_heap(waiting_.begin(), waiting_.end(), [](const Waiting& a, const Waiting& b) {
+            return a.near > b.near;
+        });
+        waiting_.pop_back();
+        open(node);
+    }
+    if (hits_.empty()) {
+        return std::nullopt;
+    }
+    std::pop_heap(hits_.begin(), hits_.end(), comes_after);
+    const Hit first = hits_.back();
+    hits_.pop_back();
+    return first;
+}
+
+void OrderedHits::wait_for(std::uint32_t node) {
+    const auto passage = ray_.passage(tree_.nodes()[node].box, ray_.t_max());
+    if (passage.is_empty()) {
+        return;
+    }
+    waiting_.push_back({node, passage.near});
+    std::push_heap(waiting_.begin(), waiting_.end(), [](const Waiting& a, const Waiting& b) {
+        return a.near > b.near;
+    });
+}
+
+void OrderedHits::open(std::uint32_t index) {
+    const Node& node = tree_.nodes()[index];
+    if (!node.is_leaf()) {
+        wait_for(node.first);
+        wait_for(node.first + 1);
+        return;
+    }
+    for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        if (const auto hit = hit_of(ray_, mesh_, tree_.primitives()[i])) {
+            hits_.push_back(*hit);
+            std::push_heap(hits_.begin(), hits_.end(), comes_after);
+        }
+    }
+}
+
+std::vector<Hit> all_hits(const Tree& tree,
+                          const geometry::MeshView& mesh,
+                          const geometry::Ray& ray) {
+    const PreparedRay prepared(ray, reach_of(tree));
+    std::vector<Hit> hits;
+    if (!prepared.is_valid()) {
+        return hits;
+    }
+    traverse(
+        tree,
+        [&](const Node& node) { return !prepared.passage(node.box, prepared.t_max()).is_empty(); },
+        [&](TriangleId id) {
+            if (const auto hit = hit_of(prepared, mesh, id)) {
+                hits.push_back(*hit);
+            }
+            return true;
+        });
+    std::sort(hits.begin(), hits.end(), comes_before);
+    return hits;
+}
+
+}  // namespace earshot::bvh

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/bvh/tree.h"
+#include "earshot/geometry/closest_point.h"
+#include "earshot/geometry/mesh.h"
+
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace earshot::bvh {
+
+// Queries over a tree whose primitive i is triangle i of the mesh, in the box triangle_boxes()
+// gives it. Distances are decided by geometry::PreparedPoint, so answers depend on the mesh alone,
+// never on the tree. Nothing is near a point with a coordinate that is not finite, and nothing
+// within a distance that is negative or not a number.
+
+/// The nearest point of the mesh within `most` metres (inclusive); of triangles at the same
+/// distance the lowest TriangleId. Does not allocate.
+std::optional<geometry::NearPoint> closest_point(
+    const Tree& tree,
+    const geometry::MeshView& mesh,
+    const geometry::Vec3& point,
+    double most = std::numeric_limits<double>::infinity()) noexcept;
+
+/// The nearest points of the `count` nearest triangles within `most` metres (inclusive): by
+/// distance, then by TriangleId. Fewer if there are no more.
+std::vector<geometry::NearPoint> nearest_triangles(
+    const Tree& tree,
+    const geometry::MeshView& mesh,
+    const geometry::Vec3& point,
+    std::size_t count,
+    double most = std::numeric_limits<double>::infinity());
+
+}  // namespace earshot::bvh

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/bvh/tree.h"
+#include "earshot/geometry/closest_point.h"
+#include "earshot/geometry/mesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace earshot::bvh {
+
+/// Nearer first, of equally near ones the lowest triangle.
+inline bool comes_before(const geometry::NearPoint& a, const geometry::NearPoint& b) noexcept {
+    return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
+}
+
+/// Offers triangles to a collector, the nearest boxes first: collector.most() is the distance
+/// beyond which it wants none, and never grows; collector.add(found) takes one that is no farther.
+/// Does not allocate.
+template <class Collector>
+void search_nearest(const Tree& tree,
+                    const geometry::MeshView& mesh,
+                    const geometry::PreparedPoint& point,
+                    Collector& collector) {
+    struct Waiting {
+        std::uint32_t node = 0;
+        double distance = 0.0;
+    };
+    const auto nodes = tree.nodes();
+    if (nodes.empty() || !point.is_valid()) {
+        return;
+    }
+    // Of each inner node on the way down one child waits here.
+    std::array<Waiting, kMaxDepth + 1> waiting;
+    std::size_t count = 0;
+    waiting[count++] = {0, point.distance(nodes[0].box)};
+    while (count > 0) {
+        Waiting current = waiting[--count];
+        // A box at the distance of the best triangle may hold one of lower index. Written so that
+        // a bound that is not a number lets nothing pass.
+        while (current.distance <= collector.most()) {
+            const Node& node = nodes[current.node];
+            if (node.is_leaf()) {
+                for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+                    const geometry::TriangleId id = tree.primitives()[i];
+                    const geometry::Triangle& triangle = mesh.triangles[id];
+                    auto found = point.nearest(mesh.positions[triangle[0]],
+                                               mesh.positions[triangle[1]],
+                                               mesh.positions[triangle[2]],
+                                               collector.most());
+                    if (found) {
+                        found->triangle = id;
+                        collector.add(*found);
+                    }
+                }
+                break;
+            }
+            Waiting near{node.first, point.distance(nodes[node.first].box)};
+            Waiting far{node.first + 1, point.distance(nodes[node.first + 1].box)};
+            if (far.distance < near.distance) {
+                std::swap(near, far);
+            }
+            waiting[count++] = far;
+            current = near;
+        }
+    }
+}
+
+}  // namespace earshot::bvh

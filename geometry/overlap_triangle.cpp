@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/geometry/internal/projection.h"
+#include "earshot/geometry/intersect.h"
+#include "earshot/geometry/overlap.h"
+#include "earshot/geometry/predicates.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::geometry {
+namespace {
+
+using Corners = std::array<Vec3, 3>;
+
+bool has_area(const Corners& t) noexcept {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (orient2d(drop(t[0], axis), drop(t[1], axis), drop(t[2], axis)) != 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// What a triangle without area is.
+Segment segment_of(Corners t) noexcept {
+    std::sort(t.begin(), t.end(), [](const Vec3& a, const Vec3& b) {
+        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
+    });
+    return {t[0], t[2]};
+}
+
+bool intervals_touch(double a, double b, double c, double d) noexcept {
+    return std::max(std::min(a, b), std::min(c, d)) <= std::min(std::max(a, b), std::max(c, d));
+}
+
+/// Whether closed segments, or points, share a point.
+bool touch(const glm::dvec2& p,
+           const glm::dvec2& q,
+           const glm::dvec2& r,
+           const glm::dvec2& s) noexcept {
+    return intervals_touch(p.x, q.x, r.x, s.x) && intervals_touch(p.y, q.y, r.y, s.y) &&
+           orient2d(p, q, r) * orient2d(p, q, s) <= 0 && orient2d(r, s, p) * orient2d(r, s, q) <= 0;
+}
+
+bool touch(const Segment& one, const Segment& other) noexcept {
+    if (orient3d(one.from, one.to, other.from, other.to) != 0) {
+        return false;
+    }
+    // They lie in one plane, and some projection keeps apart what is apart in it.
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!touch(drop(one.from, axis),
+                   drop(one.to, axis),
+                   drop(other.from, axis),
+                   drop(other.to, axis))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Whether the plane of one leaves the other on one side.
+bool plane_parts(const Corners& one, const Corners& other) noexcept {
+    const int side = orient3d(one[0], one[1], one[2], other[0]);
+    return side != 0 && orient3d(one[0], one[1], one[2], other[1]) == side &&
+           orient3d(one[0], one[1], one[2], other[2]) == side;
+}
+
+bool an_edge_touches(const Corners& one, const Corners& other) noexcept {
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (touches({one[i], one[(i + 1) % 3]}, other[0], other[1], other[2])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+TriangleRegion::TriangleRegion(const Vec3& a, const Vec3& b, const Vec3& c) noexcept
+    : corners_{a, b, c} {
+    for (const Vec3& corner : corners_) {
+        if (!(std::isfinite(corner.x) && std::isfinite(corner.y) && std::isfinite(corner.z))) {
+            return;
+        }
+    }
+    box_ = triangle_box(a, b, c);
+}
+
+bool TriangleRegion::may_touch(const Aabb& box) const noexcept {
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (box_.lower[k] > box.upper[k] || box_.upper[k] < box.lower[k]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// Two triangles share a point if and only if an edge of one shares a point with the other: where
+// they meet, a border begins or ends.
+bool TriangleRegion::touches(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
+    const Corners other{a, b, c};
+    if (box_.is_empty()) {
+        return false;
+    }
+    const bool is_flat = !has_area(corners_);
+    const bool other_is_flat = !has_area(other);
+    if (is_flat && other_is_flat) {
+        return touch(segment_of(corners_), segment_of(other));
+    }
+    if (other_is_flat) {
+        return geometry::touches(segment_of(other), corners_[0], corners_[1], corners_[2]);
+    }
+    if (is_flat) {
+        return geometry::touches(segment_of(corners_), a, b, c);
+    }
+    return !plane_parts(corners_, other) && !plane_parts(other, corners_) &&
+           (an_edge_touches(corners_, other) || an_edge_touches(other, corners_));
+}
+
+}  // namespace earshot::geometry
