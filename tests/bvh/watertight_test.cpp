@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/ray.h"
+#include "earshot/bvh/wide_batch.h"
+#include "earshot/bvh/wide_ray.h"
 
 #include <glm/common.hpp>
 #include <gtest/gtest.h>
@@ -58,24 +60,31 @@ Vec3 aligned(Vec3 origin, const Vec3& target, const Vec3& middle, int count) {
     return origin;
 }
 
-/// Rays from points inside a closed mesh to its edges and vertices that hit nothing.
-std::size_t leaks_of(const Mesh& mesh, double inner_radius, std::uint64_t rays) {
+/// Rays from points inside a closed mesh to its edges and vertices that hit nothing: asked of the
+/// binary tree, and of the wide tree one by one and in batches. Runs of rays from one point become
+/// bundles there.
+std::size_t leaks_of(const Mesh& mesh, double inner_radius, std::uint64_t count) {
     const Tree tree = Tree::build(triangle_boxes(mesh.view()));
+    const WideTree wide = WideTree::build(tree, mesh.view());
     const Vec3 middle = middle_of(tree);
     std::size_t leaks = 0;
-    for (std::uint64_t i = 0; i < rays; ++i) {
+    std::vector<Ray> rays;
+    for (std::uint64_t i = 0; i < count; ++i) {
         const auto& triangle = mesh.triangles[i % mesh.triangles.size()];
         const Vec3& a = mesh.positions[triangle[i % 3]];
         const Vec3& b = mesh.positions[triangle[(i + 1) % 3]];
         const double share = i % 7 == 0 ? 0.0 : random(17, 0, i);
         const Vec3 target = a + share * (b - a);
-        const Vec3 inside = middle + inner_radius * test::random_point(18, i);
+        const Vec3 inside = middle + inner_radius * test::random_point(18, i % 1000 < 500 ? i : 0);
         const int alignment = i % 5 == 0 ? static_cast<int>(i % 3) : 0;
         const Vec3 origin = aligned(inside, target, middle, alignment);
         const Ray ray{.origin = origin, .direction = target - origin};
         leaks += closest_hit(tree, mesh.view(), ray) ? 0 : 1;
+        leaks += closest_hit(wide, mesh.view(), ray) ? 0 : 1;
+        rays.push_back(ray);
     }
-    return leaks;
+    const auto hits = closest_hits(wide, mesh.view(), rays);
+    return leaks + static_cast<std::size_t>(std::count(hits.begin(), hits.end(), std::nullopt));
 }
 
 TEST(Watertight, NoRayLeavesASphereThroughEdgesOrVertices) {
