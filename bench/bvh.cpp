@@ -4,6 +4,7 @@
 // configure time, with Embree, in one process, in turns, with the same rays.
 
 #include "earshot/base/error.h"
+#include "earshot/base/random.h"
 #include "earshot/base/simd.h"
 #include "earshot/bvh/builder_names.h"
 #include "earshot/io/scene_file.h"
@@ -15,10 +16,12 @@
 #include "bvh_rays.h"
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <sys/resource.h>
 #include <vector>
 
 namespace {
@@ -32,6 +35,7 @@ struct Options {
     std::size_t rays = 1U << 20;
     bool from_inside = false;
     std::string builder = "binned_sah";
+    std::size_t generate = 0;
     std::vector<std::string> sets, only;
 };
 
@@ -216,16 +220,56 @@ Table measure_rays(const Options& options,
     return table;
 }
 
+Mesh loaded(const std::string& file) {
+    const auto scene = earshot::io::load_scene(file, {});
+    const auto& mesh = scene.scene.mesh;
+    return {mesh.positions_at(0.0), {mesh.triangles().begin(), mesh.triangles().end()}};
+}
+
+/// A city of `count` triangles or a few more: a grid of heights, level in blocks and rough on top.
+Mesh generated_city(std::size_t count) {
+    const auto side =
+        static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count) / 2.0)));
+    constexpr std::uint64_t kBlock = 24;
+    Mesh mesh;
+    mesh.positions.reserve((side + 1) * (side + 1));
+    mesh.triangles.reserve(2 * side * side);
+    for (std::size_t z = 0; z <= side; ++z) {
+        for (std::size_t x = 0; x <= side; ++x) {
+            const bool is_street = x % kBlock < 6 || z % kBlock < 6;
+            const double house = earshot::random(1, x / kBlock, z / kBlock);
+            const double rough = 0.2 * earshot::random(2, x, z);
+            mesh.positions.emplace_back(static_cast<double>(x),
+                                        (is_street ? 0.0 : 5.0 + 40.0 * house) + rough,
+                                        static_cast<double>(z));
+        }
+    }
+    for (std::size_t z = 0; z < side; ++z) {
+        for (std::size_t x = 0; x < side; ++x) {
+            const auto corner = static_cast<earshot::geometry::VertexId>(z * (side + 1) + x);
+            const auto below = static_cast<earshot::geometry::VertexId>(corner + side + 1);
+            mesh.triangles.push_back({corner, below, corner + 1});
+            mesh.triangles.push_back({corner + 1, below, below + 1});
+        }
+    }
+    return mesh;
+}
+
+/// The most memory that this process has had, GiB.
+double peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / (1024.0 * 1024.0);
+}
+
 void run(const Options& options) {
     earshot::use_simd_target(options.simd);
-    const auto loaded = earshot::io::load_scene(options.scene, {});
-    const auto& source = loaded.scene.mesh;
-    const Mesh mesh = {source.positions_at(0.0),
-                       {source.triangles().begin(), source.triangles().end()}};
+    const Mesh mesh =
+        options.generate > 0 ? generated_city(options.generate) : loaded(options.scene);
     earshot::Executor executor(options.threads);
     auto contenders = all_contenders(options);
     std::printf("%s: %zu triangles, %d threads, %s, medians of %d\n",
-                options.scene.c_str(),
+                options.scene.empty() ? "generated city" : options.scene.c_str(),
                 mesh.triangles.size(),
                 options.threads,
                 earshot::simd_targets().front().c_str(),
@@ -238,6 +282,7 @@ void run(const Options& options) {
                                     contenders,
                                     executor);
     rays.print("Million rays per second");
+    std::printf("\nAt most %.2f GiB of memory\n", peak_memory());
     rays.print_ratios("embree medium");
     rays.print_ratios("embree robust");
     if (!options.json.empty()) {
@@ -265,7 +310,8 @@ std::vector<std::string> builder_names() {
 int main(int argc, char** argv) {
     Options options;
     CLI::App app("Builds, refits and traces a mesh with earshot and Embree");
-    app.add_option("SCENE", options.scene, "mesh or glTF scene")->required();
+    app.add_option("SCENE", options.scene, "mesh or glTF scene");
+    app.add_option("--generate", options.generate, "a city of so many triangles instead");
     app.add_option("--threads", options.threads, "threads; default: 1");
     app.add_option("--repeats", options.repeats, "runs of each cell; default: 5");
     app.add_option("--rays", options.rays, "rays per set; default: 1048576");
@@ -277,6 +323,10 @@ int main(int argc, char** argv) {
     app.add_option("--simd", options.simd, "instruction set; default: auto");
     app.add_option("--json", options.json, "file for the figures");
     CLI11_PARSE(app, argc, argv);
+    if (options.scene.empty() == (options.generate == 0)) {
+        std::fprintf(stderr, "bench_bvh: error: give a scene, or --generate and a number\n");
+        return 2;
+    }
     try {
         run(options);
     } catch (const earshot::Error& error) {

@@ -27,25 +27,35 @@ void closest_of_many(const WideTree& tree,
     const double reach = tree.reach();
     DecisionQueue queue(mesh, rays, hits, reach);
     Bundle bundle;
-    // After rays that form no bundle more are taken before the next are looked at.
+    // After rays that form no bundle more are taken before the next are looked at; after a bundle
+    // that was given up, shorter ones are tried.
     constexpr std::size_t kFirstStretch = 8;
     constexpr std::size_t kLastStretch = 1024;
     std::size_t stretch = kFirstStretch;
+    std::size_t most = Bundle::kMost;
     for (std::size_t done = 0; done < rays.size();) {
-        const std::size_t count = bundle.take(rays.subspan(done), reach);
+        const auto next = rays.subspan(done, std::min(most, rays.size() - done));
+        const std::size_t count = bundle.take(next, reach);
         if (count < kFewest) {
             const std::size_t end = std::min(done + stretch, rays.size());
             trace_stream(tree, mesh, rays, done, end, hits, queue);
             done = end;
             stretch = std::min(4 * stretch, kLastStretch);
+            most = std::max(most, 2 * kFewest);
             continue;
         }
-        stretch = kFirstStretch;
-        trace_bundle(tree, mesh, bundle);
-        for (std::size_t i = 0; i < count; ++i) {
-            hits[done + i] = bundle.best(i);
-            bundle.for_each_left(i,
-                                 [&](std::uint32_t triangle) { queue.push(done + i, triangle); });
+        if (trace_bundle(tree, mesh, bundle)) {
+            for (std::size_t i = 0; i < count; ++i) {
+                hits[done + i] = bundle.best(i);
+                bundle.for_each_left(
+                    i, [&](std::uint32_t triangle) { queue.push(done + i, triangle); });
+            }
+            stretch = kFirstStretch;
+            most = std::min(2 * most, Bundle::kMost);
+        } else {
+            trace_stream(tree, mesh, rays, done, done + count, hits, queue);
+            stretch = kLastStretch;
+            most = count / 2;
         }
         done += count;
     }

@@ -202,12 +202,14 @@ HWY_INLINE float farthest_bound(const Bundle& bundle) {
     return largest(most);
 }
 
-/// Adds to every ray of the bundle what it may hit; the last of it is still to be decided.
-HWY_INLINE void trace_bundle(const WideTree& tree, const geometry::MeshView& mesh, Bundle& bundle) {
+/// Adds to every ray of the bundle what it may hit; the last of it is still to be decided. False:
+/// the bundle meets more leaves than it has rays, which are then faster on their own.
+HWY_INLINE bool trace_bundle(const WideTree& tree, const geometry::MeshView& mesh, Bundle& bundle) {
     const PyramidCull cull(bundle);
     const WideNode* nodes = tree.nodes().data();
     Walk walk;
     float farthest = farthest_bound(bundle);
+    std::size_t leaves_left = bundle.count();
     bool goes_on = true;
     while (goes_on) {
         if (!is_leaf(walk.child)) {
@@ -216,6 +218,9 @@ HWY_INLINE void trace_bundle(const WideTree& tree, const geometry::MeshView& mes
             const Mask8 met = cull(node, set8(farthest), near);
             walk.push(near, met, node, bundle.order_shift);
         } else {
+            if (leaves_left-- == 0) {
+                return false;
+            }
             const std::size_t count = leaf_count(walk.child);
             const std::uint32_t* words = leaf_words(tree, walk.child);
             LeafEdges edges;
@@ -229,6 +234,7 @@ HWY_INLINE void trace_bundle(const WideTree& tree, const geometry::MeshView& mes
         }
         goes_on = walk.pop(farthest);
     }
+    return true;
 }
 
 }  // namespace earshot::bvh::HWY_NAMESPACE
