@@ -44,6 +44,25 @@ Cut cut(std::span<const WideNode> nodes) {
 
 }  // namespace
 
+void WideTree::refit_node(std::size_t index, const geometry::MeshView& mesh, bool with_leaves) {
+    WideNode& node = nodes_[index];
+    for (std::size_t slot = 0; slot < WideNode::kWidth; ++slot) {
+        const std::uint32_t child = node.child[slot];
+        if (is_leaf(child)) {
+            if (with_leaves) {
+                std::uint32_t* words = words_.data() + kWordsPerTriangle * leaf_first(child);
+                set_slot_box(node, slot, fill_leaf(words, leaf_count(child), mesh));
+            }
+        } else if (child != kNoChild) {
+            set_slot_box(node, slot, box_of(nodes_[child]));
+        }
+    }
+}
+
+void WideTree::set_box() {
+    box_ = box_of(nodes_.front());
+}
+
 void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
     EARSHOT_ASSERT(mesh.triangles.size() == triangles_);
     if (nodes_.empty()) {
@@ -57,17 +76,6 @@ void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
                     slot, words_.data() + kWordsPerTriangle * leaf_first(child), leaf_count(child));
             }
         }
-    };
-    const auto refit_node = [&](std::size_t index) {
-        WideNode& node = nodes_[index];
-        for (std::size_t slot = 0; slot < WideNode::kWidth; ++slot) {
-            if (!is_leaf(node.child[slot]) && node.child[slot] != kNoChild) {
-                set_slot_box(node, slot, box_of(nodes_[node.child[slot]]));
-            }
-        }
-        for_each_leaf(node, [&](std::size_t slot, std::uint32_t* words, std::size_t count) {
-            set_slot_box(node, slot, fill_leaf(words, count, mesh));
-        });
     };
     // What a node will read of the mesh is asked for some nodes before.
     constexpr std::size_t kAhead = 2;
@@ -92,14 +100,14 @@ void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
             const Run& run = parts.runs[i];
             for (std::size_t node = run.end; node-- > run.begin;) {
                 fetch_for(run, node);
-                refit_node(node);
+                refit_node(node, mesh, true);
             }
         }
     });
     for (std::size_t i = parts.top.size(); i-- > 0;) {
-        refit_node(parts.top[i]);
+        refit_node(parts.top[i], mesh, true);
     }
-    box_ = box_of(nodes_.front());
+    set_box();
 }
 
 }  // namespace earshot::bvh

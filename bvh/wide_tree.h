@@ -78,6 +78,12 @@ public:
     std::size_t bytes() const noexcept;
 
 private:
+    friend class PartialRefit;
+
+    /// Sets a node's slots from its children, and from the mesh where they are leaves.
+    void refit_node(std::size_t index, const geometry::MeshView& mesh, bool with_leaves);
+    void set_box();
+
     LargeArray<WideNode> nodes_;
     LargeArray<std::uint32_t> words_;
     std::size_t triangles_ = 0;

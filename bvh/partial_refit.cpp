@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/partial_refit.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/bvh/internal/wide_node.h"
+
+#include <algorithm>
+
+namespace earshot::bvh {
+namespace {
+
+enum Mark : std::uint8_t { kChildMoved = 1, kLeafMoved = 2 };
+
+}  // namespace
+
+PartialRefit::PartialRefit(const WideTree& tree)
+    : node_of_(tree.triangles()), parents_(tree.nodes().size()), marks_(tree.nodes().size()) {
+    for (std::uint32_t i = 0; i < tree.nodes().size(); ++i) {
+        for (const std::uint32_t child : tree.nodes()[i].child) {
+            if (!is_leaf(child)) {
+                parents_[child] = child == kNoChild ? 0 : i;
+                continue;
+            }
+            const std::size_t count = leaf_count(child);
+            const auto ids = tree.words().subspan(
+                WideTree::kWordsPerTriangle * leaf_first(child) + 9 * count, count);
+            for (const std::uint32_t id : ids) {
+                node_of_[id] = i;
+            }
+        }
+    }
+}
+
+void PartialRefit::refit(WideTree& tree,
+                         const geometry::MeshView& mesh,
+                         std::span<const TriangleRange> moved) {
+    EARSHOT_ASSERT(tree.triangles() == node_of_.size() && tree.nodes().size() == marks_.size());
+    std::uint32_t last = 0;
+    bool has_moved = false;
+    for (const TriangleRange& range : moved) {
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
+            marks_[node_of_[i]] = kLeafMoved;
+            last = std::max(last, node_of_[i]);
+            has_moved = true;
+        }
+    }
+    if (!has_moved) {
+        return;
+    }
+    // Parents stand before their children.
+    for (std::uint32_t i = last + 1; i-- > 0;) {
+        const std::uint8_t mark = marks_[i];
+        if (mark == 0) {
+            continue;
+        }
+        marks_[i] = 0;
+        marks_[parents_[i]] |= i > 0 ? kChildMoved : 0;
+        tree.refit_node(i, mesh, (mark & kLeafMoved) != 0);
+    }
+    tree.set_box();
+}
+
+}  // namespace earshot::bvh
