@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: MIT
+//
+// bench_bvh_update [MESH]: what it costs to keep a hierarchy over a mesh that deforms, and to ask
+// it, for four policies: refit only, rebuild always, the 40 % rule of Lauterbach 2010, and
+// MovingTree.
+
+#include "earshot/base/error.h"
+#include "earshot/base/random.h"
+#include "earshot/bvh/aging.h"
+#include "earshot/bvh/moving_tree.h"
+#include "earshot/bvh/partial_refit.h"
+#include "earshot/bvh/wide_batch.h"
+#include "earshot/io/scene_file.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace {
+
+using earshot::random;
+using earshot::bvh::AreaRatioRule;
+using earshot::bvh::MovingTree;
+using earshot::bvh::Tree;
+using earshot::bvh::WideTree;
+using earshot::geometry::Hit;
+using earshot::geometry::Mesh;
+using earshot::geometry::MeshView;
+using earshot::geometry::Ray;
+using earshot::geometry::Vec3;
+
+constexpr int kFrames = 30;
+
+double seconds_of(const std::function<void()>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+struct Box {
+    Vec3 lower{1e300}, upper{-1e300};
+    double diagonal() const { return glm::length(upper - lower); }
+};
+
+Box box_of(const Mesh& mesh) {
+    Box box;
+    for (const Vec3& position : mesh.positions) {
+        box.lower = glm::min(box.lower, position);
+        box.upper = glm::max(box.upper, position);
+    }
+    return box;
+}
+
+/// The mesh with vertices that no two triangles share.
+Mesh unshared(const Mesh& mesh) {
+    Mesh result;
+    for (const auto& triangle : mesh.triangles) {
+        const auto first = static_cast<earshot::geometry::VertexId>(result.positions.size());
+        for (const auto vertex : triangle) {
+            result.positions.push_back(mesh.positions[vertex]);
+        }
+        result.triangles.push_back({first, first + 1, first + 2});
+    }
+    return result;
+}
+
+using Motion = std::function<Mesh(double)>;  // of time, 0 to 1
+
+/// A wave runs through the mesh.
+Motion wave(const Mesh& mesh) {
+    const double size = box_of(mesh).diagonal();
+    return [=](double time) {
+        Mesh moved = mesh;
+        for (Vec3& p : moved.positions) {
+            p.y += 0.05 * size * std::sin(20.0 * p.x / size + 6.0 * time);
+        }
+        return moved;
+    };
+}
+
+/// Cells of the mesh, `cells` along the diagonal, drift apart by half of it; with none, every
+/// triangle goes its own way.
+Motion drift(const Mesh& shared, double cells) {
+    const Mesh mesh = unshared(shared);
+    const Box box = box_of(mesh);
+    return [=](double time) {
+        Mesh moved = mesh;
+        for (std::size_t i = 0; i < moved.triangles.size(); ++i) {
+            const Vec3 place =
+                glm::floor(cells / box.diagonal() * (moved.positions[3 * i] - box.lower));
+            const auto part =
+                cells > 0.0 ? static_cast<std::uint64_t>(place.x + 1000.0 * place.y + 1e6 * place.z)
+                            : i;
+            const Vec3 way(random(1, part, 0), random(1, part, 1), random(1, part, 2));
+            for (std::size_t k = 0; k < 3; ++k) {
+                moved.positions[3 * i + k] += time * box.diagonal() * (way - 0.5);
+            }
+        }
+        return moved;
+    };
+}
+
+std::vector<Ray> random_rays(const Mesh& mesh, std::uint64_t frame, std::size_t count) {
+    const Box box = box_of(mesh);
+    std::vector<Ray> rays(count);
+    for (std::uint64_t i = 0; i < count; ++i) {
+        const auto dice = [&](std::uint64_t stream) { return random(frame, stream, i); };
+        const double z = 1.0 - 2.0 * dice(3);
+        const double r = std::sqrt(1.0 - z * z);
+        const double angle = 6.283185307179586 * dice(4);
+        rays[i] = {box.lower + (box.upper - box.lower) * Vec3(dice(0), dice(1), dice(2)),
+                   {r * std::cos(angle), r * std::sin(angle), z}};
+    }
+    return rays;
+}
+
+/// A way to keep a tree.
+struct Policy {
+    const char* name;
+    std::function<void(const MeshView&)> update;
+    std::function<const WideTree&()> tree;
+    double update_seconds = 0.0, ray_seconds = 0.0, worst_rate = 1e300;
+    std::vector<std::optional<Hit>> hits{};
+};
+
+WideTree built(const MeshView& mesh) {
+    return WideTree::build(Tree::build(earshot::bvh::triangle_boxes(mesh)), mesh);
+}
+
+void follow(const char* name, const Motion& motion, std::size_t ray_count) {
+    const Mesh rest = motion(0.0);
+    WideTree refitted = built(rest.view());
+    WideTree rebuilt = refitted;
+    MovingTree moving(rest.view(), {.rays_per_update = static_cast<double>(ray_count)});
+    Tree by_rule = Tree::build(earshot::bvh::triangle_boxes(rest.view()));
+    WideTree by_rule_wide = refitted;
+    auto rule = std::make_unique<AreaRatioRule>(by_rule);
+    int rule_rebuilds = 0, repairs = 0, rebuilds = 0;
+    std::vector<Policy> policies = {
+        {"rebuild always",
+         [&](const MeshView& mesh) { rebuilt = built(mesh); },
+         [&]() -> const WideTree& { return rebuilt; }},
+        {"refit only",
+         [&](const MeshView& mesh) { refitted.refit(mesh); },
+         [&]() -> const WideTree& { return refitted; }},
+        {"40 % rule",
+         [&](const MeshView& mesh) {
+             by_rule.refit(earshot::bvh::triangle_boxes(mesh));
+             if (rule->growth(by_rule) <= AreaRatioRule::kThreshold) {
+                 by_rule_wide.refit(mesh);
+                 return;
+             }
+             by_rule = Tree::build(earshot::bvh::triangle_boxes(mesh));
+             rule = std::make_unique<AreaRatioRule>(by_rule);
+             by_rule_wide = WideTree::build(by_rule, mesh);
+             ++rule_rebuilds;
+         },
+         [&]() -> const WideTree& { return by_rule_wide; }},
+        {"update",
+         [&](const MeshView& mesh) {
+             const auto action = moving.update(mesh).action;
+             repairs += action == earshot::bvh::UpdateAction::repair ? 1 : 0;
+             rebuilds += action == earshot::bvh::UpdateAction::rebuild ? 1 : 0;
+         },
+         [&]() -> const WideTree& { return moving.tree(); }}};
+    for (int frame = 1; frame <= kFrames; ++frame) {
+        const Mesh mesh = motion(static_cast<double>(frame) / kFrames);
+        const auto rays = random_rays(mesh, static_cast<std::uint64_t>(frame), ray_count);
+        double fresh = 0.0;
+        for (Policy& policy : policies) {
+            policy.hits.resize(ray_count);
+            policy.update_seconds += seconds_of([&] { policy.update(mesh.view()); });
+            const double asked = seconds_of(
+                [&] { earshot::bvh::closest_hits(policy.tree(), mesh.view(), rays, policy.hits); });
+            policy.ray_seconds += asked;
+            fresh = fresh == 0.0 ? asked : fresh;
+            policy.worst_rate = std::min(policy.worst_rate, fresh / asked);
+            if (policy.hits != policies.front().hits) {
+                std::printf("%s: answers differ in frame %d\n", policy.name, frame);
+            }
+        }
+    }
+    for (const Policy& policy : policies) {
+        std::printf("| %s | %s | %.2f | %.1f | %.1f | %.2f | %.2f |\n",
+                    name,
+                    policy.name,
+                    1e3 * policy.update_seconds / kFrames,
+                    1e3 * policy.ray_seconds / kFrames,
+                    1e3 * (policy.update_seconds + policy.ray_seconds) / kFrames,
+                    policies.front().ray_seconds / policy.ray_seconds,
+                    policy.worst_rate);
+    }
+    std::printf("| | 40 %% rule: %d rebuilds; update: %d repairs, %d rebuilds | | | | | |\n",
+                rule_rebuilds,
+                repairs,
+                rebuilds);
+}
+
+/// A hundred copies of the mesh, of which one moves.
+void move_one_of_a_hundred(const Mesh& part) {
+    Mesh mesh;
+    const double size = box_of(part).diagonal();
+    for (int copy = 0; copy < 100; ++copy) {
+        const auto first = static_cast<earshot::geometry::VertexId>(mesh.positions.size());
+        for (const Vec3& p : part.positions) {
+            mesh.positions.push_back(p + size * Vec3(copy % 10, 0.0, copy / 10));
+        }
+        for (const auto& t : part.triangles) {
+            mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+        }
+    }
+    WideTree tree = built(mesh.view());
+    earshot::bvh::PartialRefit places(tree);
+    const auto count = static_cast<std::uint32_t>(part.triangles.size());
+    const std::vector<earshot::bvh::TriangleRange> one = {{42 * count, 43 * count}};
+    double full = 1e300, partial = 1e300;
+    for (int repeat = 0; repeat < 5; ++repeat) {
+        for (std::size_t i = 0; i < part.positions.size(); ++i) {
+            mesh.positions[42 * part.positions.size() + i].y += 0.01 * size;
+        }
+        partial = std::min(partial, seconds_of([&] { places.refit(tree, mesh.view(), one); }));
+        full = std::min(full, seconds_of([&] { tree.refit(mesh.view()); }));
+    }
+    std::printf("\nOne of 100 parts moves, %zu triangles: %.3f ms, %.2f %% of a full refit\n",
+                mesh.triangles.size(),
+                1e3 * partial,
+                100.0 * partial / full);
+}
+
+void run(const char* file, std::size_t rays) {
+    const auto scene = earshot::io::load_scene(file, {});
+    const auto& source = scene.scene.mesh;
+    const Mesh mesh = {source.positions_at(0.0),
+                       {source.triangles().begin(), source.triangles().end()}};
+    std::printf("%s: %zu triangles, %d frames, %zu random rays a frame, one thread\n\n",
+                file,
+                mesh.triangles.size(),
+                kFrames,
+                rays);
+    std::printf(
+        "| motion | policy | update, ms | rays, ms | sum, ms | trace rate | worst frame |\n"
+        "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n");
+    follow("wave", wave(mesh), rays);
+    follow("parts drift", drift(mesh, 12.0), rays);
+    follow("every triangle drifts", drift(mesh, 0.0), rays);
+    move_one_of_a_hundred(mesh);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (argc < 2 || argc > 3) {
+        std::fprintf(stderr, "usage: bench_bvh_update MESH [RAYS]\n");
+        return 2;
+    }
+    try {
+        run(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 100000);
+    } catch (const earshot::Error& error) {
+        std::fprintf(stderr, "bench_bvh_update: error: %s\n", error.what());
+        return 1;
+    }
+    return 0;
+}
