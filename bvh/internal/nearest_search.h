@@ -8,7 +8,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <utility>
 
 namespace earshot::bvh {
 
@@ -27,7 +26,7 @@ void search_nearest(const Tree& tree,
                     Collector& collector) {
     struct Waiting {
         std::uint32_t node = 0;
-        double distance = 0.0;
+        double squared_distance = 0.0;
     };
     const auto nodes = tree.nodes();
     if (nodes.empty() || !point.is_valid()) {
@@ -36,12 +35,13 @@ void search_nearest(const Tree& tree,
     // Of each inner node on the way down one child waits here.
     std::array<Waiting, kMaxDepth + 1> waiting;
     std::size_t count = 0;
-    waiting[count++] = {0, point.distance(nodes[0].box)};
+    double bound = point.squared_bound(collector.most());
+    waiting[count++] = {0, point.squared_distance(nodes[0].box)};
     while (count > 0) {
         Waiting current = waiting[--count];
         // A box at the distance of the best triangle may hold one of lower index. Written so that
         // a bound that is not a number lets nothing pass.
-        while (current.distance <= collector.most()) {
+        while (current.squared_distance <= bound) {
             const Node& node = nodes[current.node];
             if (node.is_leaf()) {
                 for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
@@ -54,17 +54,18 @@ void search_nearest(const Tree& tree,
                     if (found) {
                         found->triangle = id;
                         collector.add(*found);
+                        bound = point.squared_bound(collector.most());
                     }
                 }
                 break;
             }
-            Waiting near{node.first, point.distance(nodes[node.first].box)};
-            Waiting far{node.first + 1, point.distance(nodes[node.first + 1].box)};
-            if (far.distance < near.distance) {
-                std::swap(near, far);
-            }
-            waiting[count++] = far;
-            current = near;
+            const double to_left = point.squared_distance(nodes[node.first].box);
+            const double to_right = point.squared_distance(nodes[node.first + 1].box);
+            // Without a branch that no processor could foresee.
+            const auto is_right = static_cast<std::uint32_t>(to_right < to_left);
+            waiting[count] = {node.first + 1 - is_right, to_left < to_right ? to_right : to_left};
+            count += waiting[count].squared_distance <= bound ? 1 : 0;
+            current = {node.first + is_right, to_right < to_left ? to_right : to_left};
         }
     }
 }
