@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/closest_point.h"
 
-#include "earshot/geometry/intersect.h"
-
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -51,44 +49,55 @@ Candidate on_edge(const Corners& corners, const Vec3& asked, int i) noexcept {
     return found;
 }
 
-// The weights below are off by less than 2^-50 of L^3 h (a normal tilted by rounding, times the
-// height h of the point) and of L |n| |start| (their own rounding), over n^2, with L the edges'
-// length. Nearer to an edge than four times that the edge is as good an answer.
-constexpr double kWeightRounding = 0x1p-48;
-
-/// The foot of the perpendicular, if it lies clearly inside the triangle.
-std::optional<Candidate> on_face(const Corners& corners, const Vec3& asked) noexcept {
-    const Vec3 start = corners[0] - asked;
-    const Vec3 ab = corners[1] - corners[0];
-    const Vec3 ac = corners[2] - corners[0];
-    const Vec3 normal = glm::cross(ab, ac);
-    const double normal_squared = glm::dot(normal, normal);
-    // Ericson 2005, section 5.1.5, with areas from cross products instead of Gram determinants,
-    // which lose twice the digits in a needle.
-    const double to_b = glm::dot(normal, glm::cross(ac, start)) / normal_squared;
-    const double to_c = glm::dot(normal, glm::cross(start, ab)) / normal_squared;
-    const double least = std::min({to_b, to_c, 1.0 - to_b - to_c});
-    if (!(least > 0.0)) {  // also if there is no area
-        return std::nullopt;
-    }
-    const double length_squared = std::max(glm::dot(ab, ab), glm::dot(ac, ac));
-    const double length = std::sqrt(length_squared);
-    const double normal_length = std::sqrt(normal_squared);
-    const double height = std::abs(glm::dot(normal, start)) / normal_length;
-    const double margin = kWeightRounding * length *
-                          (length_squared * height / normal_squared +
-                           std::sqrt(glm::dot(start, start)) / normal_length);
-    if (!(least > margin)) {
-        return std::nullopt;
-    }
-    return Candidate{.offset = start + to_b * ab + to_c * ac,
-                     .weights = {1.0 - to_b - to_c, to_b, to_c}};
+double size_of(const Vec3& v) noexcept {
+    return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
 }
 
-Candidate on_border(const Corners& corners, const Vec3& asked) noexcept {
-    Candidate best = on_edge(corners, asked, 0);
-    double least = glm::dot(best.offset, best.offset);
-    for (int i = 1; i < 3; ++i) {
+/// Where the foot of the perpendicular lies: weights of the corners, each times the square of the
+/// normal's length.
+struct Foot {
+    Vec3 start{0.0}, ab{0.0}, ac{0.0};  // from the point to the first corner, and on to the others
+    double normal_squared = 0.0;
+    Vec3 weights{0.0};
+    double margin = 0.0;  // farther than this from 0 the sign of a weight is certain
+
+    Foot(const Corners& corners, const Vec3& asked) noexcept
+        : start(corners[0] - asked), ab(corners[1] - corners[0]), ac(corners[2] - corners[0]) {
+        // Ericson 2005, section 5.1.5, with areas from cross products instead of Gram determinants,
+        // which lose twice the digits in a needle.
+        const Vec3 normal = glm::cross(ab, ac);
+        normal_squared = glm::dot(normal, normal);
+        const double to_b = glm::dot(normal, glm::cross(ac, start));
+        const double to_c = glm::dot(normal, glm::cross(start, ab));
+        weights = {normal_squared - to_b - to_c, to_b, to_c};
+        // With edges no longer than L and a normal n they are off by less than 2^-50 of L^3 h (a
+        // normal tilted by rounding, times the height h of the point) and of L |n| |start| (their
+        // own rounding). Nearer to an edge than four times that the edge is as good an answer.
+        constexpr double kRounding = 0x1p-48;
+        const double length = std::max(size_of(ab), size_of(ac));
+        const double normal_length = std::sqrt(normal_squared);
+        const double height = std::abs(glm::dot(normal, start)) / normal_length;
+        margin = kRounding * length * (length * length * height + size_of(start) * normal_length);
+    }
+};
+
+Candidate nearest_of(const Corners& corners, const Vec3& asked) noexcept {
+    const Foot foot(corners, asked);
+    const double least_weight = std::min({foot.weights.x, foot.weights.y, foot.weights.z});
+    Candidate best;
+    if (least_weight > foot.margin) {
+        best.weights = foot.weights / foot.normal_squared;
+        best.offset = foot.start + best.weights.y * foot.ab + best.weights.z * foot.ac;
+        return best;
+    }
+    // From outside, an edge with the triangle on its near side is not nearest. Without area the
+    // margin is 0 or not a number, and all edges are tried.
+    const bool is_outside = least_weight < -foot.margin;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 3; ++i) {
+        if (is_outside && foot.weights[(i + 2) % 3] > foot.margin) {
+            continue;
+        }
         const Candidate other = on_edge(corners, asked, i);
         const double squared = glm::dot(other.offset, other.offset);
         if (squared < least) {
@@ -110,18 +119,24 @@ std::optional<NearPoint> PreparedPoint::nearest(const Vec3& a,
                                                 const Vec3& b,
                                                 const Vec3& c,
                                                 double most) const noexcept {
+    double squared = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double lower = std::min(std::min(a[axis], b[axis]), c[axis]);
+        const double upper = std::max(std::max(a[axis], b[axis]), c[axis]);
+        squared += squared_gap(lower, upper, axis);
+    }
+    const double own = kShrink * std::sqrt(squared);
+    if (!(own <= most)) {
+        return std::nullopt;
+    }
     const Corners corners{a, b, c};
-    const auto inside = on_face(corners, point_);
-    const Candidate best = inside ? *inside : on_border(corners, point_);
-    const double distance = std::sqrt(glm::dot(best.offset, best.offset));
+    const Candidate best = nearest_of(corners, point_);
+    const double distance = std::max(own, std::sqrt(glm::dot(best.offset, best.offset)));
     if (!(distance <= most)) {
         return std::nullopt;
     }
-    const double own = this->distance(triangle_box(a, b, c));
-    NearPoint found{.distance = std::max(distance, own),
-                    .point = point_at(corners, best.weights),
-                    .weights = best.weights};
-    return found.distance <= most ? std::optional(found) : std::nullopt;
+    return NearPoint{
+        .distance = distance, .point = point_at(corners, best.weights), .weights = best.weights};
 }
 
 }  // namespace earshot::geometry

@@ -24,11 +24,11 @@ struct NearPoint {
 
 /// A point prepared for many boxes and triangles: the one place where distances are decided.
 ///
-/// distance(box) is monotone in floating point: of a box inside another it is no smaller than the
-/// other's, because every step (a difference with a fixed number, a maximum, a square, a sum, a
-/// root) is. A triangle is by definition no nearer than its own outward-rounded box. So a search
-/// may leave out every box that is farther than a triangle already found, and the answer is the
-/// same to the last bit with any hierarchy.
+/// squared_distance() is monotone in floating point: of a box inside another it is no smaller than
+/// the other's, because every step (a difference with a fixed number, a maximum, a square, a sum)
+/// is. A triangle is by definition no nearer than the box of its corners. So a search may leave out
+/// every box that is farther than a triangle already found, and the answer is the same to the last
+/// bit with any hierarchy.
 class PreparedPoint {
 public:
     explicit PreparedPoint(const Vec3& point) noexcept : point_(point) {}
@@ -38,20 +38,24 @@ public:
         return std::isfinite(point_.x) && std::isfinite(point_.y) && std::isfinite(point_.z);
     }
 
-    /// A lower bound of the distance to anything in the box, metres; infinite for the empty box.
-    double distance(const Aabb& box) const noexcept {
-        // Within 2^-51 of the true distance, relatively: one rounding per difference, square and
-        // sum. Shrinking by more keeps a box from moving a triangle whose distance is as precise.
-        constexpr double kShrink = 1.0 - 0x1p-48;
+    /// Of the box, within 2^-51 relatively; infinite for the empty box.
+    double squared_distance(const Aabb& box) const noexcept {
         double squared = 0.0;
         for (int axis = 0; axis < 3; ++axis) {
             const auto k = static_cast<std::size_t>(axis);
-            const double below = static_cast<double>(box.lower[k]) - point_[axis];
-            const double above = point_[axis] - static_cast<double>(box.upper[k]);
-            const double gap = below > above ? below : above;
-            squared += gap > 0.0 ? gap * gap : 0.0;
+            squared += squared_gap(
+                static_cast<double>(box.lower[k]), static_cast<double>(box.upper[k]), axis);
         }
-        return kShrink * std::sqrt(squared);
+        return squared;
+    }
+
+    /// The squared distance beyond which no box holds a triangle at `most` metres or nearer.
+    /// Infinite numbers are their own bounds; NaN becomes NaN, which lets nothing pass.
+    static double squared_bound(double most) noexcept {
+        // The factor is far above what kShrink and the root take away; the summand, far below any
+        // distance squared, keeps the product from underflowing.
+        constexpr double kGrow = 1.0 + 0x1p-40;
+        return most < 0.0 ? -1.0 : most * most * kGrow + 0x1p-1000;
     }
 
     /// The triangle's nearest point if it is at `most` metres at the farthest. NearPoint::triangle
@@ -63,6 +67,17 @@ public:
                                      double most) const noexcept;
 
 private:
+    // Keeps the box of a triangle's corners from moving a distance that is as precise.
+    static constexpr double kShrink = 1.0 - 0x1p-48;
+
+    double squared_gap(double lower, double upper, int axis) const noexcept {
+        const double below = lower - point_[axis];
+        const double above = point_[axis] - upper;
+        const double outside = below > above ? below : above;
+        const double gap = outside > 0.0 ? outside : 0.0;
+        return gap * gap;
+    }
+
     Vec3 point_;
 };
 

@@ -40,9 +40,12 @@ private:
 /// radius that is negative or not a number touch nothing.
 class SphereRegion {
 public:
-    SphereRegion(const Vec3& centre, double radius) noexcept : centre_(centre), radius_(radius) {}
+    SphereRegion(const Vec3& centre, double radius) noexcept
+        : centre_(centre), radius_(radius), squared_bound_(PreparedPoint::squared_bound(radius)) {}
 
-    bool may_touch(const Aabb& box) const noexcept { return centre_.distance(box) <= radius_; }
+    bool may_touch(const Aabb& box) const noexcept {
+        return centre_.squared_distance(box) <= squared_bound_;
+    }
     bool touches(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
         return centre_.is_valid() && centre_.nearest(a, b, c, radius_).has_value();
     }
@@ -50,6 +53,7 @@ public:
 private:
     PreparedPoint centre_;
     double radius_;
+    double squared_bound_;
 };
 
 /// What lies on or behind every one of some planes, such as a frustum. A triangle whose vertices
@@ -83,7 +87,8 @@ public:
 
 private:
     std::array<Vec3, 3> corners_;
-    Aabb box_;  // empty if a coordinate is not finite
+    Vec3 lower_, upper_;  // not numbers if a coordinate is not finite
+    bool has_area_ = false;
 };
 
 }  // namespace earshot::geometry

@@ -4,8 +4,11 @@
 #include "earshot/geometry/overlap.h"
 #include "earshot/geometry/predicates.h"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace earshot::geometry {
 namespace {
@@ -77,44 +80,43 @@ bool an_edge_touches(const Corners& one, const Corners& other) noexcept {
 }  // namespace
 
 TriangleRegion::TriangleRegion(const Vec3& a, const Vec3& b, const Vec3& c) noexcept
-    : corners_{a, b, c} {
+    : corners_{a, b, c}, lower_(glm::min(glm::min(a, b), c)), upper_(glm::max(glm::max(a, b), c)) {
     for (const Vec3& corner : corners_) {
         if (!(std::isfinite(corner.x) && std::isfinite(corner.y) && std::isfinite(corner.z))) {
+            lower_ = upper_ = Vec3(std::numeric_limits<double>::quiet_NaN());
             return;
         }
     }
-    box_ = triangle_box(a, b, c);
+    has_area_ = has_area(corners_);
 }
 
 bool TriangleRegion::may_touch(const Aabb& box) const noexcept {
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (box_.lower[k] > box.upper[k] || box_.upper[k] < box.lower[k]) {
-            return false;
-        }
-    }
-    return true;
+    return BoxRegion(lower_, upper_).may_touch(box);
 }
 
 // Two triangles share a point if and only if an edge of one shares a point with the other: where
 // they meet, a border begins or ends.
 bool TriangleRegion::touches(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(lower_[axis] <= std::max({a[axis], b[axis], c[axis]}) &&
+              upper_[axis] >= std::min({a[axis], b[axis], c[axis]}))) {
+            return false;
+        }
+    }
+    // Without area no plane parts anything.
     const Corners other{a, b, c};
-    if (box_.is_empty()) {
+    if (plane_parts(corners_, other) || plane_parts(other, corners_)) {
         return false;
     }
-    const bool is_flat = !has_area(corners_);
-    const bool other_is_flat = !has_area(other);
-    if (is_flat && other_is_flat) {
-        return touch(segment_of(corners_), segment_of(other));
+    const bool other_has_area = has_area(other);
+    if (has_area_ && other_has_area) {
+        return an_edge_touches(corners_, other) || an_edge_touches(other, corners_);
     }
-    if (other_is_flat) {
+    if (has_area_) {
         return geometry::touches(segment_of(other), corners_[0], corners_[1], corners_[2]);
     }
-    if (is_flat) {
-        return geometry::touches(segment_of(corners_), a, b, c);
-    }
-    return !plane_parts(corners_, other) && !plane_parts(other, corners_) &&
-           (an_edge_touches(corners_, other) || an_edge_touches(other, corners_));
+    const Segment segment = segment_of(corners_);
+    return other_has_area ? geometry::touches(segment, a, b, c) : touch(segment, segment_of(other));
 }
 
 }  // namespace earshot::geometry

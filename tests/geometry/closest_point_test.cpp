@@ -131,11 +131,24 @@ TEST(PreparedPoint, NoTriangleIsNearerThanABoxAroundIt) {
         const PreparedPoint point(Vec3(100.0, -3.0, 5e3) +
                                   2.0 * scale * test::random_point(7, 4 * i + 3));
         const double distance = point.nearest(t[0], t[1], t[2], kInfinity)->distance;
-        ASSERT_LE(point.distance(box), distance) << i;
+        const double bound = PreparedPoint::squared_bound(distance);
+        ASSERT_LE(point.squared_distance(box), bound) << i;
         box.include(Vec3(100.0) + scale * test::random_point(8, i));
-        ASSERT_LE(point.distance(box), distance) << i;
+        ASSERT_LE(point.squared_distance(box), bound) << i;
     }
-    EXPECT_EQ(PreparedPoint(Vec3(0.0)).distance(Aabb::empty()), kInfinity);
+    EXPECT_EQ(PreparedPoint(Vec3(0.0)).squared_distance(Aabb::empty()), kInfinity);
+}
+
+TEST(PreparedPoint, TheSquaredBoundIsTightAndKeepsItsMeaning) {
+    for (const double most : {1e-140, 1e-9, 1.0, 1e9, 1e150}) {
+        EXPECT_GT(PreparedPoint::squared_bound(most), most * most);
+        EXPECT_LT(PreparedPoint::squared_bound(most), most * most * (1.0 + 1e-11));
+    }
+    EXPECT_GT(PreparedPoint::squared_bound(1e-200), 0.0);
+    EXPECT_GT(PreparedPoint::squared_bound(0.0), 0.0);
+    EXPECT_LT(PreparedPoint::squared_bound(-1.0), 0.0);
+    EXPECT_EQ(PreparedPoint::squared_bound(kInfinity), kInfinity);
+    EXPECT_TRUE(std::isnan(PreparedPoint::squared_bound(std::nan(""))));
 }
 
 }  // namespace
