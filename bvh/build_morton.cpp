@@ -3,6 +3,7 @@
 #include "earshot/bvh/internal/morton.h"
 #include "earshot/bvh/internal/top_down.h"
 #include "earshot/bvh/optimise.h"
+#include "earshot/bvh/quality.h"
 
 #include <algorithm>
 
@@ -108,7 +109,9 @@ Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Exec
             nodes[i].box.include(nodes[nodes[i].first + 1].box);
         }
     }
-    return Tree::from_nodes(std::move(nodes), std::move(primitives));
+    Tree tree = Tree::from_nodes(std::move(nodes), std::move(primitives));
+    // Below the curve depths are counted anew.
+    return quality(tree).depth <= kMaxDepth ? tree : build_binned_sah(boxes, options, executor);
 }
 
 Tree build_fast(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/internal/morton.h"
+
+#include "earshot/bvh/tree.h"
+
+#include <gtest/gtest.h>
+
+#include "support/meshes.h"
+#include <algorithm>
+#include <vector>
+
+namespace earshot::bvh {
+namespace {
+
+using geometry::Aabb;
+
+Aabb point(float x, float y, float z) {
+    return {{x, y, z}, {x, y, z}};
+}
+
+std::vector<std::uint32_t> order_of(const std::vector<Aabb>& boxes) {
+    std::vector<std::uint32_t> order;
+    for (const MortonPlace& place : sorted_by_morton_code(boxes, Executor::serial())) {
+        order.push_back(place.index);
+    }
+    return order;
+}
+
+// The corners of a cube: x counts most, z least.
+TEST(Morton, OrdersTheCornersOfACube) {
+    std::vector<Aabb> corners;
+    for (int i = 7; i >= 0; --i) {
+        corners.push_back(point(static_cast<float>(i >> 2 & 1),
+                                static_cast<float>(i >> 1 & 1),
+                                static_cast<float>(i & 1)));
+    }
+    EXPECT_EQ(order_of(corners), (std::vector<std::uint32_t>{7, 6, 5, 4, 3, 2, 1, 0}));
+}
+
+TEST(Morton, KeepsTheOrderOfWhatCoincides) {
+    const std::vector<Aabb> boxes = {
+        point(1.0F, 1.0F, 1.0F), point(0.0F, 0.0F, 0.0F), point(1.0F, 1.0F, 1.0F)};
+    EXPECT_EQ(order_of(boxes), (std::vector<std::uint32_t>{1, 0, 2}));
+    const std::vector<Aabb> same(5, point(2.0F, 3.0F, 4.0F));
+    EXPECT_EQ(order_of(same), (std::vector<std::uint32_t>{0, 1, 2, 3, 4}));
+}
+
+TEST(Morton, SortsAsComparingCodesDoes) {
+    const auto mesh = test::triangle_soup(3, 150000);
+    const auto boxes = triangle_boxes(mesh.view());
+    Executor two(2);
+    const auto places = sorted_by_morton_code(boxes, two);
+    EXPECT_TRUE(std::is_sorted(
+        places.begin(), places.end(), [](const MortonPlace& a, const MortonPlace& b) {
+            return a.code != b.code ? a.code < b.code : a.index < b.index;
+        }));
+    const auto again = sorted_by_morton_code(boxes, Executor::serial());
+    EXPECT_TRUE(
+        std::equal(places.begin(), places.end(), again.begin(), [](const auto& a, const auto& b) {
+            return a.code == b.code && a.index == b.index;
+        }));
+}
+
+TEST(Morton, CutsWhereTheHighestDifferingBitTurns) {
+    const std::vector<MortonPlace> places = {{0, 0}, {3, 1}, {4, 2}, {5, 3}, {5, 4}, {5, 5}};
+    EXPECT_EQ(morton_cut(places, 0, 6), 2U);
+    EXPECT_EQ(morton_cut(places, 2, 6), 3U);
+    EXPECT_EQ(morton_cut(places, 3, 6), 4U);  // equal: the middle
+}
+
+}  // namespace
+}  // namespace earshot::bvh
