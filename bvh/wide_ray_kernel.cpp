@@ -30,7 +30,8 @@ bool closest(const WideTree& tree,
             visit_leaf(leaf_words(tree, walk.child), leaf_count(walk.child), ray, search);
             goes_on = walk.pop(search.bound);
         } else {
-            goes_on = descend(nodes[walk.child], passing, ray.order_shift, search.bound, walk);
+            goes_on =
+                descend_alone(nodes[walk.child], passing, ray.order_shift, search.bound, walk);
         }
     }
     return true;
@@ -50,7 +51,7 @@ std::optional<bool> any(const WideTree& tree,
     bool goes_on = true;
     while (goes_on) {
         if (!is_leaf(walk.child)) {
-            goes_on = descend(nodes[walk.child], passing, ray.order_shift, ray.t_max, walk);
+            goes_on = descend_alone(nodes[walk.child], passing, ray.order_shift, ray.t_max, walk);
         } else if (touches_leaf(
                        leaf_words(tree, walk.child), leaf_count(walk.child), ray, mesh, segment)) {
             return true;

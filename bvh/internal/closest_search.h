@@ -23,6 +23,7 @@ public:
         if (count_ == kMost) {
             settle();
         }
+        __builtin_prefetch(mesh_->triangles.data() + triangle);
         candidates_[count_++] = {triangle, near};
     }
 

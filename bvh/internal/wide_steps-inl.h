@@ -192,6 +192,22 @@ HWY_INLINE bool descend(
     return walk.pop(bound);
 }
 
+/// The same for a ray that goes alone: where one child is passed, it is taken without a detour.
+HWY_INLINE bool descend_alone(
+    const WideNode& node, const Passing& passing, int order_shift, float bound, Walk& walk) {
+    Float8 near;
+    const Mask8 passed = passing(node, set8(bound), near);
+    const std::uint32_t lanes = bits(passed);
+    if (std::has_single_bit(lanes)) {
+        walk.child = node.child[std::countr_zero(lanes)];
+        return true;
+    }
+    if (lanes != 0) {
+        walk.push(near, passed, node, order_shift);
+    }
+    return walk.pop(bound);
+}
+
 /// Whether a leaf holds a triangle that touches the segment.
 HWY_INLINE bool touches_leaf(const std::uint32_t* leaf,
                              std::size_t size,
