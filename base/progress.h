@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string_view>
 
 namespace earshot {
@@ -13,5 +14,8 @@ public:
     virtual ~Progress() = default;
     virtual void report(std::string_view stage, std::size_t done, std::size_t total) = 0;
 };
+
+/// Asked now and then while long work goes on, from any of its threads; true: stop.
+using Interrupt = std::function<bool()>;
 
 }  // namespace earshot

@@ -5,29 +5,49 @@
 #include "earshot/bvh/internal/wide_batch_kernel.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace earshot::bvh {
 
 using geometry::Hit;
 using geometry::Ray;
+using geometry::Segment;
 
 namespace {
 
 constexpr std::size_t kGrain = 4096;
 
+/// Calls work(begin, end) for parts of [0, count) until it is interrupted.
+template <typename Work>
+bool for_each_part(std::size_t count,
+                   Executor& executor,
+                   const Interrupt& interrupt,
+                   const Work& work) {
+    std::atomic<bool> is_stopped = false;
+    executor.for_each(count, kGrain, [&](std::size_t begin, std::size_t end) {
+        if (interrupt && (is_stopped || interrupt())) {
+            is_stopped = true;
+            return;
+        }
+        work(begin, end);
+    });
+    return !is_stopped;
+}
+
 }  // namespace
 
-void closest_hits(const WideTree& tree,
+bool closest_hits(const WideTree& tree,
                   const geometry::MeshView& mesh,
                   std::span<const Ray> rays,
                   std::span<std::optional<Hit>> hits,
-                  Executor& executor) {
+                  Executor& executor,
+                  const Interrupt& interrupt) {
     EARSHOT_ASSERT(rays.size() == hits.size());
     if (tree.nodes().empty()) {
         std::fill(hits.begin(), hits.end(), std::nullopt);
-        return;
+        return true;
     }
-    executor.for_each(rays.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    return for_each_part(rays.size(), executor, interrupt, [&](std::size_t begin, std::size_t end) {
         find_closest_of_many(
             tree, mesh, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin));
     });
@@ -42,20 +62,32 @@ std::vector<std::optional<Hit>> closest_hits(const WideTree& tree,
     return hits;
 }
 
+bool occluded(const WideTree& tree,
+              const geometry::MeshView& mesh,
+              std::span<const Segment> segments,
+              std::span<std::uint8_t> blocked,
+              Executor& executor,
+              const Interrupt& interrupt) {
+    EARSHOT_ASSERT(segments.size() == blocked.size());
+    if (tree.nodes().empty()) {
+        std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
+        return true;
+    }
+    return for_each_part(
+        segments.size(), executor, interrupt, [&](std::size_t begin, std::size_t end) {
+            find_any_of_many(tree,
+                             mesh,
+                             segments.subspan(begin, end - begin),
+                             blocked.subspan(begin, end - begin));
+        });
+}
+
 std::vector<std::uint8_t> occluded(const WideTree& tree,
                                    const geometry::MeshView& mesh,
-                                   std::span<const geometry::Segment> segments,
+                                   std::span<const Segment> segments,
                                    Executor& executor) {
-    std::vector<std::uint8_t> blocked(segments.size(), 0);
-    if (tree.nodes().empty()) {
-        return blocked;
-    }
-    executor.for_each(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        find_any_of_many(tree,
-                         mesh,
-                         segments.subspan(begin, end - begin),
-                         std::span(blocked).subspan(begin, end - begin));
-    });
+    std::vector<std::uint8_t> blocked(segments.size());
+    occluded(tree, mesh, segments, blocked, executor);
     return blocked;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/base/progress.h"
 #include "earshot/bvh/wide_tree.h"
 #include "earshot/geometry/types.h"
 
@@ -23,17 +24,28 @@ std::vector<std::optional<geometry::Hit>> closest_hits(const WideTree& tree,
                                                        std::span<const geometry::Ray> rays,
                                                        Executor& executor = Executor::serial());
 
-/// The same into a caller's array. Precondition: one place per ray.
-void closest_hits(const WideTree& tree,
+/// The same into a caller's array. `interrupt` is asked every few thousand rays; returns false if
+/// it stopped the work, and then only some of the places hold their answers. Precondition: one
+/// place per ray.
+bool closest_hits(const WideTree& tree,
                   const geometry::MeshView& mesh,
                   std::span<const geometry::Ray> rays,
                   std::span<std::optional<geometry::Hit>> hits,
-                  Executor& executor = Executor::serial());
+                  Executor& executor = Executor::serial(),
+                  const Interrupt& interrupt = {});
 
 /// occluded() of every segment: 1 or 0.
 std::vector<std::uint8_t> occluded(const WideTree& tree,
                                    const geometry::MeshView& mesh,
                                    std::span<const geometry::Segment> segments,
                                    Executor& executor = Executor::serial());
+
+/// The same into a caller's array, with the interruption and the precondition of closest_hits().
+bool occluded(const WideTree& tree,
+              const geometry::MeshView& mesh,
+              std::span<const geometry::Segment> segments,
+              std::span<std::uint8_t> blocked,
+              Executor& executor = Executor::serial(),
+              const Interrupt& interrupt = {});
 
 }  // namespace earshot::bvh

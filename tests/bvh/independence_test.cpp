@@ -33,8 +33,8 @@ struct Question {
     Segment segment;
 };
 
-/// Rays and segments about a mesh, alone and in bundles: through it, at its vertices, from its surface, along axes, and
-/// with ends short of and beyond what they aim at.
+/// Rays and segments about a mesh, alone and in bundles: through it, at its vertices, from its
+/// surface, along axes, and with ends short of and beyond what they aim at.
 std::vector<Question> questions_about(const Mesh& mesh, std::uint64_t seed, std::size_t count) {
     std::vector<Question> questions;
     const auto point = [&](std::uint64_t i) {
@@ -207,6 +207,58 @@ TEST(Independence, AnswersDoNotDependOnTheTreeOfAScannedMesh) {
         GTEST_SKIP();
     }
     expect_one_answer(bunny, 0.01, 1000, 10);
+}
+
+/// Many rays in batches: every builder's tree, fresh, refitted over twenty frames, and repaired,
+/// with threads and instruction sets in turn.
+void expect_one_answer_to_many(const Mesh& rest, double step, std::size_t count) {
+    constexpr std::array<int, 3> kThreads = {1, 2, 8};
+    std::vector<Tree> trees;
+    std::vector<WideTree> refitted;
+    for (const NamedBuilder& named : named_builders()) {
+        trees.push_back(Tree::build(triangle_boxes(rest.view()), {.builder = named.builder}));
+        refitted.push_back(WideTree::build(trees.back(), rest.view()));
+    }
+    Mesh mesh = rest;
+    for (std::uint64_t frame = 0; frame < 20; ++frame) {
+        for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+            mesh.positions[i] += step * test::random_point(frame, i);
+        }
+        for (WideTree& wide : refitted) {
+            wide.refit(mesh.view());
+        }
+    }
+    const auto questions = questions_about(mesh, 7, count);
+    const auto boxes = triangle_boxes(mesh.view());
+    const auto expected = ask_in_batches(refitted[0], mesh.view(), questions, Executor::serial());
+    const std::span<const Question> few(questions.data(), 5000);
+    const auto forced = ask_every_triangle(mesh.view(), few);
+    ASSERT_TRUE(std::equal(forced.begin(), forced.end(), expected.begin()));
+    const std::vector<std::string> targets = simd_targets();
+    for (std::size_t k = 0; k < trees.size(); ++k) {
+        Executor executor(kThreads[k % kThreads.size()]);
+        const NamedBuilder& named = named_builders()[k];
+        const Tree fresh = Tree::build(boxes, {.builder = named.builder}, executor);
+        trees[k].refit(boxes, executor);
+        optimise(trees[k], {.passes = 2, .share = 0.05}, executor);
+        const WideTree of_each[] = {refitted[k],
+                                    WideTree::build(trees[k], mesh.view(), executor),
+                                    WideTree::build(fresh, mesh.view(), executor)};
+        for (std::size_t i = 0; i < std::size(of_each); ++i) {
+            const std::string& target = targets[(k + i) % targets.size()];
+            use_simd_target(target);
+            ASSERT_EQ(ask_in_batches(of_each[i], mesh.view(), questions, executor), expected)
+                << named.name << ' ' << i << ' ' << target;
+        }
+        use_simd_target("auto");
+    }
+}
+
+TEST(SlowIndependence, AMillionRaysOverFourScenesHaveOneAnswerEach) {
+    expect_one_answer_to_many(test::triangle_soup(3, 1000), 0.02, 100000);
+    expect_one_answer_to_many(test::cube(20, 0.3), 0.0, 300000);
+    expect_one_answer_to_many(test::sphere(4, 1.0, Vec3(7000.0, -7000.0, 30.0)), 0.003, 300000);
+    expect_one_answer_to_many(test::cube(7, 1e-4), 1e-7, 300000);
 }
 
 }  // namespace

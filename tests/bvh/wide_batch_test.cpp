@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/meshes.h"
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -154,6 +155,30 @@ TEST(WideBatch, FindsNothingInAnEmptyScene) {
     const std::vector<Segment> segments(3);
     EXPECT_EQ(closest_hits(wide, mesh.view(), rays), std::vector<std::optional<geometry::Hit>>(3));
     EXPECT_EQ(occluded(wide, mesh.view(), segments), std::vector<std::uint8_t>(3, 0));
+}
+
+TEST(WideBatch, StopsWhenItIsInterrupted) {
+    const Mesh mesh = test::triangle_soup(1, 100);
+    const WideTree wide = wide_tree_of(mesh);
+    std::vector<Ray> rays(100000, {Vec3(0.1), Vec3(1.0, 0.2, 0.3)});
+    std::vector<Segment> segments(rays.size(), {Vec3(0.1), Vec3(1.0)});
+    std::vector<std::optional<geometry::Hit>> hits(rays.size());
+    std::vector<std::uint8_t> blocked(rays.size());
+    for (const int threads : {1, 2}) {
+        Executor executor(threads);
+        std::atomic<int> asked = 0;
+        const Interrupt third_time = [&] { return ++asked >= 3; };
+        EXPECT_FALSE(closest_hits(wide, mesh.view(), rays, hits, executor, third_time));
+        EXPECT_LT(asked, 6);
+        asked = 0;
+        EXPECT_FALSE(occluded(wide, mesh.view(), segments, blocked, executor, third_time));
+        EXPECT_LT(asked, 6);
+        const Interrupt never = [] { return false; };
+        EXPECT_TRUE(closest_hits(wide, mesh.view(), rays, hits, executor, never));
+        EXPECT_EQ(hits, closest_hits(wide, mesh.view(), rays));
+        EXPECT_TRUE(occluded(wide, mesh.view(), segments, blocked, executor, never));
+        EXPECT_EQ(blocked, occluded(wide, mesh.view(), segments));
+    }
 }
 
 }  // namespace
