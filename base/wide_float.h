@@ -52,6 +52,20 @@ HWY_INLINE Float8 load8_words(const std::uint32_t* words) {
         return hn::BitCast(FloatTag(), hn::LoadU(WordTag(), words + i * kFloatLanes));
     });
 }
+/// Eight numbers of 16 bits.
+HWY_INLINE Float8 load8_halves(const std::uint16_t* halves) {
+    const hn::Rebind<std::uint16_t, FloatTag> tag;
+    return per_part([&](std::size_t i) {
+        const auto whole =
+            hn::PromoteTo(hn::RebindToSigned<FloatTag>(), hn::LoadU(tag, halves + i * kFloatLanes));
+        return hn::ConvertTo(FloatTag(), whole);
+    });
+}
+HWY_INLINE void store8_words(const Float8& a, std::uint32_t* words) {
+    for (std::size_t i = 0; i < kParts; ++i) {
+        hn::StoreU(hn::BitCast(WordTag(), a.part[i]), WordTag(), words + i * kFloatLanes);
+    }
+}
 HWY_INLINE void store8(const Float8& a, float* aligned) {
     for (std::size_t i = 0; i < kParts; ++i) {
         hn::Store(a.part[i], FloatTag(), aligned + i * kFloatLanes);

@@ -106,7 +106,8 @@ public:
         tree_ = WideTree::build(
             Tree::build(earshot::bvh::triangle_boxes(mesh, executor), options_, executor),
             mesh,
-            executor);
+            executor,
+            leaves());
     }
     bool refit(const MeshView& mesh, Executor& executor) override {
         mesh_ = mesh;
@@ -131,6 +132,8 @@ protected:
         });
     }
 
+    virtual earshot::bvh::LeafForm leaves() const { return earshot::bvh::LeafForm::single; }
+
     WideTree tree_;
 };
 
@@ -144,8 +147,17 @@ protected:
         closest_hits(tree_, mesh_, rays_, hits_, executor);
     }
     void find_any(Executor& executor) override {
-        blocked_ = occluded(tree_, mesh_, segments_, executor);
+        occluded(tree_, mesh_, segments_, blocked_, executor);
     }
+};
+
+class Quantised : public WideBatch {
+public:
+    using WideBatch::WideBatch;
+    std::string name() const override { return "earshot quantised"; }
+
+protected:
+    earshot::bvh::LeafForm leaves() const override { return earshot::bvh::LeafForm::quantised; }
 };
 
 }  // namespace
@@ -155,6 +167,7 @@ std::vector<std::unique_ptr<Contender>> earshot_contenders(const BuildOptions& o
     contenders.push_back(std::make_unique<Binary>(options));
     contenders.push_back(std::make_unique<Wide>(options));
     contenders.push_back(std::make_unique<WideBatch>(options));
+    contenders.push_back(std::make_unique<Quantised>(options));
     return contenders;
 }
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace earshot::bvh {
@@ -36,8 +37,8 @@ using Slots = std::array<Slot, WideNode::kWidth>;
 /// section 3.2: dynamic programming from the leaves up).
 class Collapse {
 public:
-    Collapse(const Tree& tree, Executor& executor)
-        : tree_(tree), counts_(tree.nodes().size()), plans_(tree.nodes().size()) {
+    Collapse(const Tree& tree, LeafForm leaves, Executor& executor)
+        : tree_(tree), leaves_(leaves), counts_(tree.nodes().size()), plans_(tree.nodes().size()) {
         for_each_bottom_up(tree.nodes(), executor, [&](std::size_t i) { plan(i); });
     }
 
@@ -56,11 +57,14 @@ public:
             } else {
                 const std::uint32_t in_leaf = count_of(slot);
                 children[index][i] = kLeafFlag | (in_leaf - 1) << kLeafCountShift | placed_;
-                placed_ += in_leaf;
+                placed_ += static_cast<std::uint32_t>(leaf_places(leaves_, in_leaf));
             }
         }
         return index;
     }
+
+    /// For all leaves together.
+    std::size_t places() const { return placed_; }
 
     std::vector<Slots> slots;
     std::vector<std::array<std::uint32_t, WideNode::kWidth>> children;
@@ -178,6 +182,7 @@ private:
     }
 
     const Tree& tree_;
+    LeafForm leaves_;
     LargeArray<std::uint8_t> counts_;  // of the primitives below a node; 255: or more
     LargeArray<Plan> plans_;
     std::uint32_t placed_ = 0;
@@ -194,22 +199,31 @@ std::uint32_t* write_primitives(const Tree& tree, std::uint32_t index, std::uint
 
 }  // namespace
 
-WideTree WideTree::build(const Tree& tree, const geometry::MeshView& mesh, Executor& executor) {
+WideTree WideTree::build(const Tree& tree,
+                         const geometry::MeshView& mesh,
+                         Executor& executor,
+                         LeafForm leaves) {
     const std::size_t count = tree.primitives().size();
-    if (count >= std::size_t{1} << kLeafCountShift) {
-        throw Error("hierarchy", "cannot hold 2^28 triangles or more", "split the scene");
+    const std::size_t most = (std::size_t{1} << kLeafCountShift) / leaf_places(leaves, 1);
+    if (count >= most) {
+        throw Error(
+            "hierarchy",
+            "cannot hold " + std::to_string(most) + " triangles or more",
+            leaves == LeafForm::single ? "split the scene" : "split the scene, or do not quantise");
     }
     WideTree wide;
+    wide.leaf_form_ = leaves;
+    wide.words_per_place_ = words_per_place(leaves);
     if (count == 0) {
         return wide;
     }
-    Collapse collapse(tree, executor);
+    Collapse collapse(tree, leaves, executor);
     collapse.place(0);
     wide.triangles_ = count;
     wide.box_ = tree.nodes().front().box;
     wide.nodes_.resize(collapse.slots.size());
-    wide.words_.resize(kWordsPerTriangle * count + WideNode::kWidth);
-    std::fill_n(wide.words_.end() - WideNode::kWidth, WideNode::kWidth, 0U);
+    wide.words_.resize(wide.words_per_place_ * collapse.places() + kPaddingWords);
+    std::fill_n(wide.words_.end() - kPaddingWords, kPaddingWords, 0U);
     const auto set_node = [&](std::size_t i) {
         WideNode& node = wide.nodes_[i];
         for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
@@ -220,23 +234,21 @@ WideTree WideTree::build(const Tree& tree, const geometry::MeshView& mesh, Execu
                 continue;
             }
             const std::size_t in_leaf = leaf_count(node.child[k]);
-            std::uint32_t* words =
-                wide.words_.data() + kWordsPerTriangle * leaf_first(node.child[k]);
+            std::uint32_t* out =
+                wide.leaf_words(node.child[k]) + words_before_triangles(leaves, in_leaf);
             if (slot.run_begin != slot.run_end) {
-                std::copy_n(
-                    tree.primitives().begin() + slot.run_begin, in_leaf, words + 9 * in_leaf);
+                std::copy_n(tree.primitives().begin() + slot.run_begin, in_leaf, out);
             } else {
-                write_primitives(tree, slot.node, words + 9 * in_leaf);
+                write_primitives(tree, slot.node, out);
             }
-            fetch_leaf_triangles(words, in_leaf, mesh);
+            fetch_triangles({out, in_leaf}, mesh);
         }
         set_order(node);
     };
     const auto for_each_leaf = [&](std::size_t i, auto&& visit) {
         for (const std::uint32_t child : wide.nodes_[i].child) {
             if (is_leaf(child)) {
-                visit(wide.words_.data() + kWordsPerTriangle * leaf_first(child),
-                      leaf_count(child));
+                visit(child);
             }
         }
     };
@@ -249,13 +261,12 @@ WideTree WideTree::build(const Tree& tree, const geometry::MeshView& mesh, Execu
                 set_node(i);
             }
             for (std::size_t i = begin; i < end; ++i) {
-                for_each_leaf(i, [&](const std::uint32_t* words, std::size_t in_leaf) {
-                    fetch_leaf_corners(words, in_leaf, mesh);
-                });
+                for_each_leaf(
+                    i, [&](std::uint32_t leaf) { fetch_corners(wide.leaf_triangles(leaf), mesh); });
             }
             for (std::size_t i = begin; i < end; ++i) {
-                for_each_leaf(i, [&](std::uint32_t* words, std::size_t in_leaf) {
-                    fill_leaf(words, in_leaf, mesh);
+                for_each_leaf(i, [&](std::uint32_t leaf) {
+                    fill_leaf(leaves, wide.leaf_words(leaf), leaf_count(leaf), mesh);
                 });
             }
         }
@@ -271,6 +282,11 @@ double WideTree::reach() const noexcept {
                           std::abs(static_cast<double>(box_.upper[k]))});
     }
     return reach;
+}
+
+std::span<const std::uint32_t> WideTree::leaf_triangles(std::uint32_t child) const noexcept {
+    const std::size_t count = leaf_count(child);
+    return {leaf_words(child) + words_before_triangles(leaf_form_, count), count};
 }
 
 std::size_t WideTree::bytes() const noexcept {

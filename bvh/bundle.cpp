@@ -21,8 +21,6 @@ constexpr double kLargest = 0x1p40;
 constexpr double kShortest = 0x1p-30;
 constexpr double kLongest = 0x1p30;
 constexpr double kCornerSlack = 0x1p-20;
-// An edge function is summed from three products instead of two, each bounded as FloatRay says.
-constexpr double kEdge = 5.0;
 
 // Wider bundles meet so many boxes that rays are faster one by one.
 constexpr float kMostSpread = 0.15F;
@@ -105,7 +103,6 @@ std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
     sign = (signs >> axes.z & 1U) != 0 ? -1.0F : 1.0F;
     order_shift = static_cast<int>(3 * signs);
     slack = static_cast<float>(kCornerSlack * scene);
-    edge_slack = static_cast<float>(kEdge * kCornerSlack * scene);
     for (std::size_t k = 0; k < 2; ++k) {
         middle[k] = 0.5F * (lower[k] + upper[k]);
         spread[k] = 0.5F * (upper[k] - lower[k]) + 0x1p-22F;

@@ -21,10 +21,7 @@ PartialRefit::PartialRefit(const WideTree& tree)
                 parents_[child] = child == kNoChild ? 0 : i;
                 continue;
             }
-            const std::size_t count = leaf_count(child);
-            const auto ids = tree.words().subspan(
-                WideTree::kWordsPerTriangle * leaf_first(child) + 9 * count, count);
-            for (const std::uint32_t id : ids) {
+            for (const std::uint32_t id : tree.leaf_triangles(child)) {
                 node_of_[id] = i;
             }
         }

@@ -50,8 +50,8 @@ void WideTree::refit_node(std::size_t index, const geometry::MeshView& mesh, boo
         const std::uint32_t child = node.child[slot];
         if (is_leaf(child)) {
             if (with_leaves) {
-                std::uint32_t* words = words_.data() + kWordsPerTriangle * leaf_first(child);
-                set_slot_box(node, slot, fill_leaf(words, leaf_count(child), mesh));
+                set_slot_box(
+                    node, slot, fill_leaf(leaf_form_, leaf_words(child), leaf_count(child), mesh));
             }
         } else if (child != kNoChild) {
             set_slot_box(node, slot, box_of(nodes_[child]));
@@ -69,11 +69,9 @@ void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
         return;
     }
     const auto for_each_leaf = [&](const WideNode& node, auto&& visit) {
-        for (std::size_t slot = 0; slot < WideNode::kWidth; ++slot) {
-            const std::uint32_t child = node.child[slot];
+        for (const std::uint32_t child : node.child) {
             if (is_leaf(child)) {
-                visit(
-                    slot, words_.data() + kWordsPerTriangle * leaf_first(child), leaf_count(child));
+                visit(leaf_triangles(child));
             }
         }
     };
@@ -82,15 +80,14 @@ void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
     const auto fetch_for = [&](const Run& run, std::size_t index) {
         if (index >= run.begin + 2 * kAhead) {
             for_each_leaf(nodes_[index - 2 * kAhead],
-                          [&](std::size_t, const std::uint32_t* words, std::size_t count) {
-                              fetch_leaf_triangles(words, count, mesh);
+                          [&](std::span<const std::uint32_t> triangles) {
+                              fetch_triangles(triangles, mesh);
                           });
         }
         if (index >= run.begin + kAhead) {
-            for_each_leaf(nodes_[index - kAhead],
-                          [&](std::size_t, const std::uint32_t* words, std::size_t count) {
-                              fetch_leaf_corners(words, count, mesh);
-                          });
+            for_each_leaf(nodes_[index - kAhead], [&](std::span<const std::uint32_t> triangles) {
+                fetch_corners(triangles, mesh);
+            });
         }
     };
     // Children stand behind their parents, so running backwards is bottom-up.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
+#include <cstring>
 #include <limits>
 
 namespace earshot::bvh {
@@ -67,7 +69,12 @@ void set_order(WideNode& node) noexcept {
     std::copy(order.begin(), order.end(), node.order);
 }
 
-Aabb fill_leaf(std::uint32_t* words, std::size_t count, const geometry::MeshView& mesh) noexcept {
+namespace {
+
+/// Writes the corners in single precision and returns their box.
+Aabb fill_single_leaf(std::uint32_t* words,
+                      std::size_t count,
+                      const geometry::MeshView& mesh) noexcept {
     // Rounding is monotone, so the box of all corners is rounded once.
     geometry::Vec3 lower(std::numeric_limits<double>::infinity());
     geometry::Vec3 upper(-std::numeric_limits<double>::infinity());
@@ -93,19 +100,73 @@ Aabb fill_leaf(std::uint32_t* words, std::size_t count, const geometry::MeshView
     return box;
 }
 
-void fetch_leaf_triangles(const std::uint32_t* words,
-                          std::size_t count,
-                          const geometry::MeshView& mesh) noexcept {
+/// Steps from `lower` to `value`, 0 to 65535.
+std::uint16_t steps_to(double value, float lower, float step) noexcept {
+    const double steps = (value - static_cast<double>(lower)) / static_cast<double>(step) + 0.5;
+    // What is not a number, as without a step, goes to 0.
+    return !(steps >= 0.0) ? std::uint16_t{0}
+                           : static_cast<std::uint16_t>(std::min(steps, 65535.0));
+}
+
+/// Writes the frame and the corners in it, and returns their box. No coordinate is farther than
+/// half a step from where it was.
+Aabb fill_quantised_leaf(std::uint32_t* words,
+                         std::size_t count,
+                         const geometry::MeshView& mesh) noexcept {
+    constexpr LeafForm kForm = LeafForm::quantised;
+    const std::size_t before = words_before_triangles(kForm, count);
+    const std::uint32_t* triangles = words + before;
+    std::array<std::uint32_t, 10 * kMostInWideLeaf> single;
+    std::copy_n(triangles, count, single.begin() + static_cast<std::ptrdiff_t>(9 * count));
+    const Aabb box = fill_single_leaf(single.data(), count, mesh);
+    float extent = 0.0F;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        extent = std::max(extent, box.upper[axis] - box.lower[axis]);
+        words[axis] = std::bit_cast<std::uint32_t>(box.lower[axis]);
+    }
+    // Longer by more than roundings, so that the last step is not beyond 65535.
+    const float step = extent * (1.0F + 0x1p-20F) / 65535.0F;
+    words[3] = std::bit_cast<std::uint32_t>(step);
+    // Gaps hold zeros, so that equal trees have equal bytes.
+    words[before - 1] = 0;
+    std::fill(
+        words + before + count, words + words_per_place(kForm) * leaf_places(kForm, count), 0U);
     for (std::size_t i = 0; i < count; ++i) {
-        __builtin_prefetch(&mesh.triangles[words[9 * count + i]]);
+        std::size_t run = 0;
+        for (const geometry::VertexId vertex : mesh.triangles[triangles[i]]) {
+            for (std::size_t axis = 0; axis < 3; ++axis, ++run) {
+                const double value = mesh.positions[vertex][static_cast<int>(axis)];
+                const std::uint16_t steps = steps_to(value, box.lower[axis], step);
+                std::memcpy(reinterpret_cast<char*>(words + kFrameWords) + 2 * (run * count + i),
+                            &steps,
+                            sizeof steps);
+            }
+        }
+    }
+    return box;
+}
+
+}  // namespace
+
+Aabb fill_leaf(LeafForm form,
+               std::uint32_t* words,
+               std::size_t count,
+               const geometry::MeshView& mesh) noexcept {
+    return form == LeafForm::single ? fill_single_leaf(words, count, mesh)
+                                    : fill_quantised_leaf(words, count, mesh);
+}
+
+void fetch_triangles(std::span<const std::uint32_t> triangles,
+                     const geometry::MeshView& mesh) noexcept {
+    for (const std::uint32_t triangle : triangles) {
+        __builtin_prefetch(&mesh.triangles[triangle]);
     }
 }
 
-void fetch_leaf_corners(const std::uint32_t* words,
-                        std::size_t count,
-                        const geometry::MeshView& mesh) noexcept {
-    for (std::size_t i = 0; i < count; ++i) {
-        for (const geometry::VertexId vertex : mesh.triangles[words[9 * count + i]]) {
+void fetch_corners(std::span<const std::uint32_t> triangles,
+                   const geometry::MeshView& mesh) noexcept {
+    for (const std::uint32_t triangle : triangles) {
+        for (const geometry::VertexId vertex : mesh.triangles[triangle]) {
             __builtin_prefetch(&mesh.positions[vertex]);
         }
     }

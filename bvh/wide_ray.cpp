@@ -31,10 +31,7 @@ void traverse(const WideTree& tree, Overlaps&& overlaps, Visit&& visit) {
                 waiting[count++] = child;
                 continue;
             }
-            const std::size_t size = leaf_count(child);
-            const auto ids = tree.words().subspan(
-                WideTree::kWordsPerTriangle * leaf_first(child) + 9 * size, size);
-            for (const std::uint32_t id : ids) {
+            for (const std::uint32_t id : tree.leaf_triangles(child)) {
                 if (!visit(id)) {
                     return;
                 }

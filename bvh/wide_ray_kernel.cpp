@@ -23,11 +23,12 @@ bool closest(const WideTree& tree,
     const Passing passing(ray);
     const WideNode* nodes = tree.nodes().data();
     Walk walk;
+    LeafRoom room;
     search.bound = ray.t_max;
     bool goes_on = true;
     while (goes_on) {
         if (is_leaf(walk.child)) {
-            visit_leaf(leaf_words(tree, walk.child), leaf_count(walk.child), ray, search);
+            visit_leaf(open_leaf(tree, walk.child, room), ray, search);
             goes_on = walk.pop(search.bound);
         } else {
             goes_on =
@@ -48,12 +49,12 @@ std::optional<bool> any(const WideTree& tree,
     const Passing passing(ray);
     const WideNode* nodes = tree.nodes().data();
     Walk walk;
+    LeafRoom room;
     bool goes_on = true;
     while (goes_on) {
         if (!is_leaf(walk.child)) {
             goes_on = descend_alone(nodes[walk.child], passing, ray.order_shift, ray.t_max, walk);
-        } else if (touches_leaf(
-                       leaf_words(tree, walk.child), leaf_count(walk.child), ray, mesh, segment)) {
+        } else if (touches_leaf(open_leaf(tree, walk.child, room), ray, mesh, segment)) {
             return true;
         } else {
             goes_on = walk.pop(ray.t_max);

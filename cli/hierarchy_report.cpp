@@ -64,10 +64,13 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
     report.build_seconds = median_seconds_of([&] { tree = build(); });
     report.refit_seconds = median_seconds_of(refit);
     report.quality = bvh::quality(tree);
+    bvh::WideTree wide = bvh::WideTree::build(tree, mesh, executor);
+    report.wide_bytes = wide.bytes();
+    report.quantised_bytes =
+        bvh::WideTree::build(tree, mesh, executor, bvh::LeafForm::quantised).bytes();
     if (times.size() == 1) {
         return report;
     }
-    bvh::WideTree wide = bvh::WideTree::build(tree, mesh, executor);
     bvh::MovingTree moving(
         mesh, {.build = options.build, .rays_per_update = options.rays_per_frame}, executor);
     for (const double time : times) {
@@ -93,15 +96,20 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
 
 std::string hierarchy_text(const HierarchyReport& report) {
     const auto triangles = static_cast<double>(std::max<std::size_t>(report.triangles, 1));
-    const auto bytes = static_cast<double>(report.quality.bytes);
+    const auto memory = [&](const char* what, std::size_t bytes) {
+        const auto size = static_cast<double>(bytes);
+        return formatted(
+            "%s%.2f MiB (%.1f bytes per triangle)\n", what, size / 1048576.0, size / triangles);
+    };
     std::string text;
     text += "scene      " + report.scene + "\n";
     text += formatted("triangles  %zu\n", report.triangles);
     text += formatted("nodes      %zu (%zu leaves)\n", report.quality.nodes, report.quality.leaves);
     text += formatted("depth      %zu\n", report.quality.depth);
     text += formatted("SAH cost   %.2f\n", report.quality.sah_cost);
-    text += formatted(
-        "memory     %.2f MiB (%.1f bytes per triangle)\n", bytes / 1048576.0, bytes / triangles);
+    text += memory("memory     ", report.quality.bytes);
+    text += memory("for rays   ", report.wide_bytes);
+    text += memory("quantised  ", report.quantised_bytes);
     text += formatted("build      %.3f ms\n", 1e3 * report.build_seconds);
     text += formatted("refit      %.3f ms\n", 1e3 * report.refit_seconds);
     if (!report.frames.empty()) {
@@ -134,6 +142,8 @@ std::string hierarchy_json(const HierarchyReport& report) {
                      {"depth", report.quality.depth},
                      {"sah_cost", report.quality.sah_cost},
                      {"bytes", report.quality.bytes},
+                     {"wide_bytes", report.wide_bytes},
+                     {"quantised_bytes", report.quantised_bytes},
                      {"build_seconds", report.build_seconds},
                      {"refit_seconds", report.refit_seconds}};
     for (const HierarchyFrame& frame : report.frames) {

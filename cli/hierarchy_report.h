@@ -40,6 +40,8 @@ struct HierarchyReport {
     std::string scene;
     std::size_t triangles = 0;
     bvh::Quality quality;                  ///< as built at the first instant
+    std::size_t wide_bytes = 0;            ///< of the layout for rays made from it
+    std::size_t quantised_bytes = 0;       ///< and with quantised leaves
     double build_seconds = 0.0;            ///< median over the repetitions
     double refit_seconds = 0.0;            ///< median over the repetitions
     std::vector<HierarchyFrame> frames{};  ///< one per instant; empty where one was asked for

@@ -18,6 +18,8 @@ namespace earshot::bvh {
 class Bundle {
 public:
     static constexpr std::size_t kMost = 64;
+    // An edge function is summed from three products instead of two, each bounded as FloatRay says.
+    static constexpr float kEdge = 5.0F;
 
     /// Takes as many of the first rays as can go together, and returns how many: they have the same
     /// origin, directions with the same largest component and the same signs, slopes that differ
@@ -57,7 +59,7 @@ public:
     float origin[3];        ///< along these axes
     float middle[2];        ///< slopes x / |z| and y / |z| of the bundle's middle
     float spread[2];        ///< of slopes, to either side
-    float slack, edge_slack;
+    float slack;
     int order_shift;  ///< of WideNode::order
 
     // Per ray; up to a multiple of eight the last is repeated, with a bound below 0.

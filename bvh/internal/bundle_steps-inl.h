@@ -76,18 +76,20 @@ struct LeafEdges {
     alignas(32) float ky[3][8];
     alignas(32) float depth[3][8];  // of the corners
     alignas(32) float off[8];       // by how much an edge function may be wrong
+    float margin;                   // and a depth
 };
 
-HWY_INLINE void prepare_leaf(const std::uint32_t* words,
-                             std::size_t count,
+HWY_INLINE void prepare_leaf(const LeafWords& leaf,
                              const Bundle& bundle,
                              float farthest,
                              LeafEdges& edges) {
+    const std::size_t count = leaf.count;
+    const float slack = leaf.slack(bundle.slack);
     Float8 x[3], y[3], z[3];
     Float8 size = set8(0.0F);
     const Float8 sway = set8(bundle.spread[0] + bundle.spread[1]);
     for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t* corner = words + 3 * i * count;
+        const std::uint32_t* corner = leaf.words + 3 * i * count;
         z[i] = (load8_words(corner + bundle.axis[2] * count) - set8(bundle.origin[2])) *
                set8(bundle.sign);
         x[i] =
@@ -101,7 +103,7 @@ HWY_INLINE void prepare_leaf(const std::uint32_t* words,
         size = size + multiply_add(sway, magnitude(z[i]), magnitude(x[i]) + magnitude(y[i]));
         store8(z[i], edges.depth[i]);
     }
-    const Float8 off = set8(bundle.edge_slack) * (size + set8(bundle.slack));
+    const Float8 off = set8(Bundle::kEdge * slack) * (size + set8(slack));
     const Float8 minus_off = set8(0.0F) - off;
     store8(off, edges.off);
     Float8 least_most = set8(std::numeric_limits<float>::infinity());
@@ -124,7 +126,8 @@ HWY_INLINE void prepare_leaf(const std::uint32_t* words,
     }
     const Float8 shallow = minimum(minimum(z[0], z[1]), z[2]);
     const Float8 deep = maximum(maximum(z[0], z[1]), z[2]);
-    const Float8 margin = set8(3.0F * bundle.slack);
+    edges.margin = 3.0F * slack;
+    const Float8 margin = set8(edges.margin);
     const Mask8 sideways = either(at_most(minus_off, least_most), at_most(most_least, off));
     const Mask8 along =
         both(at_most(set8(0.0F) - margin, deep), at_most(shallow - margin, set8(farthest)));
@@ -170,7 +173,7 @@ HWY_INLINE bool test_triangle(const LeafEdges& edges,
         const Mask8 known = below(share, set8(1.0F));
         const Float8 place = minimum(maximum(weighted, shallow), deep);
         const Float8 spread = share * set8(high - low);
-        const Float8 margin = set8(3.0F * bundle.slack);
+        const Float8 margin = set8(edges.margin);
         const Float8 from = choose(known, maximum(place - spread, shallow), shallow) - margin;
         const Float8 to = choose(known, minimum(place + spread, deep), deep) + margin;
         const Float8 bound = load8(bundle.bound + first);
@@ -221,14 +224,14 @@ HWY_INLINE bool trace_bundle(const WideTree& tree, const geometry::MeshView& mes
             if (leaves_left-- == 0) {
                 return false;
             }
-            const std::size_t count = leaf_count(walk.child);
-            const std::uint32_t* words = leaf_words(tree, walk.child);
+            LeafRoom room;
+            const LeafWords leaf = open_leaf(tree, walk.child, room);
             LeafEdges edges;
-            prepare_leaf(words, count, bundle, farthest, edges);
+            prepare_leaf(leaf, bundle, farthest, edges);
             bool is_lowered = false;
             for (std::uint32_t left = edges.possible; left != 0; left &= left - 1) {
                 const auto k = static_cast<std::size_t>(std::countr_zero(left));
-                is_lowered |= test_triangle(edges, k, words[9 * count + k], mesh, bundle);
+                is_lowered |= test_triangle(edges, k, leaf.triangle(k), mesh, bundle);
             }
             farthest = is_lowered ? farthest_bound(bundle) : farthest;
         }

@@ -28,7 +28,6 @@ inline constexpr float kMostInverse = 0x1p40F;  // over the shortest inverse
 inline constexpr float kPlanePad = 0x1p-21F;
 inline constexpr float kInverseSlack = 0x1p-21F;
 inline constexpr float kCornerSlack = 0x1p-20F;
-inline constexpr float kEdge = 2.5F;
 
 HWY_INLINE float larger(float a, float b) {
     return a > b ? a : b;
@@ -93,7 +92,6 @@ HWY_INLINE bool set_ray(FloatRay& ray, const geometry::Ray& source, float reach)
     ray.shear_y = d[y] * inverses[z];
     ray.inverse_depth = inverses[z];
     ray.slack = kCornerSlack * scene;
-    ray.edge_slack = kEdge * kCornerSlack * scene;
     ray.t_max = geometry::round_up(source.t_max);
     ray.t_max_inside = geometry::round_down(source.t_max);
     return true;

@@ -24,8 +24,11 @@ namespace earshot::bvh {
 /// less than half of that in z. With s the sum of |x| + |y| over the corners, an edge function is
 /// off by less than 2 slack (s + slack), rounding of its products included; kEdge leaves a
 /// quarter in reserve. The hit's weights are off by so much over the sum of the edge functions, its
-/// distance by that share of the triangle's depth; wide_steps-inl.h has the rest.
+/// distance by that share of the triangle's depth; wide_steps-inl.h has the rest. Where corners are
+/// quantised, `slack` is greater by as much as they are off.
 struct FloatRay {
+    static constexpr float kEdge = 2.5F;
+
     alignas(16) float inverse_near[4];
     alignas(16) float offset_near[4];
     alignas(16) float inverse_far[4];
@@ -38,7 +41,6 @@ struct FloatRay {
     float shear_x, shear_y;
     float inverse_depth;  ///< t per metre along the last axis
     float slack;          ///< metres
-    float edge_slack;     ///< 2.5 slack
     float t_max;          ///< rounded up
     float t_max_inside;   ///< rounded down
 };

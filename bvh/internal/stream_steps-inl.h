@@ -25,7 +25,7 @@ constexpr std::size_t kTogether = 6;
 
 /// Fetches what will be visited next.
 HWY_INLINE void prefetch(const WideTree& tree, std::uint32_t child) {
-    const char* place = is_leaf(child) ? reinterpret_cast<const char*>(leaf_words(tree, child))
+    const char* place = is_leaf(child) ? reinterpret_cast<const char*>(tree.leaf_words(child))
                                        : reinterpret_cast<const char*>(tree.nodes().data() + child);
     for (std::size_t line = 0; line < sizeof(WideNode); line += 64) {
         __builtin_prefetch(place + line);
@@ -55,7 +55,8 @@ public:
     HWY_INLINE bool step(const WideTree& tree) {
         bool goes_on = false;
         if (is_leaf(walk_.child)) {
-            visit_leaf(leaf_words(tree, walk_.child), leaf_count(walk_.child), ray_, *search);
+            LeafRoom room;
+            visit_leaf(open_leaf(tree, walk_.child, room), ray_, *search);
             goes_on = walk_.pop(search->bound);
         } else {
             goes_on = descend(
@@ -137,8 +138,8 @@ public:
     HWY_INLINE bool step(const WideTree& tree, const geometry::MeshView& mesh) {
         bool goes_on = false;
         if (is_leaf(walk_.child)) {
-            is_blocked = touches_leaf(
-                leaf_words(tree, walk_.child), leaf_count(walk_.child), ray_, mesh, segment_);
+            LeafRoom room;
+            is_blocked = touches_leaf(open_leaf(tree, walk_.child, room), ray_, mesh, segment_);
             goes_on = !is_blocked && walk_.pop(ray_.t_max);
         } else {
             goes_on = descend(

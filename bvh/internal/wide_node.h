@@ -3,6 +3,10 @@
 
 #include "earshot/bvh/wide_tree.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
 namespace earshot::bvh {
 
 // How nodes and leaves of a WideTree are filled.
@@ -19,15 +23,33 @@ void set_order(WideNode& node) noexcept;
 
 /// Ask the memory for what fill_leaf() will read: first the triangles, and when they have come
 /// their corners.
-void fetch_leaf_triangles(const std::uint32_t* words,
-                          std::size_t count,
-                          const geometry::MeshView& mesh) noexcept;
-void fetch_leaf_corners(const std::uint32_t* words,
-                        std::size_t count,
-                        const geometry::MeshView& mesh) noexcept;
+void fetch_triangles(std::span<const std::uint32_t> triangles,
+                     const geometry::MeshView& mesh) noexcept;
+void fetch_corners(std::span<const std::uint32_t> triangles,
+                   const geometry::MeshView& mesh) noexcept;
+
+// A quantised leaf begins with its frame.
+inline constexpr std::size_t kFrameWords = 4;
+
+/// Words of a leaf of `count` triangles before their indices.
+constexpr std::size_t words_before_triangles(LeafForm form, std::size_t count) noexcept {
+    return form == LeafForm::single ? 9 * count : kFrameWords + (9 * count + 1) / 2;
+}
+
+/// Leaves begin at multiples of so many words, a place.
+constexpr std::size_t words_per_place(LeafForm form) noexcept {
+    return form == LeafForm::single ? 10 : 4;
+}
+
+/// Places that a leaf of `count` triangles takes.
+constexpr std::size_t leaf_places(LeafForm form, std::size_t count) noexcept {
+    const std::size_t place = words_per_place(form);
+    return (words_before_triangles(form, count) + count + place - 1) / place;
+}
 
 /// Fills a leaf whose triangle indices are set from the mesh, and returns its box.
-geometry::Aabb fill_leaf(std::uint32_t* words,
+geometry::Aabb fill_leaf(LeafForm form,
+                         std::uint32_t* words,
                          std::size_t count,
                          const geometry::MeshView& mesh) noexcept;
 

@@ -5,9 +5,11 @@
 
 #include "earshot/bvh/internal/closest_search.h"
 #include "earshot/bvh/internal/float_ray.h"
+#include "earshot/bvh/internal/wide_node.h"
 #include "earshot/bvh/wide_tree.h"
 
 #include <bit>
+#include <cstring>
 
 #if defined(EARSHOT_BVH_WIDE_STEPS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef EARSHOT_BVH_WIDE_STEPS_INL_H
@@ -62,6 +64,49 @@ private:
     Float8 inverse_near_[3], offset_near_[3], inverse_far_[3], offset_far_[3];
 };
 
+/// The triangles of a leaf as Piercing wants them: nine runs of `count` floats, then the indices.
+struct LeafWords {
+    const std::uint32_t* words;
+    std::size_t count;
+    // The corners are off by this share of FloatRay::slack, and so many metres.
+    float share = 1.0F;
+    float step = 0.0F;
+
+    float slack(float of_ray) const { return share * of_ray + step; }
+    std::uint32_t triangle(std::size_t lane) const { return words[9 * count + lane]; }
+};
+
+/// Room for a leaf that has to be unpacked.
+struct LeafRoom {
+    // The last run is written eight floats wide.
+    std::uint32_t words[10 * kMostInWideLeaf + 8];
+};
+
+HWY_INLINE LeafWords unpack(const std::uint32_t* packed, std::size_t count, LeafRoom& room) {
+    float frame[kFrameWords];
+    std::memcpy(frame, packed, sizeof frame);
+    std::uint16_t steps[9 * kMostInWideLeaf];
+    std::memcpy(steps, packed + kFrameWords, sizeof steps);
+    const Float8 step = set8(frame[3]);
+    for (std::size_t run = 0; run < 9; ++run) {
+        const Float8 values =
+            multiply_add(load8_halves(steps + run * count), step, set8(frame[run % 3]));
+        store8_words(values, room.words + run * count);
+    }
+    const std::uint32_t* triangles = packed + words_before_triangles(LeafForm::quantised, count);
+    std::memcpy(room.words + 9 * count, triangles, count * sizeof *triangles);
+    // A coordinate is off by half a step and by the roundings of product and sum, 3 x 2^-24 of
+    // FloatRay's R; sheared, by twice that.
+    return {room.words, count, 1.5F, frame[3]};
+}
+
+HWY_INLINE LeafWords open_leaf(const WideTree& tree, std::uint32_t child, LeafRoom& room) {
+    const std::uint32_t* words = tree.leaf_words(child);
+    const std::size_t count = leaf_count(child);
+    return tree.leaf_form() == LeafForm::single ? LeafWords{words, count}
+                                                : unpack(words, count, room);
+}
+
 /// What single precision knows about the triangles of a leaf.
 struct LeafHits {
     std::uint32_t possible = 0;  // bit per triangle: may be hit
@@ -74,10 +119,12 @@ class Piercing {
 public:
     explicit Piercing(const FloatRay& ray) : ray_(ray) {}
 
-    HWY_INLINE LeafHits operator()(const std::uint32_t* words, std::size_t count) const {
+    HWY_INLINE LeafHits operator()(const LeafWords& leaf) const {
+        const std::size_t count = leaf.count;
+        const float slack = leaf.slack(ray_.slack);
         Float8 x[3], y[3], z[3];
         for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t* corner = words + 3 * i * count;
+            const std::uint32_t* corner = leaf.words + 3 * i * count;
             z[i] = load8_words(corner + ray_.axis[2] * count) - set8(ray_.origin[2]);
             x[i] =
                 subtract_product(set8(ray_.shear_x),
@@ -94,7 +141,7 @@ public:
         const Float8 size =
             ((magnitude(x[0]) + magnitude(y[0])) + (magnitude(x[1]) + magnitude(y[1]))) +
             (magnitude(x[2]) + magnitude(y[2]));
-        const Float8 off = set8(ray_.edge_slack) * (size + set8(ray_.slack));
+        const Float8 off = set8(FloatRay::kEdge * slack) * (size + set8(slack));
         const Float8 least = minimum(minimum(u, v), w);
         const Float8 most = maximum(maximum(u, v), w);
         const Float8 minus_off = set8(0.0F) - off;
@@ -115,7 +162,7 @@ public:
         const Mask8 known = below(share, set8(1.0F));
         const Float8 middle = minimum(maximum(weighted, shallow), deep);
         const Float8 spread = share * (deep - shallow);
-        const Float8 margin = set8(3.0F * ray_.slack);
+        const Float8 margin = set8(3.0F * slack);
         const Float8 from = choose(known, maximum(middle - spread, shallow), shallow) - margin;
         const Float8 to = choose(known, minimum(middle + spread, deep), deep) + margin;
         const Float8 t_from = from * set8(ray_.inverse_depth);
@@ -158,11 +205,8 @@ struct Walk {
 };
 
 /// Adds what a leaf may hold to a search.
-HWY_INLINE void visit_leaf(const std::uint32_t* leaf,
-                           std::size_t size,
-                           const FloatRay& ray,
-                           ClosestSearch& search) {
-    const LeafHits hits = Piercing(ray)(leaf, size);
+HWY_INLINE void visit_leaf(const LeafWords& leaf, const FloatRay& ray, ClosestSearch& search) {
+    const LeafHits hits = Piercing(ray)(leaf);
     if (hits.possible == 0) {
         return;
     }
@@ -178,7 +222,7 @@ HWY_INLINE void visit_leaf(const std::uint32_t* leaf,
         store8(hits.near, near);
         for (; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-            search.add(leaf[9 * size + lane], near[lane]);
+            search.add(leaf.triangle(lane), near[lane]);
         }
     }
 }
@@ -209,12 +253,11 @@ HWY_INLINE bool descend_alone(
 }
 
 /// Whether a leaf holds a triangle that touches the segment.
-HWY_INLINE bool touches_leaf(const std::uint32_t* leaf,
-                             std::size_t size,
+HWY_INLINE bool touches_leaf(const LeafWords& leaf,
                              const FloatRay& ray,
                              const geometry::MeshView& mesh,
                              const geometry::Segment& segment) {
-    const LeafHits hits = Piercing(ray)(leaf, size);
+    const LeafHits hits = Piercing(ray)(leaf);
     if (hits.possible == 0) {
         return false;
     }
@@ -227,7 +270,7 @@ HWY_INLINE bool touches_leaf(const std::uint32_t* leaf,
     const Mask8 in_reach = both(at_most(hits.near, one), at_most(zero, hits.far));
     for (std::uint32_t left = bits(in_reach) & hits.possible; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-        const geometry::Triangle& triangle = mesh.triangles[leaf[9 * size + lane]];
+        const geometry::Triangle& triangle = mesh.triangles[leaf.triangle(lane)];
         if (geometry::touches(segment,
                               mesh.positions[triangle[0]],
                               mesh.positions[triangle[1]],
@@ -236,10 +279,6 @@ HWY_INLINE bool touches_leaf(const std::uint32_t* leaf,
         }
     }
     return false;
-}
-
-HWY_INLINE const std::uint32_t* leaf_words(const WideTree& tree, std::uint32_t child) {
-    return tree.words().data() + WideTree::kWordsPerTriangle * leaf_first(child);
 }
 
 }  // namespace earshot::bvh::HWY_NAMESPACE

@@ -140,10 +140,12 @@ void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::si
     constexpr std::array<int, 3> kLeafSizes = {1, 4, 15};
     constexpr std::array<int, 3> kThreads = {1, 2, 8};
     std::vector<Tree> refitted;
-    std::vector<WideTree> refitted_wide;
+    std::vector<WideTree> refitted_wide, refitted_quantised;
     for (const int leaf_size : kLeafSizes) {
         refitted.push_back(Tree::build(triangle_boxes(rest.view()), {.leaf_size = leaf_size}));
         refitted_wide.push_back(WideTree::build(refitted.back(), rest.view()));
+        refitted_quantised.push_back(
+            WideTree::build(refitted.back(), rest.view(), Executor::serial(), LeafForm::quantised));
     }
     Mesh mesh = rest;
     for (std::uint64_t frame = 0; frame < 3; ++frame) {
@@ -171,8 +173,10 @@ void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::si
             }
             refitted[k].refit(boxes, executor);
             ASSERT_EQ(ask(refitted[k], mesh.view(), questions), expected) << frame << ' ' << k;
-            refitted_wide[k].refit(mesh.view(), executor);
-            expect_from_wide(refitted_wide[k], mesh.view(), questions, expected, executor);
+            for (WideTree* wide : {&refitted_wide[k], &refitted_quantised[k]}) {
+                wide->refit(mesh.view(), executor);
+                expect_from_wide(*wide, mesh.view(), questions, expected, executor);
+            }
             Tree repaired = refitted[k];
             optimise(repaired, {.passes = 3, .share = 0.1}, executor);
             ASSERT_EQ(ask(repaired, mesh.view(), questions), expected) << frame << ' ' << k;
@@ -241,9 +245,11 @@ void expect_one_answer_to_many(const Mesh& rest, double step, std::size_t count)
         const Tree fresh = Tree::build(boxes, {.builder = named.builder}, executor);
         trees[k].refit(boxes, executor);
         optimise(trees[k], {.passes = 2, .share = 0.05}, executor);
-        const WideTree of_each[] = {refitted[k],
-                                    WideTree::build(trees[k], mesh.view(), executor),
-                                    WideTree::build(fresh, mesh.view(), executor)};
+        const WideTree of_each[] = {
+            refitted[k],
+            WideTree::build(trees[k], mesh.view(), executor),
+            WideTree::build(fresh, mesh.view(), executor),
+            WideTree::build(fresh, mesh.view(), executor, LeafForm::quantised)};
         for (std::size_t i = 0; i < std::size(of_each); ++i) {
             const std::string& target = targets[(k + i) % targets.size()];
             use_simd_target(target);

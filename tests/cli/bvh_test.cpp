@@ -45,6 +45,8 @@ TEST(Bvh, JsonCountsTheHierarchy) {
     EXPECT_EQ(report.at("nodes"), 2 * leaves - 1);  // a binary tree
     EXPECT_EQ(report.at("bytes"), 32 * (2 * leaves - 1) + 4 * 12);
     EXPECT_GE(report.at("depth"), 2);  // 12 triangles, at most 4 to a leaf
+    EXPECT_GT(report.at("wide_bytes"), report.at("quantised_bytes"));
+    EXPECT_GT(report.at("quantised_bytes"), 0);
     EXPECT_GT(report.at("sah_cost"), 0.0);
     EXPECT_GT(report.at("build_seconds"), 0.0);
     EXPECT_GT(report.at("refit_seconds"), 0.0);
@@ -83,7 +85,14 @@ TEST(Bvh, TableHasALinePerQuantityAndFrame) {
     const RunResult result = run_earshot({"bvh", kScenes + "door.gltf", "--frames", "0:1:0.5"});
     EXPECT_EQ(result.status, 0);
     EXPECT_EQ(result.err, "");
-    for (const char* label : {"triangles ", "nodes ", "depth ", "SAH cost ", "memory ", "build "}) {
+    for (const char* label : {"triangles ",
+                              "nodes ",
+                              "depth ",
+                              "SAH cost ",
+                              "memory ",
+                              "for rays ",
+                              "quantised ",
+                              "build "}) {
         EXPECT_NE(result.out.find(label), std::string::npos) << label;
     }
     std::istringstream lines(result.out.substr(result.out.find("time s")));
