@@ -250,6 +250,14 @@ void run(const char* file, std::size_t rays) {
     std::printf(
         "| motion | policy | update, ms | rays, ms | sum, ms | trace rate | worst frame |\n"
         "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n");
+    if (source.duration() > 0.0) {
+        follow(
+            "its animation",
+            [&](double time) {
+                return Mesh{source.positions_at(time * source.duration()), mesh.triangles};
+            },
+            rays);
+    }
     follow("wave", wave(mesh), rays);
     follow("parts drift", drift(mesh, 12.0), rays);
     follow("every triangle drifts", drift(mesh, 0.0), rays);
