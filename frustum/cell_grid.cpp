@@ -15,6 +15,13 @@ int clamp_cell(double value, int cells) noexcept {
     return value >= cells ? cells - 1 : static_cast<int>(value);
 }
 
+/// The first whole number that is not below the value, clamped to 0 ... kGridSide.
+int clamped_ceiling(double value) noexcept {
+    constexpr int kShift = 16;  // makes positive, so that truncation rounds down
+    const double clamped = std::clamp(value, -1.0, kGridSide + 1.0);
+    return std::clamp(kShift - static_cast<int>(kShift - clamped), 0, kGridSide);
+}
+
 }  // namespace
 
 CellRaster::CellRaster(const Rect& rect, int cells) noexcept
@@ -86,17 +93,15 @@ void CellRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
         std::swap(a, b);
     }
     // Rows whose centre y lies in [a.y, b.y).
-    const int first_row = static_cast<int>(std::clamp(std::ceil(a.y - 0.5), 0.0, 8.0));
-    const int end_row =
-        std::min(cells_, static_cast<int>(std::clamp(std::ceil(b.y - 0.5), 0.0, 8.0)));
+    const int first_row = clamped_ceiling(a.y - 0.5);
+    const int end_row = std::min(cells_, clamped_ceiling(b.y - 0.5));
     if (first_row >= end_row) {
         return;
     }
     const double slope = (b.x - a.x) / (b.y - a.y);
     for (int row = first_row; row < end_row; ++row) {
         const double x = a.x + slope * (row + 0.5 - a.y);
-        const int first = static_cast<int>(std::clamp(std::ceil(x - 0.5), 0.0, 8.0));
-        turns_[row][first] += direction;
+        turns_[row][clamped_ceiling(x - 0.5)] += direction;
     }
 }
 

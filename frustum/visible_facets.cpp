@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/visible_facets.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -15,18 +17,6 @@ using geometry::Vec3;
 
 namespace {
 
-/// Room for rounding in (u, v), in cells, beyond what follows from a polygon's distance.
-constexpr double kCellSlack = 0x1p-30;
-
-/// Polygons are cut off this far outside the grid, in cells, and by as much as their points may be
-/// off; the cut must not mark a cell.
-constexpr double kClipMargin = 1.0;
-
-/// How far a point moves across (forward + u right), in metres per metre that it is off, and how
-/// far in u at depth 1: at most 1 + |u|, |u| <= 1 in the grid. Twice that, because outlines are
-/// moved along a coordinate axis, up to sqrt(3) times as far as their distance from the plane.
-constexpr double kSpread = 4.0;
-
 /// Relative room for rounding in inverse depths, which are sums of three products.
 constexpr double kDepthSlack = 0x1p-40;
 
@@ -37,13 +27,8 @@ InverseDepth scaled(const InverseDepth& depth, double factor) noexcept {
     return {.constant = factor * depth.constant, .slope = factor * depth.slope};
 }
 
-/// Whether a is nearer than b everywhere in the rectangle, by more than rounding.
-bool nearer_throughout(const InverseDepth& a, const InverseDepth& b, const Rect& rect) noexcept {
-    const InverseDepth difference = {.constant = a.constant - b.constant,
-                                     .slope = a.slope - b.slope};
-    const double size = std::abs(a.constant) + std::abs(b.constant) + std::abs(a.slope.x) +
-                        std::abs(a.slope.y) + std::abs(b.slope.x) + std::abs(b.slope.y);
-    return difference.least(rect) > kDepthSlack * size;
+double size_of(const InverseDepth& depth) noexcept {
+    return std::abs(depth.constant) + std::abs(depth.slope.x) + std::abs(depth.slope.y);
 }
 
 /// The inverse depth of points `reach` metres (of depth) behind a plane, or less: 1 / (1/q + reach)
@@ -61,20 +46,35 @@ void for_each_cell(CellMask mask, Visit&& visit) {
 
 }  // namespace
 
-VisibleFacets::VisibleFacets(const FacetIndex& index,
-                             Mode mode,
-                             double contact_reach,
-                             double listener_reach)
+bool may_pass_window(const Frustum& frustum,
+                     const Rect& window,
+                     const Vec3& unfolded,
+                     double moved) noexcept {
+    const Vec3 p = frustum.local(unfolded);
+    if (!(p.z > frustum.least_depth)) {
+        return false;
+    }
+    const glm::dvec2 size = frustum.rect.upper - frustum.rect.lower;
+    const double slack = kCellSlack * std::max(size.x, size.y) + kSpread * moved / p.z;
+    const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
+    return uv.x >= window.lower.x - slack && uv.x <= window.upper.x + slack &&
+           uv.y >= window.lower.y - slack && uv.y <= window.upper.y + slack;
+}
+
+VisibleFacets::VisibleFacets(
+    const FacetIndex& index, Mode mode, double contact_reach, double reach, Grazing grazing)
     : index_(index),
       mode_(mode),
       contact_reach_(contact_reach),
-      listener_reach_(listener_reach),
+      reach_(reach),
+      grazing_(grazing),
       raster_(Rect{}, 1) {}
 
 void VisibleFacets::enter(const Frustum& frustum) {
     frustum_ = frustum;
     raster_ = CellRaster(frustum.rect, frustum.cells);
-    moved_ = kRounding * (index_.scale() + listener_reach_ + glm::length(frustum.apex));
+    first_centre_ = frustum.rect.lower + 0.5 * raster_.cell_size();
+    moved_ = kRounding * (index_.scale() + reach_ + glm::length(frustum.apex));
     covered_ = 0;
     candidates_.clear();
     found_.clear();
@@ -88,6 +88,14 @@ void VisibleFacets::search(const Frustum& frustum) {
     }
     visit_nodes();
     collect_found();
+}
+
+// In the plane of its apex a facet neither reflects (PathVerifier::grazing_distance is at least the
+// first of these) nor fills a sub-frustum. Verification does not ask how high a listener or its
+// image lies: from there a facet counts only where the height is known well.
+double VisibleFacets::grazing_height() const noexcept {
+    constexpr double kWellKnown = 64.0;
+    return grazing_ == Grazing::drop ? kRounding * index_.scale() : kWellKnown * moved_;
 }
 
 // An apex known to moved_ metres has a height over a plane that is off by that much; the inverse
@@ -137,10 +145,11 @@ void VisibleFacets::visit_facet(FacetId facet) {
     if (frustum_.starts_at_facet && facet == frustum_.facet) {
         return;
     }
-    // In the plane of its apex a facet neither reflects (PathVerifier::grazing_distance is at least
-    // this) nor fills a sub-frustum.
     const double height = index_.plane(facet).distance(frustum_.apex);
-    if (std::abs(height) <= kRounding * index_.scale()) {
+    if (std::abs(height) <= grazing_height()) {
+        if (grazing_ == Grazing::keep) {
+            found_.push_back({facet, frustum_.rect, frustum_.alive, true});
+        }
         return;
     }
     Projected projected;
@@ -161,121 +170,6 @@ void VisibleFacets::visit_facet(FacetId facet) {
     }
 }
 
-// Draws a facet as seen from the frustum's apex, beyond the facet where the frustum starts.
-// Returns false if nothing of it is inside.
-bool VisibleFacets::draw(const Frustum& frustum,
-                         CellRaster& raster,
-                         FacetId facet,
-                         Projected& out) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const double moved = moved_ + index_.flatness(facet);
-    out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};
-    double least_depth = kInfinity;
-    outline_.clear();
-    std::array<std::size_t, 16> few_ends{};
-    std::vector<std::size_t> many_ends;
-    const auto loops = index_.loops(facet);
-    if (loops.size() > few_ends.size()) {
-        many_ends.resize(loops.size());
-    }
-    const std::span<std::size_t> ends =
-        many_ends.empty() ? std::span(few_ends) : std::span(many_ends);
-    for (std::size_t i = 0; i < loops.size(); ++i) {
-        polygon_.clear();
-        for (std::uint32_t v = loops[i].begin; v < loops[i].end; ++v) {
-            polygon_.push_back(frustum.local(index_.vertices()[v]));
-        }
-        if (clip(frustum, raster, moved)) {
-            for (const Vec3& p : polygon_) {
-                least_depth = std::min(least_depth, p.z);
-                outline_.emplace_back(p.x / p.z, p.y / p.z);
-                out.bounds.lower = glm::min(out.bounds.lower, outline_.back());
-                out.bounds.upper = glm::max(out.bounds.upper, outline_.back());
-            }
-        }
-        ends[i] = outline_.size();
-    }
-    if (outline_.empty()) {
-        return false;
-    }
-    const glm::dvec2 cell = raster.cell_size();
-    if (least_depth < kSpread * moved) {
-        // Closer to the apex than its points are known: it may be seen in any direction.
-        const CellMask all = raster.cells_of(frustum.rect, 0.0);
-        out.coverage = {.touched = all, .filled = 0, .centred = all};
-        out.bounds = {.lower = frustum.rect.lower - cell, .upper = frustum.rect.upper + cell};
-        return true;
-    }
-    const double slack_uv = kSpread * moved / least_depth;
-    const double slack = kCellSlack + slack_uv / std::min(cell.x, cell.y);
-    raster.start(slack);
-    std::size_t begin = 0;
-    for (std::size_t i = 0; i < loops.size(); ++i) {
-        if (ends[i] > begin) {
-            raster.add_loop(std::span(outline_).subspan(begin, ends[i] - begin));
-        }
-        begin = ends[i];
-    }
-    out.coverage = raster.finish();
-    out.bounds.lower -= slack * cell;
-    out.bounds.upper += slack * cell;
-    return true;
-}
-
-// Sutherland and Hodgman 1974, against the start plane and the four sides of the grid grown by a
-// margin, all moved outward by what the polygon's points may be off (`moved`, metres).
-bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster, double moved) {
-    const double reach = kSpread * moved;
-    const glm::dvec2 margin = kClipMargin * raster.cell_size();
-    const glm::dvec2 lower = frustum.rect.lower - margin;
-    const glm::dvec2 upper = frustum.rect.upper + margin;
-    const auto keep = [&](auto&& inside_distance) {
-        bool all = true;
-        bool any = false;
-        for (const Vec3& p : polygon_) {
-            const bool inside = inside_distance(p) >= 0.0;
-            all = all && inside;
-            any = any || inside;
-        }
-        if (all || !any) {
-            return any;
-        }
-        clipped_.clear();
-        Vec3 previous = polygon_.back();
-        double before = inside_distance(previous);
-        for (const Vec3& p : polygon_) {
-            const double here = inside_distance(p);
-            if ((before >= 0.0) != (here >= 0.0)) {
-                clipped_.push_back(previous + (before / (before - here)) * (p - previous));
-            }
-            if (here >= 0.0) {
-                clipped_.push_back(p);
-            }
-            previous = p;
-            before = here;
-        }
-        std::swap(polygon_, clipped_);
-        return true;
-    };
-    if (frustum.starts_at_facet) {
-        // 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its
-        // distance from the apex: points on the plane stay.
-        const InverseDepth& start = frustum.start;
-        const double slack = moved / std::abs(index_.plane(frustum.facet).distance(frustum.apex));
-        if (!keep([&](const Vec3& p) {
-                return start.constant * p.z + start.slope.x * p.x + start.slope.y * p.y - 1.0 +
-                       slack;
-            })) {
-            return false;
-        }
-    }
-    return keep([&](const Vec3& p) { return p.z - frustum.least_depth + moved; }) &&
-           keep([&](const Vec3& p) { return p.x - lower.x * p.z + reach; }) &&
-           keep([&](const Vec3& p) { return upper.x * p.z - p.x + reach; }) &&
-           keep([&](const Vec3& p) { return p.y - lower.y * p.z + reach; }) &&
-           keep([&](const Vec3& p) { return upper.y * p.z - p.y + reach; });
-}
-
 void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask filled) {
     if (filled == 0) {
         return;
@@ -288,17 +182,21 @@ void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask
     }
     const InverseDepth back =
         pushed_back(scaled(depth, 1.0 - error), contact_reach_, frustum_.rect);
+    const InverseDepth near = scaled(depth, 1.0 + error);
+    const double back_size = size_of(back);
+    const double start_margin =
+        kDepthSlack * (size_of(start_limit_) + size_of(near)) + half_change(start_limit_, near);
     for_each_cell(filled, [&](int cell) {
-        const Rect rect = raster_.cell_rect(cell / kGridSide, cell % kGridSide);
+        const glm::dvec2 middle = centre_of(cell);
         if (frustum_.starts_at_facet &&
-            !nearer_throughout(start_limit_, scaled(depth, 1.0 + error), rect)) {
+            !(start_limit_.at(middle) - near.at(middle) > start_margin)) {
             return;
         }
         Cover& cover = covers_[static_cast<std::size_t>(cell)];
-        const double centre = back.at(0.5 * (rect.lower + rect.upper));
+        const double centre = back.at(middle);
         const CellMask bit = CellMask{1} << cell;
         if ((covered_ & bit) == 0 || centre > cover.centre) {
-            cover = {facet, back, centre};
+            cover = {facet, back, centre, back_size};
             covered_ |= bit;
         }
     });
@@ -306,12 +204,11 @@ void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask
 
 void VisibleFacets::add_sample(FacetId facet, const InverseDepth& depth, CellMask centred) {
     for_each_cell(centred, [&](int cell) {
-        const Rect rect = raster_.cell_rect(cell / kGridSide, cell % kGridSide);
         Cover& cover = covers_[static_cast<std::size_t>(cell)];
-        const double centre = depth.at(0.5 * (rect.lower + rect.upper));
+        const double centre = depth.at(centre_of(cell));
         const CellMask bit = CellMask{1} << cell;
         if ((covered_ & bit) == 0 || centre > cover.centre) {
-            cover = {facet, depth, centre};
+            cover = {facet, depth, centre, size_of(depth)};
             covered_ |= bit;
         }
     });
@@ -323,34 +220,66 @@ bool VisibleFacets::box_is_hidden(const geometry::Aabb& box) const noexcept {
     if (covered_ == 0 || mode_ == Mode::sampled) {
         return false;
     }
-    Rect bounds = {.lower = glm::dvec2(std::numeric_limits<double>::infinity()),
-                   .upper = glm::dvec2(-std::numeric_limits<double>::infinity())};
-    double nearest = std::numeric_limits<double>::infinity();
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        const Vec3 point = {static_cast<double>((corner & 1U) != 0 ? box.upper[0] : box.lower[0]),
-                            static_cast<double>((corner & 2U) != 0 ? box.upper[1] : box.lower[1]),
-                            static_cast<double>((corner & 4U) != 0 ? box.upper[2] : box.lower[2])};
-        const Vec3 p = frustum_.local(point);
-        if (!(p.z > frustum_.least_depth)) {
-            return false;
-        }
-        const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
-        bounds.lower = glm::min(bounds.lower, uv);
-        bounds.upper = glm::max(bounds.upper, uv);
-        nearest = std::min(nearest, p.z);
+    // The box's extent along the frustum's axes; quotients of its ends bound the quotients of its
+    // points.
+    Vec3 middle, half;
+    for (int k = 0; k < 3; ++k) {
+        const auto axis = static_cast<std::size_t>(k);
+        const auto lower = static_cast<double>(box.lower[axis]);
+        const auto upper = static_cast<double>(box.upper[axis]);
+        middle[k] = 0.5 * (lower + upper);
+        half[k] = 0.5 * (upper - lower);
+    }
+    const Vec3 centre = frustum_.local(middle);
+    const Vec3 extent = {glm::dot(glm::abs(frustum_.right), half),
+                         glm::dot(glm::abs(frustum_.up), half),
+                         glm::dot(glm::abs(frustum_.forward), half)};
+    const double nearest = centre.z - extent.z;
+    if (!(nearest > frustum_.least_depth)) {
+        return false;
+    }
+    const double near_scale = 1.0 / nearest;
+    const double far_scale = 1.0 / (centre.z + extent.z);
+    Rect bounds;
+    for (int k = 0; k < 2; ++k) {
+        const double low = centre[k] - extent[k];
+        const double high = centre[k] + extent[k];
+        bounds.lower[k] = low * (low < 0.0 ? near_scale : far_scale);
+        bounds.upper[k] = high * (high < 0.0 ? far_scale : near_scale);
     }
     const CellMask cells = cells_near(bounds, nearest);
     return (cells & ~covered_) == 0 && everything_hides(nearest, cells);
+}
+
+// Whether a cover is nearer than a plane everywhere in a cell, by more than rounding.
+bool VisibleFacets::is_nearer(const Cover& cover,
+                              const InverseDepth& depth,
+                              double size,
+                              int cell) const noexcept {
+    return cover.centre - depth.at(centre_of(cell)) >
+           half_change(cover.depth, depth) + kDepthSlack * (cover.size + size);
+}
+
+glm::dvec2 VisibleFacets::centre_of(int cell) const noexcept {
+    return {first_centre_.x + cell % kGridSide * raster_.cell_size().x,
+            first_centre_.y + cell / kGridSide * raster_.cell_size().y};
+}
+
+// By how much the difference of two inverse depths changes from a cell's centre to its corners, at
+// most.
+double VisibleFacets::half_change(const InverseDepth& a, const InverseDepth& b) const noexcept {
+    return 0.5 * (std::abs(a.slope.x - b.slope.x) * raster_.cell_size().x +
+                  std::abs(a.slope.y - b.slope.y) * raster_.cell_size().y);
 }
 
 CellMask VisibleFacets::hidden_cells(FacetId facet,
                                      const InverseDepth& depth,
                                      CellMask cells) const noexcept {
     CellMask hidden = 0;
+    const double size = size_of(depth);
     for_each_cell(cells & covered_, [&](int cell) {
         const Cover& cover = covers_[static_cast<std::size_t>(cell)];
-        const Rect rect = raster_.cell_rect(cell / kGridSide, cell % kGridSide);
-        if (cover.facet != facet && nearer_throughout(cover.depth, depth, rect)) {
+        if (cover.facet != facet && is_nearer(cover, depth, size, cell)) {
             hidden |= CellMask{1} << cell;
         }
     });
@@ -411,9 +340,8 @@ bool VisibleFacets::everything_hides(double depth, CellMask cells) const noexcep
     const InverseDepth front = {.constant = 1.0 / (depth - moved_), .slope = glm::dvec2(0.0)};
     for (; cells != 0; cells &= cells - 1) {
         const int cell = std::countr_zero(cells);
-        const Rect rect = raster_.cell_rect(cell / kGridSide, cell % kGridSide);
         if ((covered_ >> cell & 1) == 0 ||
-            !nearer_throughout(covers_[static_cast<std::size_t>(cell)].depth, front, rect)) {
+            !is_nearer(covers_[static_cast<std::size_t>(cell)], front, front.constant, cell)) {
             return false;
         }
     }
@@ -444,9 +372,30 @@ bool VisibleFacets::may_reach_mirrored(const VisibleFacet& visible,
     if (side * plane.distance(point) < -moved_) {
         return false;
     }
-    // The straight line from the apex to the mirrored point passes the facet where the sound
-    // reflects.
-    const Vec3 p = frustum_.local(plane.mirror(point));
+    return may_pass(visible, plane.mirror(point));
+}
+
+WindowSight VisibleFacets::sight(const VisibleFacet& visible) const noexcept {
+    const Vec3* axes[] = {&frustum_.right, &frustum_.up, &frustum_.forward};
+    WindowSight sight;
+    for (int k = 0; k < 3; ++k) {
+        sight.apex[k] = frustum_.apex[k];
+        for (int axis = 0; axis < 3; ++axis) {
+            sight.axes[axis][k] = (*axes[axis])[k];
+        }
+    }
+    for (int k = 0; k < 2; ++k) {
+        sight.lower[k] = visible.window.lower[k];
+        sight.upper[k] = visible.window.upper[k];
+        sight.share[k] = 0.5 * raster_.cell_size()[k];
+    }
+    sight.reach = kSpread * moved_;
+    sight.least_depth = frustum_.least_depth;
+    return sight;
+}
+
+bool VisibleFacets::may_pass(const VisibleFacet& visible, const Vec3& unfolded) const noexcept {
+    const Vec3 p = frustum_.local(unfolded);
     if (!(p.z > frustum_.least_depth)) {
         return false;
     }

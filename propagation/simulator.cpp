@@ -156,10 +156,6 @@ std::vector<PairResult> Simulator::run(Executor& executor) {
     for (const Emitter& listener : scene.listeners) {
         listeners.push_back(scene.position_at(listener, state.time));
     }
-    const frustum::Surroundings surroundings = {.tree = state.tree,
-                                                .mesh = state.mesh(),
-                                                .facets = state.facets,
-                                                .one_sided = state.one_sided};
     const frustum::TraceOptions trace_options = {.max_order = state.options.specular_order,
                                                  .mode = state.options.mode,
                                                  .resolution = state.options.resolution};
@@ -167,7 +163,7 @@ std::vector<PairResult> Simulator::run(Executor& executor) {
     std::vector<PairResult> pairs;
     for (std::size_t source = 0; source < scene.sources.size(); ++source) {
         const auto trace =
-            frustum::find_specular_paths(surroundings,
+            frustum::find_specular_paths(surroundings(),
                                          scene.position_at(scene.sources[source], state.time),
                                          listeners,
                                          trace_options,
@@ -187,6 +183,13 @@ std::vector<PairResult> Simulator::run(Executor& executor) {
         }
     }
     return pairs;
+}
+
+frustum::Surroundings Simulator::surroundings() const noexcept {
+    return {.tree = state_->tree,
+            .mesh = state_->mesh(),
+            .facets = state_->facets,
+            .one_sided = state_->one_sided};
 }
 
 const GeometrySummary& Simulator::geometry() const noexcept {

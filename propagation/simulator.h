@@ -80,6 +80,8 @@ public:
     std::vector<PairResult> run(Executor& executor = Executor::serial());
 
     const GeometrySummary& geometry() const noexcept;
+    /// The scene as the tracer sees it; valid until the time is set or the simulator destroyed.
+    frustum::Surroundings surroundings() const noexcept;
     /// Of the last run, summed over sources.
     const frustum::TraceStatistics& statistics() const noexcept;
 

@@ -3,17 +3,39 @@
 
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
+#include "earshot/frustum/internal/window_sight.h"
 
 #include <vector>
 
 namespace earshot::frustum {
+
+/// Room for rounding in (u, v), in cells, beyond what follows from a polygon's distance.
+inline constexpr double kCellSlack = 0x1p-30;
+
+/// How far a point moves across (forward + u right), in metres per metre that it is off, and how
+/// far in u at depth 1: at most 1 + |u|, |u| <= 1 in the grid. Twice that, because outlines are
+/// moved along a coordinate axis, up to sqrt(3) times as far as their distance from the plane.
+inline constexpr double kSpread = 4.0;
 
 /// A facet that a frustum can see.
 struct VisibleFacet {
     geometry::FacetId facet = 0;
     Rect window;         ///< bounds of the part that can be seen, in (u, v)
     CellMask cells = 0;  ///< sub-frusta in which it can be seen
+    /// The apex lies in the facet's plane, as far as can be told: only with Grazing::keep.
+    bool grazes = false;
 };
+
+/// Whether the line from a frustum's apex to an unfolded point may pass a window of the frustum.
+/// `moved`: metres by which either end may be off.
+bool may_pass_window(const Frustum& frustum,
+                     const Rect& window,
+                     const geometry::Vec3& unfolded,
+                     double moved) noexcept;
+
+/// What becomes of facets in whose plane a frustum's apex lies, so that nothing is known of where
+/// they are seen: nothing reflects there on the way from a source, but paths may end there.
+enum class Grazing { drop, keep };
 
 /// Finds the facets that sound in a frustum can reach first. Holds scratch memory, so one object
 /// serves many frusta in turn, one thread at a time.
@@ -24,15 +46,21 @@ struct VisibleFacet {
 /// sampled: the facet nearest along the centre of each sub-frustum.
 class VisibleFacets {
 public:
-    /// `contact_reach` in metres, as PathVerifier::contact_reach; `listener_reach`: the largest
-    /// distance of a listener from the origin, metres.
-    VisibleFacets(const FacetIndex& index, Mode mode, double contact_reach, double listener_reach);
+    /// `contact_reach` in metres, as PathVerifier::contact_reach; `reach`: the largest distance of
+    /// a source or listener from the origin, metres.
+    VisibleFacets(const FacetIndex& index,
+                  Mode mode,
+                  double contact_reach,
+                  double reach,
+                  Grazing grazing = Grazing::drop);
 
     /// Makes this the current frustum without looking for facets: nothing hides anything in it.
     void enter(const Frustum& frustum);
 
     /// Makes this the current frustum and finds what it sees.
     void search(const Frustum& frustum);
+
+    const Frustum& frustum() const noexcept { return frustum_; }
 
     /// Facets that the current frustum sees, roughly nearest first.
     const std::vector<VisibleFacet>& found() const noexcept { return found_; }
@@ -41,8 +69,16 @@ public:
     /// sub-frustum that may hold it is dead or filled by a facet nearer than the point.
     bool may_reach(const geometry::Vec3& point) const noexcept;
 
+    /// A superset of the points that may_pass() lets through, for many points.
+    WindowSight sight(const VisibleFacet& visible) const noexcept;
+
+    /// Whether a straight line from the current frustum's apex to a point, mirrored as often as the
+    /// way to it reflects, may pass a facet that the frustum sees. Conservative like may_reach, but
+    /// for what stands between.
+    bool may_pass(const VisibleFacet& visible, const geometry::Vec3& unfolded) const noexcept;
+
     /// Whether sound in the current frustum may arrive at the point after one more reflection, in a
-    /// facet that the frustum sees. Conservative like may_reach, but for what stands between.
+    /// facet that the frustum sees.
     bool may_reach_mirrored(const VisibleFacet& visible,
                             const geometry::Vec3& point) const noexcept;
 
@@ -63,19 +99,33 @@ private:
     struct Cover {
         geometry::FacetId facet = 0;
         InverseDepth depth;   // scaled down by its error and the contact reach
-        double centre = 0.0;  // of the sub-frustum
+        double centre = 0.0;  // in the middle of the sub-frustum
+        double size = 0.0;    // of the coefficients
     };
 
     void visit_nodes();
     void visit_facet(geometry::FacetId facet);
     bool draw(const Frustum& frustum, CellRaster& raster, geometry::FacetId facet, Projected& out);
+    enum class Drawing { outside, done, needs_clipping };
+    Drawing draw_whole(const Frustum& frustum,
+                       CellRaster& raster,
+                       geometry::FacetId facet,
+                       double moved,
+                       Projected& out);
     bool clip(const Frustum& frustum, const CellRaster& raster, double moved);
     void add_cover(geometry::FacetId facet, const InverseDepth& depth, CellMask filled);
     void add_sample(geometry::FacetId facet, const InverseDepth& depth, CellMask centred);
+    double grazing_height() const noexcept;
     double depth_error(geometry::FacetId facet) const noexcept;
     CellMask cells_near(const Rect& bounds, double depth) const noexcept;
     bool everything_hides(double depth, CellMask cells) const noexcept;
     bool box_is_hidden(const geometry::Aabb& box) const noexcept;
+    bool is_nearer(const Cover& cover,
+                   const InverseDepth& depth,
+                   double size,
+                   int cell) const noexcept;
+    glm::dvec2 centre_of(int cell) const noexcept;
+    double half_change(const InverseDepth& a, const InverseDepth& b) const noexcept;
     CellMask hidden_cells(geometry::FacetId facet,
                           const InverseDepth& depth,
                           CellMask cells) const noexcept;
@@ -85,10 +135,12 @@ private:
     const FacetIndex& index_;
     Mode mode_;
     double contact_reach_;
-    double listener_reach_;
+    double reach_;
+    Grazing grazing_;
 
     Frustum frustum_;
     CellRaster raster_;
+    glm::dvec2 first_centre_{0.0};
     double moved_ = 0.0;  // metres of rounding in constructed points
     CellMask covered_ = 0;
     InverseDepth start_limit_;  // a cover must lie beyond it

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/visible_facets.h"
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace earshot::frustum {
+
+using geometry::FacetId;
+using geometry::Vec3;
+
+namespace {
+
+/// Polygons are cut off this far outside the grid, in cells, and by as much as their points may be
+/// off; the cut must not mark a cell.
+constexpr double kClipMargin = 1.0;
+
+/// Polygons that reach no farther outside the grid than this need not be cut off at all, in cells:
+/// what rounds in crossing the grid's lines (2^-50 of it) is far below kCellSlack.
+constexpr double kMostOutside = 0x1p16;
+
+/// What is narrower than this, in cells, fills none.
+constexpr double kAlmostACell = 0.99;
+
+}  // namespace
+
+// Draws a facet that lies wholly in the half-space of the frustum's depths, as most do: it need not
+// be clipped. Where it can meet a few cells only, and cannot fill one, its bounds speak for it.
+VisibleFacets::Drawing VisibleFacets::draw_whole(
+    const Frustum& frustum, CellRaster& raster, FacetId facet, double moved, Projected& out) {
+    const auto loops = index_.loops(facet);
+    const std::uint32_t begin = loops.front().begin;
+    const std::uint32_t end = loops.back().end;
+    const double start_slack =
+        frustum.starts_at_facet
+            ? moved / std::abs(index_.plane(frustum.facet).distance(frustum.apex))
+            : 0.0;
+    const double nearest = std::max(frustum.least_depth, 2.0 * kSpread * moved);
+    glm::dvec2 lower(std::numeric_limits<double>::infinity());
+    glm::dvec2 upper(-std::numeric_limits<double>::infinity());
+    double least_depth = std::numeric_limits<double>::infinity();
+    outline_.clear();
+    for (std::uint32_t v = begin; v < end; ++v) {
+        const Vec3 p = frustum.local(index_.vertices()[v]);
+        const InverseDepth& start = frustum.start;
+        if (!(p.z >= nearest) ||
+            (frustum.starts_at_facet && !(start.constant * p.z + start.slope.x * p.x +
+                                              start.slope.y * p.y - 1.0 + start_slack >=
+                                          0.0))) {
+            return Drawing::needs_clipping;
+        }
+        const double inverse = 1.0 / p.z;
+        const glm::dvec2 uv = {p.x * inverse, p.y * inverse};
+        lower = glm::min(lower, uv);
+        upper = glm::max(upper, uv);
+        least_depth = std::min(least_depth, p.z);
+        outline_.push_back(uv);
+    }
+    const glm::dvec2 cell = raster.cell_size();
+    const double slack = kCellSlack + kSpread * moved / least_depth / std::min(cell.x, cell.y);
+    out.bounds = {.lower = lower - slack * cell, .upper = upper + slack * cell};
+    const CellMask near = raster.cells_of({.lower = lower, .upper = upper}, slack);
+    if (near == 0) {
+        return Drawing::outside;
+    }
+    constexpr int kFewCells = 4;
+    const glm::dvec2 size = (upper - lower) / cell;
+    if (std::popcount(near) <= kFewCells && (size.x < kAlmostACell || size.y < kAlmostACell)) {
+        out.coverage = {.touched = near, .filled = 0, .centred = near};
+        if (mode_ == Mode::complete) {
+            return Drawing::done;
+        }
+    }
+    // Farther outside, the rounding of where an edge enters the grid would count.
+    const glm::dvec2 far = kMostOutside * cell;
+    if (glm::any(glm::lessThan(lower, frustum.rect.lower - far)) ||
+        glm::any(glm::greaterThan(upper, frustum.rect.upper + far))) {
+        return Drawing::needs_clipping;
+    }
+    raster.start(slack);
+    for (const FacetIndex::LoopRange& loop : loops) {
+        raster.add_loop(std::span(outline_).subspan(loop.begin - begin, loop.end - loop.begin));
+    }
+    out.coverage = raster.finish();
+    return Drawing::done;
+}
+
+// Draws a facet as seen from the frustum's apex, beyond the facet where the frustum starts.
+// Returns false if nothing of it is inside.
+bool VisibleFacets::draw(const Frustum& frustum,
+                         CellRaster& raster,
+                         FacetId facet,
+                         Projected& out) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const double moved = moved_ + index_.flatness(facet);
+    switch (draw_whole(frustum, raster, facet, moved, out)) {
+        case Drawing::outside:
+            return false;
+        case Drawing::done:
+            return true;
+        case Drawing::needs_clipping:
+            break;
+    }
+    out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};
+    double least_depth = kInfinity;
+    outline_.clear();
+    std::array<std::size_t, 16> few_ends{};
+    std::vector<std::size_t> many_ends;
+    const auto loops = index_.loops(facet);
+    if (loops.size() > few_ends.size()) {
+        many_ends.resize(loops.size());
+    }
+    const std::span<std::size_t> ends =
+        many_ends.empty() ? std::span(few_ends) : std::span(many_ends);
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+        polygon_.clear();
+        for (std::uint32_t v = loops[i].begin; v < loops[i].end; ++v) {
+            polygon_.push_back(frustum.local(index_.vertices()[v]));
+        }
+        if (clip(frustum, raster, moved)) {
+            for (const Vec3& p : polygon_) {
+                least_depth = std::min(least_depth, p.z);
+                outline_.emplace_back(p.x / p.z, p.y / p.z);
+                out.bounds.lower = glm::min(out.bounds.lower, outline_.back());
+                out.bounds.upper = glm::max(out.bounds.upper, outline_.back());
+            }
+        }
+        ends[i] = outline_.size();
+    }
+    if (outline_.empty()) {
+        return false;
+    }
+    const glm::dvec2 cell = raster.cell_size();
+    if (least_depth < kSpread * moved) {
+        // Closer to the apex than its points are known: it may be seen in any direction.
+        const CellMask all = raster.cells_of(frustum.rect, 0.0);
+        out.coverage = {.touched = all, .filled = 0, .centred = all};
+        out.bounds = {.lower = frustum.rect.lower - cell, .upper = frustum.rect.upper + cell};
+        return true;
+    }
+    const double slack_uv = kSpread * moved / least_depth;
+    const double slack = kCellSlack + slack_uv / std::min(cell.x, cell.y);
+    raster.start(slack);
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < loops.size(); ++i) {
+        if (ends[i] > begin) {
+            raster.add_loop(std::span(outline_).subspan(begin, ends[i] - begin));
+        }
+        begin = ends[i];
+    }
+    out.coverage = raster.finish();
+    out.bounds.lower -= slack * cell;
+    out.bounds.upper += slack * cell;
+    return true;
+}
+
+// Sutherland and Hodgman 1974, against the start plane and the four sides of the grid grown by a
+// margin, all moved outward by what the polygon's points may be off (`moved`, metres).
+bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster, double moved) {
+    const double reach = kSpread * moved;
+    const glm::dvec2 margin = kClipMargin * raster.cell_size();
+    const glm::dvec2 lower = frustum.rect.lower - margin;
+    const glm::dvec2 upper = frustum.rect.upper + margin;
+    const auto keep = [&](auto&& inside_distance) {
+        bool all = true;
+        bool any = false;
+        for (const Vec3& p : polygon_) {
+            const bool inside = inside_distance(p) >= 0.0;
+            all = all && inside;
+            any = any || inside;
+        }
+        if (all || !any) {
+            return any;
+        }
+        clipped_.clear();
+        Vec3 previous = polygon_.back();
+        double before = inside_distance(previous);
+        for (const Vec3& p : polygon_) {
+            const double here = inside_distance(p);
+            if ((before >= 0.0) != (here >= 0.0)) {
+                clipped_.push_back(previous + (before / (before - here)) * (p - previous));
+            }
+            if (here >= 0.0) {
+                clipped_.push_back(p);
+            }
+            previous = p;
+            before = here;
+        }
+        std::swap(polygon_, clipped_);
+        return true;
+    };
+    if (frustum.starts_at_facet) {
+        // 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its
+        // distance from the apex: points on the plane stay.
+        const InverseDepth& start = frustum.start;
+        const double slack = moved / std::abs(index_.plane(frustum.facet).distance(frustum.apex));
+        if (!keep([&](const Vec3& p) {
+                return start.constant * p.z + start.slope.x * p.x + start.slope.y * p.y - 1.0 +
+                       slack;
+            })) {
+            return false;
+        }
+    }
+    return keep([&](const Vec3& p) { return p.z - frustum.least_depth + moved; }) &&
+           keep([&](const Vec3& p) { return p.x - lower.x * p.z + reach; }) &&
+           keep([&](const Vec3& p) { return upper.x * p.z - p.x + reach; }) &&
+           keep([&](const Vec3& p) { return p.y - lower.y * p.z + reach; }) &&
+           keep([&](const Vec3& p) { return upper.y * p.z - p.y + reach; });
+}
+
+}  // namespace earshot::frustum

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/bvh/traverse.h"
+#include "earshot/bvh/tree.h"
+#include "earshot/frustum/internal/frustum.h"
+
+#include <span>
+#include <vector>
+
+namespace earshot::frustum {
+
+/// Many listeners, to be found by place.
+class ListenerPoints {
+public:
+    explicit ListenerPoints(std::span<const geometry::Vec3> points) {
+        std::vector<geometry::Aabb> boxes(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            boxes[i].include(points[i]);
+        }
+        tree_ = bvh::Tree::build(boxes);
+    }
+
+    /// Calls visit(index) for a superset of the listeners in a frustum, in an order that depends on
+    /// the points alone.
+    template <typename Visit>
+    void visit_in(const BoxCull& cull, Visit&& visit) const {
+        bvh::traverse(
+            tree_,
+            [&](const bvh::Node& node) { return cull.may_meet(node.box); },
+            [&](std::uint32_t listener) {
+                visit(listener);
+                return true;
+            });
+    }
+
+private:
+    bvh::Tree tree_;
+};
+
+}  // namespace earshot::frustum

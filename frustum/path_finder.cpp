@@ -1,0 +1,398 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/path_finder.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/base/error.h"
+#include "earshot/frustum/internal/facet_index.h"
+#include "earshot/frustum/internal/path_order.h"
+#include "earshot/frustum/internal/proposer.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace earshot::frustum {
+
+using geometry::Vec3;
+
+namespace {
+
+// Complete mode: one frustum per cube face was fastest in scenes of 6 to 3,000 facets, by a tenth
+// to a third over 32 sub-frusta and more.
+constexpr int kCompleteResolution = 8;
+constexpr int kSampledResolution = 32;
+constexpr int kMaxResolution = 1024;
+constexpr int kMaxOrder = 64;
+
+// Of so many listeners at most it is known which facets they see; more are looked for by place.
+constexpr std::size_t kFewListeners = 64;
+
+constexpr std::size_t kGrain = 4;
+
+void check_options(const TraceOptions& options) {
+    if (options.max_order < 0 || options.max_order > kMaxOrder) {
+        throw Error("order",
+                    "must be 0 to " + std::to_string(kMaxOrder) + ", not " +
+                        std::to_string(options.max_order));
+    }
+    if (options.resolution < 0 || options.resolution > kMaxResolution) {
+        throw Error("resolution",
+                    "must be 0 (the default) to " + std::to_string(kMaxResolution) + ", not " +
+                        std::to_string(options.resolution));
+    }
+}
+
+/// A frustum that was traced, and what it saw.
+struct Look {
+    Frustum frustum;
+    std::size_t order = 0;
+    std::size_t seen_begin = 0, seen_end = 0;
+};
+
+/// Looks in the order in which they were made: a frustum stands before those that it leads to.
+struct Looks {
+    std::vector<Look> looks;
+    std::vector<VisibleFacet> seen;
+
+    void append(const Looks& others) {
+        for (Look look : others.looks) {
+            look.seen_begin += seen.size();
+            look.seen_end += seen.size();
+            looks.push_back(look);
+        }
+        seen.insert(seen.end(), others.seen.begin(), others.seen.end());
+    }
+};
+
+}  // namespace
+
+struct SourceTrace::Kept {
+    Vec3 source{0.0};
+    std::vector<Looks> parts;  // of a few subtrees each, for a task each
+};
+
+struct ListenerTrace::Kept {
+    std::vector<Vec3> listeners;
+    std::optional<ListenerSide> side;
+    std::optional<ListenerPoints> points;
+};
+
+struct PathFinder::State {
+    State(const Surroundings& the_surroundings, const FinderOptions& options)
+        : surroundings(the_surroundings),
+          index(the_surroundings),
+          verifier(the_surroundings),
+          trace(options.trace),
+          is_half_way(options.trace.mode == Mode::complete && !options.all_the_way),
+          reach(options.reach > 0.0 ? options.reach : 16.0 * index.scale()) {}
+
+    Surroundings surroundings;
+    FacetIndex index;
+    PathVerifier verifier;
+    TraceOptions trace;
+    bool is_half_way;
+    double reach;
+
+    /// Frusta of this order and above are not traced: listeners are met before.
+    int orders_traced() const {
+        return is_half_way ? std::max(trace.max_order - 1, std::min(trace.max_order, 1))
+                           : trace.max_order;
+    }
+
+    std::vector<Frustum> roots(const Vec3& source) const {
+        const int default_resolution =
+            trace.mode == Mode::complete ? kCompleteResolution : kSampledResolution;
+        const int resolution = trace.resolution > 0 ? trace.resolution : default_resolution;
+        const int cells = std::min(resolution, kGridSide);
+        const int pieces = (resolution + cells - 1) / cells;
+        const double least_depth = 0.5 * kRounding * index.scale();
+        return frusta_around(source, pieces, cells, least_depth);
+    }
+
+    VisibleFacets new_search() const {
+        return {index, trace.mode, verifier.contact_reach(), reach};
+    }
+
+    /// Calls use(task, search, frustum) for every frustum from the source, depth first within a
+    /// task, and enter(task, frustum), leave(task) around those of higher order. Returns the tasks.
+    template <typename Task, typename MakeTask>
+    std::vector<Task> walk(const Vec3& source, MakeTask&& make_task, Executor& executor) const;
+
+    template <typename Task>
+    void follow(const Frustum& frustum, std::vector<VisibleFacets>& searches, Task& task) const;
+
+    Proposer proposer(const Vec3& source, const Audience& audience) const {
+        return {index, verifier, audience, trace.max_order, reach, source};
+    }
+
+    TraceResult finish(Harvest harvest) const {
+        sort_and_unify(harvest.paths, surroundings.facets, verifier.scale());
+        harvest.statistics.paths = harvest.paths.size();
+        return {.paths = std::move(harvest.paths), .statistics = harvest.statistics};
+    }
+};
+
+namespace {
+
+Audience audience_of(std::span<const Vec3> listeners,
+                     const std::optional<ListenerSide>& side,
+                     const std::optional<ListenerPoints>& points) {
+    return {.listeners = listeners,
+            .side = side ? &*side : nullptr,
+            .points = points ? &*points : nullptr};
+}
+
+/// Proposes paths as it goes.
+class Finding {
+public:
+    explicit Finding(Proposer proposer) : proposer_(std::move(proposer)) {}
+    void enter(const Frustum& frustum) { proposer_.push(frustum.facet); }
+    void leave() { proposer_.pop(); }
+    std::size_t order() const { return proposer_.order(); }
+    void see(const VisibleFacets& search) {
+        ++frusta_;
+        proposer_.propose_from(search, search.found());
+    }
+    Harvest take_harvest() {
+        Harvest harvest = proposer_.take_harvest();
+        harvest.statistics.frusta += frusta_;
+        return harvest;
+    }
+
+private:
+    Proposer proposer_;
+    std::uint64_t frusta_ = 0;
+};
+
+/// Writes down what was seen.
+class Keeping {
+public:
+    void enter(const Frustum&) { ++order_; }
+    void leave() { --order_; }
+    std::size_t order() const { return order_; }
+    void see(const VisibleFacets& search) {
+        const std::size_t begin = looks.seen.size();
+        looks.seen.insert(looks.seen.end(), search.found().begin(), search.found().end());
+        looks.looks.push_back({search.frustum(), order_, begin, looks.seen.size()});
+    }
+
+    Looks looks;
+
+private:
+    std::size_t order_ = 0;
+};
+
+}  // namespace
+
+template <typename Task>
+void PathFinder::State::follow(const Frustum& frustum,
+                               std::vector<VisibleFacets>& searches,
+                               Task& task) const {
+    VisibleFacets& search = searches[task.order()];
+    search.search(frustum);
+    task.see(search);
+    if (static_cast<int>(task.order()) + 1 >= orders_traced()) {
+        return;
+    }
+    for (const VisibleFacet& visible : search.found()) {
+        const Frustum child = search.reflect(visible);
+        task.enter(child);
+        follow(child, searches, task);
+        task.leave();
+    }
+}
+
+template <typename Task, typename MakeTask>
+std::vector<Task> PathFinder::State::walk(const Vec3& source,
+                                          MakeTask&& make_task,
+                                          Executor& executor) const {
+    const auto first = roots(source);
+    std::vector<std::vector<Frustum>> reflections(first.size());
+    std::vector<std::optional<Task>> of_roots(chunk_count(first.size(), kGrain));
+    executor.for_each(first.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        VisibleFacets search = new_search();
+        Task& task = of_roots[begin / kGrain].emplace(make_task());
+        for (std::size_t i = begin; i < end; ++i) {
+            search.search(first[i]);
+            task.see(search);
+            for (const VisibleFacet& visible : search.found()) {
+                if (orders_traced() > 1) {
+                    reflections[i].push_back(search.reflect(visible));
+                }
+            }
+        }
+    });
+    std::vector<Frustum> second;
+    for (const auto& of_root : reflections) {
+        second.insert(second.end(), of_root.begin(), of_root.end());
+    }
+    std::vector<std::optional<Task>> of_second(chunk_count(second.size(), kGrain));
+    executor.for_each(second.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        std::vector<VisibleFacets> searches;
+        for (int order = 0; order < orders_traced(); ++order) {
+            searches.push_back(new_search());
+        }
+        Task& task = of_second[begin / kGrain].emplace(make_task());
+        for (std::size_t i = begin; i < end; ++i) {
+            task.enter(second[i]);
+            follow(second[i], searches, task);
+            task.leave();
+        }
+    });
+    std::vector<Task> tasks;
+    for (auto* some : {&of_roots, &of_second}) {
+        for (auto& task : *some) {
+            tasks.push_back(std::move(*task));
+        }
+    }
+    return tasks;
+}
+
+SourceTrace::SourceTrace(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
+SourceTrace::SourceTrace(SourceTrace&&) noexcept = default;
+SourceTrace& SourceTrace::operator=(SourceTrace&&) noexcept = default;
+SourceTrace::~SourceTrace() = default;
+
+const Vec3& SourceTrace::source() const noexcept {
+    return kept_->source;
+}
+
+std::size_t SourceTrace::frusta() const noexcept {
+    std::size_t count = 0;
+    for (const Looks& part : kept_->parts) {
+        count += part.looks.size();
+    }
+    return count;
+}
+
+std::size_t SourceTrace::bytes() const noexcept {
+    std::size_t bytes = 0;
+    for (const Looks& part : kept_->parts) {
+        bytes += part.looks.size() * sizeof(Look) + part.seen.size() * sizeof(VisibleFacet);
+    }
+    return bytes;
+}
+
+ListenerTrace::ListenerTrace(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
+ListenerTrace::ListenerTrace(ListenerTrace&&) noexcept = default;
+ListenerTrace& ListenerTrace::operator=(ListenerTrace&&) noexcept = default;
+ListenerTrace::~ListenerTrace() = default;
+
+std::span<const Vec3> ListenerTrace::listeners() const noexcept {
+    return kept_->listeners;
+}
+
+std::size_t ListenerTrace::frusta() const noexcept {
+    return kept_->side ? kept_->side->frusta() : 0;
+}
+
+PathFinder::PathFinder(const Surroundings& surroundings, const FinderOptions& options) {
+    check_options(options.trace);
+    state_ = std::make_unique<State>(surroundings, options);
+}
+
+PathFinder::PathFinder(PathFinder&&) noexcept = default;
+PathFinder& PathFinder::operator=(PathFinder&&) noexcept = default;
+PathFinder::~PathFinder() = default;
+
+double PathFinder::reach() const noexcept {
+    return state_->reach;
+}
+
+SourceTrace PathFinder::trace_source(const Vec3& source, Executor& executor) const {
+    EARSHOT_ASSERT(glm::length(source) <= state_->reach);
+    auto kept = std::make_unique<SourceTrace::Kept>();
+    kept->source = source;
+    if (state_->trace.max_order > 0) {
+        for (Keeping& task : state_->walk<Keeping>(
+                 source, [] { return Keeping(); }, executor)) {
+            kept->parts.push_back(std::move(task.looks));
+        }
+    }
+    return SourceTrace(std::move(kept));
+}
+
+ListenerTrace PathFinder::trace_listeners(std::span<const Vec3> listeners,
+                                          Executor& executor) const {
+    const State& state = *state_;
+    auto kept = std::make_unique<ListenerTrace::Kept>();
+    kept->listeners.assign(listeners.begin(), listeners.end());
+    const bool are_few = state.trace.mode == Mode::complete && listeners.size() <= kFewListeners;
+    if (state.trace.max_order == 0) {
+        return ListenerTrace(std::move(kept));
+    }
+    if (!state.is_half_way && !are_few) {
+        kept->points.emplace(listeners);
+    } else {
+        kept->side.emplace(state.index,
+                           state.verifier.contact_reach(),
+                           state.reach,
+                           kept->listeners,
+                           state.is_half_way && state.trace.max_order > 1,
+                           executor);
+    }
+    return ListenerTrace(std::move(kept));
+}
+
+TraceResult PathFinder::connect(const SourceTrace& source,
+                                const ListenerTrace& listeners,
+                                Executor& executor) const {
+    const State& state = *state_;
+    const ListenerTrace::Kept& to = *listeners.kept_;
+    const Audience audience = audience_of(to.listeners, to.side, to.points);
+    const auto& parts = source.kept_->parts;
+    Proposer direct = state.proposer(source.source(), audience);
+    direct.propose_direct();
+    Harvest harvest = direct.take_harvest();
+    std::vector<Harvest> harvests(parts.size());
+    executor.for_each(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
+        VisibleFacets search = state.new_search();
+        for (std::size_t i = begin; i < end; ++i) {
+            Proposer proposer = state.proposer(source.source(), audience);
+            for (const Look& look : parts[i].looks) {
+                while (proposer.order() >= std::max<std::size_t>(look.order, 1)) {
+                    proposer.pop();
+                }
+                if (look.order > 0) {
+                    proposer.push(look.frustum.facet);
+                }
+                search.enter(look.frustum);
+                proposer.propose_from(
+                    search,
+                    std::span(parts[i].seen)
+                        .subspan(look.seen_begin, look.seen_end - look.seen_begin));
+            }
+            harvests[i] = proposer.take_harvest();
+        }
+    });
+    for (Harvest& part : harvests) {
+        harvest.append(std::move(part));
+    }
+    return state.finish(std::move(harvest));
+}
+
+TraceResult PathFinder::find(const Vec3& source,
+                             const ListenerTrace& listeners,
+                             Executor& executor) const {
+    EARSHOT_ASSERT(glm::length(source) <= state_->reach);
+    const State& state = *state_;
+    const ListenerTrace::Kept& to = *listeners.kept_;
+    const Audience audience = audience_of(to.listeners, to.side, to.points);
+    Proposer direct = state.proposer(source, audience);
+    direct.propose_direct();
+    Harvest harvest = direct.take_harvest();
+    harvest.statistics.frusta += listeners.frusta();
+    if (state.trace.max_order > 0) {
+        const auto make_task = [&] { return Finding(state.proposer(source, audience)); };
+        for (Finding& task : state.walk<Finding>(source, make_task, executor)) {
+            harvest.append(task.take_harvest());
+        }
+    }
+    return state.finish(std::move(harvest));
+}
+
+}  // namespace earshot::frustum
