@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,7 @@ public:
         add_repeatable(app(), "--source", sources_, "a source at [NAME=]X,Y,Z in metres");
         add_repeatable(app(), "--listener", listeners_, "a listener at [NAME=]X,Y,Z in metres");
         add_tracing_options();
+        add_limits();
         add_sound_options();
         add_time_options();
         app().footer(kFooter);
@@ -96,6 +98,21 @@ private:
                     "sub-frusta along a cube face around the source; 0: the default");
     }
 
+    void add_limits() {
+        app().add_flag(
+            "--transmission", transmission_, "follow sound through materials that transmit");
+        add_number(app(),
+                   "--max-length",
+                   max_length_,
+                   {0.0, 1e9},
+                   "leave out longer paths, metres; 0: no limit");
+        add_number(app(),
+                   "--min-level",
+                   min_level_db_,
+                   {-1000.0, 1000.0},
+                   "leave out fainter paths, decibels re the source at 1 m, of the loudest band");
+    }
+
     void add_sound_options() {
         add_integer(app(), "--sample-rate", sample_rate_hz_, {1000, 768000}, "of the WAV, hertz");
         add_number(app(),
@@ -131,6 +148,10 @@ private:
             .resolution = static_cast<int>(resolution_),
             .air = air_,
             .air_absorption = !no_air_absorption_,
+            .transmission = transmission_,
+            .max_length = max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity(),
+            .min_level_db = min_level_db_,
+            .keeps_traces = !frames_.empty(),
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
     }
 
@@ -198,6 +219,9 @@ private:
 
     std::string scene_file_, directory_, mode_ = "complete", bands_ = "octave", frames_, animation_;
     std::vector<std::string> sources_, listeners_;
+    bool transmission_ = false;
+    double max_length_ = 0.0;
+    double min_level_db_ = -std::numeric_limits<double>::infinity();
     std::int64_t order_ = 4;
     std::int64_t resolution_ = 0;
     std::int64_t sample_rate_hz_ = 48000;

@@ -82,13 +82,16 @@ public:
         make_directory(job_.directory);  // before the long work, but not for a scene without sense
         for (std::size_t frame = 0; frame < job_.times.size(); ++frame) {
             simulator.set_time(job_.times[frame], executor_);
-            summary_.prepare_seconds += seconds_since(start);
+            const double prepare_seconds = seconds_since(start);
+            summary_.prepare_seconds += prepare_seconds;
 
             start = std::chrono::steady_clock::now();
             progress_.report("tracing", frame, job_.times.size());
             std::vector<PairResult> pairs = simulator.run(executor_);
             progress_.report("tracing", frame + 1, job_.times.size());
-            summary_.trace_seconds += seconds_since(start);
+            const double trace_seconds = seconds_since(start);
+            summary_.trace_seconds += trace_seconds;
+            summary_.update_seconds.push_back(prepare_seconds + trace_seconds);
             add_statistics(simulator);
 
             start = std::chrono::steady_clock::now();

@@ -29,7 +29,8 @@ struct ResponseSummary {
     frustum::TraceStatistics statistics;       ///< over all times
     double prepare_seconds = 0.0;              ///< clean-up, facets and hierarchy
     double trace_seconds = 0.0;
-    double response_seconds = 0.0;  ///< synthesis, metrics and writing
+    std::vector<double> update_seconds;  ///< preparing and tracing, per time
+    double response_seconds = 0.0;       ///< synthesis, metrics and writing
 };
 
 /// Simulates, writes SOURCE__LISTENER.wav per pair (and time), paths.json and metrics.json.

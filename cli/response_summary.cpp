@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <utility>
@@ -55,6 +56,13 @@ std::string line(const char* label, const std::string& value) {
     return head.data() + value + "\n";
 }
 
+/// Precondition: there is one.
+std::string updates_text(std::vector<double> seconds) {
+    std::sort(seconds.begin(), seconds.end());
+    return std::to_string(seconds.size()) + ", of " + seconds_text(seconds.front()) + " to " +
+           seconds_text(seconds.back()) + ", median " + seconds_text(seconds[seconds.size() / 2]);
+}
+
 }  // namespace
 
 std::string summary_text(const ResponseJob& job, const ResponseSummary& summary) {
@@ -82,6 +90,9 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
                  "prepare " + seconds_text(summary.prepare_seconds) + ", trace " +
                      seconds_text(summary.trace_seconds) + ", responses " +
                      seconds_text(summary.response_seconds));
+    if (job.is_sequence) {
+        text += line("updates", updates_text(summary.update_seconds));
+    }
     text += "files\n";
     for (const std::filesystem::path& file : summary.files) {
         text += "  " + file.string() + "\n";
@@ -118,7 +129,8 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
                        {"seconds",
                         {{"prepare", summary.prepare_seconds},
                          {"trace", summary.trace_seconds},
-                         {"responses", summary.response_seconds}}},
+                         {"responses", summary.response_seconds},
+                         {"updates", summary.update_seconds}}},
                        {"files", std::move(files)}};
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -20,7 +20,8 @@ struct SequenceSearch {
     void visit() {
         for (std::size_t i = 0; i < listeners.size(); ++i) {
             ++result.statistics.candidates;
-            if (auto path = verifier.verify(sequence, images, listeners[i])) {
+            auto path = verifier.verify(sequence, images, listeners[i]);
+            if (path && path->triangles.size() <= max_order) {
                 path->listener = i;
                 result.paths.push_back(std::move(*path));
             }

@@ -25,6 +25,8 @@ Vec3 snap_to_plane(const geometry::Plane& plane, const Vec3& point, int axis) no
 FacetIndex::FacetIndex(const Surroundings& surroundings)
     : facets_(&surroundings.facets.facets),
       one_sided_(surroundings.one_sided),
+      lets_through_(surroundings.lets_through),
+      gain_(surroundings.gain),
       tolerance_(surroundings.facets.tolerance) {
     for (const geometry::Triangle& triangle : surroundings.mesh.triangles) {
         for (const geometry::VertexId vertex : triangle) {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace earshot::frustum {
 
@@ -128,12 +129,16 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         return std::nullopt;
     }
 
-    for (std::size_t i = 0; i <= order; ++i) {
+    // From the last leg to the first, so that what is inserted moves none that is still to come.
+    std::vector<Passage> passages;
+    for (std::size_t i = order + 1; i-- > 0;) {
         const FacetId* from_facet = i > 0 ? &sequence[i - 1] : nullptr;
         const FacetId* to_facet = i < order ? &sequence[i] : nullptr;
-        if (!leg_is_free(path.points[i], path.points[i + 1], from_facet, to_facet)) {
+        passages.clear();
+        if (!leg_is_free(path.points[i], path.points[i + 1], from_facet, to_facet, passages)) {
             return std::nullopt;
         }
+        insert(path, i, passages);
     }
     return path;
 }
@@ -276,15 +281,68 @@ bool PathVerifier::coats(const geometry::Facet& surface, TriangleId triangle) co
 bool PathVerifier::leg_is_free(const Vec3& from,
                                const Vec3& to,
                                const FacetId* from_facet,
-                               const FacetId* to_facet) const {
+                               const FacetId* to_facet,
+                               std::vector<Passage>& passages) const {
     const LegEnd start = end_of_leg(from_facet, to);
     const LegEnd finish = end_of_leg(to_facet, from);
-    const double reach = contact_reach() / glm::distance(from, to);  // in parameters of the leg
+    const double length = glm::distance(from, to);
+    const double reach = contact_reach() / length;  // in parameters of the leg
     const auto blocks = [&](TriangleId id, double t) {
-        return !reflects_at(start, id, t, reach) && !reflects_at(finish, id, 1.0 - t, reach);
+        if (reflects_at(start, id, t, reach) || reflects_at(finish, id, 1.0 - t, reach)) {
+            return false;
+        }
+        const FacetId facet = surroundings_.facets.of_triangle[id];
+        if (surroundings_.lets_through.empty() || surroundings_.lets_through[facet] == 0 ||
+            runs_along(facet, from, to)) {
+            return true;
+        }
+        passages.push_back({t, facet, id});
+        return false;
     };
-    return !bvh::any_touching(
-        surroundings_.tree, surroundings_.mesh, geometry::Segment{from, to}, blocks);
+    if (bvh::any_touching(
+            surroundings_.tree, surroundings_.mesh, geometry::Segment{from, to}, blocks)) {
+        return false;
+    }
+    unify(passages, length);
+    return true;
+}
+
+bool PathVerifier::runs_along(FacetId facet, const Vec3& from, const Vec3& to) const {
+    const Plane& plane = surroundings_.facets.facets[facet].plane;
+    const double slack = grazing_distance(glm::distance(from, to));
+    return std::abs(plane.distance(from)) <= slack && std::abs(plane.distance(to)) <= slack;
+}
+
+// A facet is passed once, whichever of its triangles are touched, and so is an edge of two facets.
+void PathVerifier::unify(std::vector<Passage>& passages, double length) const {
+    std::sort(passages.begin(), passages.end(), [](const Passage& a, const Passage& b) {
+        return std::tie(a.facet, a.triangle) < std::tie(b.facet, b.triangle);
+    });
+    const auto of_one_facet = [](const Passage& a, const Passage& b) { return a.facet == b.facet; };
+    passages.erase(std::unique(passages.begin(), passages.end(), of_one_facet), passages.end());
+    std::stable_sort(passages.begin(), passages.end(), [](const Passage& a, const Passage& b) {
+        return a.t < b.t;
+    });
+    const double slack = grazing_distance(length);
+    const auto at_one_point = [&](const Passage& a, const Passage& b) {
+        return (b.t - a.t) * length <= slack;
+    };
+    passages.erase(std::unique(passages.begin(), passages.end(), at_one_point), passages.end());
+}
+
+void PathVerifier::insert(SpecularPath& path, std::size_t leg, std::span<const Passage> passages) {
+    if (path.passes.empty() && !passages.empty()) {
+        path.passes.assign(path.triangles.size(), 0);
+    }
+    const Vec3 from = path.points[leg];
+    const Vec3 way = path.points[leg + 1] - from;
+    auto place = static_cast<std::ptrdiff_t>(leg);
+    for (const Passage& passage : passages) {
+        path.triangles.insert(path.triangles.begin() + place, passage.triangle);
+        path.passes.insert(path.passes.begin() + place, 1);
+        path.points.insert(path.points.begin() + place + 1, from + passage.t * way);
+        ++place;
+    }
 }
 
 }  // namespace earshot::frustum

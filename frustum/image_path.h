@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace earshot::frustum {
 
@@ -16,7 +17,8 @@ namespace earshot::frustum {
 /// Borish 1984). It is valid if every reflection point lies in its facet (borders included, within
 /// rounding), both neighbours of a reflection point are on one side of its facet (the front, if the
 /// facet is one-sided), and no leg touches a triangle on the way. Facets that follow each other
-/// stand on each other's sounding side, also where the path turns in the edge that they share.
+/// stand on each other's sounding side, also where the path turns in the edge that they share. A
+/// leg may go through facets that let sound through; they are added to the path where it does.
 class PathVerifier {
 public:
     explicit PathVerifier(const Surroundings& surroundings);
@@ -69,10 +71,23 @@ private:
                                 std::span<const geometry::Vec3> images,
                                 std::span<const geometry::Vec3> points,
                                 double slack) const;
+    /// Where a leg goes through a facet.
+    struct Passage {
+        double t = 0.0;  // along the leg, 0 ... 1
+        geometry::FacetId facet = 0;
+        geometry::TriangleId triangle = 0;
+    };
+
     bool leg_is_free(const geometry::Vec3& from,
                      const geometry::Vec3& to,
                      const geometry::FacetId* from_facet,
-                     const geometry::FacetId* to_facet) const;
+                     const geometry::FacetId* to_facet,
+                     std::vector<Passage>& passages) const;
+    bool runs_along(geometry::FacetId facet,
+                    const geometry::Vec3& from,
+                    const geometry::Vec3& to) const;
+    void unify(std::vector<Passage>& passages, double length) const;
+    static void insert(SpecularPath& path, std::size_t leg, std::span<const Passage> passages);
 
     Surroundings surroundings_;
     double scale_ = 0.0;

@@ -4,6 +4,7 @@
 #include "earshot/frustum/trace.h"
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 
@@ -57,6 +58,9 @@ struct FinderOptions {
     double reach = 0.0;
 };
 
+/// Whether so many listeners are better found by following the source's frusta all the way.
+bool are_many(std::size_t listeners, int max_order) noexcept;
+
 /// find_specular_paths() for one scene at one instant and sources and listeners that move: what a
 /// point's frusta see is traced once and kept while the point stays. The paths are those of a fresh
 /// search, to the last bit. Every member may be called from several threads.
@@ -79,10 +83,20 @@ public:
                         const ListenerTrace& listeners,
                         Executor& executor = Executor::serial()) const;
 
-    /// The same without keeping anything: memory does not grow with the number of frusta.
+    /// The same without keeping the source's part: memory does not grow with the number of frusta.
+    /// The statistics leave out the listeners' frusta, here and above.
     TraceResult find(const geometry::Vec3& source,
                      const ListenerTrace& listeners,
                      Executor& executor = Executor::serial()) const;
+
+    using VisitPaths = std::function<void(std::size_t, std::span<const SpecularPath>)>;
+
+    /// Calls visit(listener, its paths) for each of any number of listeners, in their order, from
+    /// this thread. Memory holds the paths of some thousand listeners at a time.
+    void for_each_listener(const SourceTrace& source,
+                           std::span<const geometry::Vec3> listeners,
+                           const VisitPaths& visit,
+                           Executor& executor = Executor::serial()) const;
 
     /// No point may lie farther from the origin, metres.
     double reach() const noexcept;

@@ -22,13 +22,13 @@ void Harvest::append(Harvest&& other) {
 Proposer::Proposer(const FacetIndex& index,
                    const PathVerifier& verifier,
                    const Audience& audience,
-                   int max_order,
+                   const TraceOptions& options,
                    double reach,
                    const Vec3& source)
     : index_(index),
       verifier_(verifier),
       audience_(audience),
-      max_order_(max_order),
+      options_(options),
       reach_(reach),
       images_{source} {}
 
@@ -48,12 +48,28 @@ void Proposer::propose_direct() {
     }
 }
 
+// The image says how long the path would be, to the last bit.
 void Proposer::propose(std::size_t listener) {
+    const Vec3& to = audience_.listeners[listener];
+    if (!is_wanted(glm::distance(images_.back(), to))) {
+        return;
+    }
     ++harvest_.statistics.candidates;
-    if (auto path = verifier_.verify(sequence_, images_, audience_.listeners[listener])) {
+    auto path = verifier_.verify(sequence_, images_, to);
+    if (path && path->triangles.size() <= static_cast<std::size_t>(options_.max_order)) {
         path->listener = listener;
         harvest_.paths.push_back(std::move(*path));
     }
+}
+
+bool Proposer::is_wanted(double length) const noexcept {
+    double gain = 1.0;
+    if (options_.least_pressure > 0.0) {
+        for (const FacetId facet : sequence_) {
+            gain *= index_.gain(facet);
+        }
+    }
+    return length <= options_.max_length && !(gain < options_.least_pressure * length);
 }
 
 void Proposer::propose_from(const VisibleFacets& search, std::span<const VisibleFacet> seen) {
@@ -64,7 +80,7 @@ void Proposer::propose_from(const VisibleFacets& search, std::span<const Visible
     const auto next_order = static_cast<int>(order()) + 1;
     for (const VisibleFacet& visible : seen) {
         meet_listeners(search, visible);
-        if (next_order + 1 == max_order_) {
+        if (next_order + 1 == options_.max_order) {
             meet_pairs(search, visible);
             meet_grazed(search, visible);
         }
@@ -159,7 +175,7 @@ void Proposer::look_for_listeners(const VisibleFacets& search, std::span<const V
     if (order() > 0) {
         in_frustum(frustum, [&](const Vec3& listener) { return search.may_reach(listener); });
     }
-    if (static_cast<int>(order()) + 1 < max_order_) {
+    if (static_cast<int>(order()) + 1 < options_.max_order) {
         return;
     }
     for (const VisibleFacet& visible : seen) {

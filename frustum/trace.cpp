@@ -21,12 +21,14 @@ TraceResult find_specular_paths(const Surroundings& surroundings,
     for (const Vec3& listener : listeners) {
         reach = std::max(reach, glm::length(listener));
     }
-    // A listener's own frusta cost as much as a first reflection's and all behind it. From order 4
-    // on there is much more to be saved by them.
-    const std::size_t few = options.max_order > 3 ? 512 : 64;
-    const PathFinder finder(
-        surroundings, {.trace = options, .all_the_way = listeners.size() > few, .reach = reach});
-    return finder.find(source, finder.trace_listeners(listeners, executor), executor);
+    const PathFinder finder(surroundings,
+                            {.trace = options,
+                             .all_the_way = are_many(listeners.size(), options.max_order),
+                             .reach = reach});
+    const ListenerTrace to = finder.trace_listeners(listeners, executor);
+    TraceResult result = finder.find(source, to, executor);
+    result.statistics.frusta += to.frusta();
+    return result;
 }
 
 }  // namespace earshot::frustum

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -19,7 +20,12 @@ struct Surroundings {
     geometry::MeshView mesh;         ///< clean: no degenerate triangles
     const geometry::Facets& facets;  ///< of `mesh`
     /// Per facet: 1 if it reflects on its front only. Empty: every facet reflects on both sides.
-    std::span<const std::uint8_t> one_sided;
+    std::span<const std::uint8_t> one_sided{};
+    /// Per facet: 1 if sound also goes straight through it, from either side. Empty: none does.
+    std::span<const std::uint8_t> lets_through{};
+    /// Per facet: no encounter with it leaves a path more of its pressure than this share. Empty:
+    /// all. For TraceOptions::least_pressure.
+    std::span<const double> gain{};
 };
 
 /// How frusta look for facets. Both modes verify every proposed path exactly, so neither reports a
@@ -30,19 +36,26 @@ enum class Mode {
 };
 
 struct TraceOptions {
-    int max_order = 4;  ///< most reflections of a path, >= 0
+    int max_order = 4;  ///< most facets that a path meets, reflected or let through, >= 0
     Mode mode = Mode::complete;
     /// Sub-frusta along each side of a frustum, 1 ... 1024. In `complete` mode it changes the time
     /// only; 0 takes the mode's default.
     int resolution = 0;
+    /// Longer paths are left out, metres.
+    double max_length = std::numeric_limits<double>::infinity();
+    /// Paths are left out for which the product of Surroundings::gain over their facets, divided by
+    /// their length in metres, is less.
+    double least_pressure = 0.0;
 };
 
-/// A sound path with mirror reflections only.
+/// A sound path with mirror reflections, and straight ways through facets.
 struct SpecularPath {
     std::size_t listener = 0;                     ///< index into the listeners asked for
-    std::vector<geometry::TriangleId> triangles;  ///< one per reflection, source first
-    std::vector<geometry::Vec3> points;           ///< source, reflection points, listener
-    double length = 0.0;                          ///< metres
+    std::vector<geometry::TriangleId> triangles;  ///< one per facet that it meets, source first
+    /// One per triangle: 1 where the sound goes through. Empty: nowhere.
+    std::vector<std::uint8_t> passes{};
+    std::vector<geometry::Vec3> points;  ///< source, where it meets facets, listener
+    double length = 0.0;                 ///< metres
     friend bool operator==(const SpecularPath&, const SpecularPath&) = default;
 };
 
@@ -62,8 +75,8 @@ struct TraceResult {
 /// facets find candidate facet sequences; each is then built from exact image sources and its legs
 /// are tested against the hierarchy, so no reported path is approximate. A path that meets an edge
 /// shared by two facets stands once. A leg that touches a triangle other than at its own
-/// reflection points is blocked.
-/// Throws Error if an option is out of range.
+/// reflection points is blocked, unless the facet lets sound through and does not run along the
+/// leg. Throws Error if an option is out of range.
 TraceResult find_specular_paths(const Surroundings& surroundings,
                                 const geometry::Vec3& source,
                                 std::span<const geometry::Vec3> listeners,

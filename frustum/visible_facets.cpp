@@ -171,7 +171,7 @@ void VisibleFacets::visit_facet(FacetId facet) {
 }
 
 void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask filled) {
-    if (filled == 0) {
+    if (filled == 0 || index_.lets_through(facet)) {
         return;
     }
     // Its triangles hide, which may lie beside its plane.
@@ -203,6 +203,9 @@ void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask
 }
 
 void VisibleFacets::add_sample(FacetId facet, const InverseDepth& depth, CellMask centred) {
+    if (index_.lets_through(facet)) {
+        return;
+    }
     for_each_cell(centred, [&](int cell) {
         Cover& cover = covers_[static_cast<std::size_t>(cell)];
         const double centre = depth.at(centre_of(cell));
@@ -289,7 +292,7 @@ CellMask VisibleFacets::hidden_cells(FacetId facet,
 void VisibleFacets::collect_found() {
     for (const Candidate& candidate : candidates_) {
         CellMask cells = candidate.touched;
-        if (mode_ == Mode::sampled) {
+        if (mode_ == Mode::sampled && !index_.lets_through(candidate.facet)) {
             CellMask won = 0;
             for_each_cell(covered_ & cells, [&](int cell) {
                 won |= static_cast<CellMask>(covers_[static_cast<std::size_t>(cell)].facet ==
@@ -297,7 +300,7 @@ void VisibleFacets::collect_found() {
                        << cell;
             });
             cells = won;
-        } else {
+        } else if (mode_ == Mode::complete) {
             cells &= ~hidden_cells(candidate.facet, candidate.depth, cells);
         }
         if (cells == 0) {
@@ -405,6 +408,7 @@ bool VisibleFacets::may_pass(const VisibleFacet& visible, const Vec3& unfolded) 
 
 Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
     Frustum child = mirrored(frustum_, index_.plane(visible.facet), visible.facet, visible.window);
+    child.gain = frustum_.gain * index_.gain(visible.facet);
     CellRaster raster(child.rect, child.cells);
     Projected own;
     // The facet itself, drawn from the parent's side: (u, v) is the same for both.

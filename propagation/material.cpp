@@ -108,4 +108,12 @@ audio::Spectrum reflected_pressure(const Material& material, const audio::Bands&
     return pressure;
 }
 
+audio::Spectrum transmitted_pressure(const Material& material, const audio::Bands& bands) noexcept {
+    audio::Spectrum pressure = material.transmission.over(bands);
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        pressure[band] = std::sqrt(pressure[band]);
+    }
+    return pressure;
+}
+
 }  // namespace earshot::propagation

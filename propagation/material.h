@@ -49,6 +49,9 @@ struct Material {
 /// sqrt((1 - absorption) (1 - scattering)).
 audio::Spectrum reflected_pressure(const Material& material, const audio::Bands& bands) noexcept;
 
+/// Factor of the pressure amplitude on the way straight through, per band: sqrt(transmission).
+audio::Spectrum transmitted_pressure(const Material& material, const audio::Bands& bands) noexcept;
+
 /// A row of the built-in library.
 struct LibraryMaterial {
     std::string_view name;  ///< "brick-painted": lower case, hyphens

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/propagation/simulator.h"
 
+#include "earshot/base/math.h"
 #include "earshot/bvh/quality.h"
+#include "earshot/frustum/path_finder.h"
 #include "earshot/geometry/facets.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <limits>
+#include <optional>
+#include <span>
 #include <utility>
 
 namespace earshot::propagation {
@@ -19,6 +24,9 @@ namespace {
 /// way; a rebuild costs some tens of refits.
 constexpr double kRebuildAtCost = 1.5;
 
+/// What pressures may differ by for having been multiplied in another order.
+constexpr double kRoom = 1.0 - 0x1p-40;
+
 Vec3 direction_between(const Vec3& from, const Vec3& to) {
     const double length = glm::distance(from, to);
     return length > 0.0 ? (to - from) / length : Vec3(0.0);
@@ -27,44 +35,81 @@ Vec3 direction_between(const Vec3& from, const Vec3& to) {
 }  // namespace
 
 std::string_view name_of(PathKind kind) noexcept {
-    return kind == PathKind::direct ? "direct" : "specular";
+    switch (kind) {
+        case PathKind::direct:
+            return "direct";
+        case PathKind::specular:
+            return "specular";
+        case PathKind::transmitted:
+            break;
+    }
+    return "transmitted";
 }
 
 struct Simulator::State {
     State(const Scene& the_scene, const Options& the_options)
         : scene(the_scene),
           options(the_options),
-          speed_of_sound(propagation::speed_of_sound(the_options.air)) {
+          speed_of_sound(propagation::speed_of_sound(the_options.air)),
+          least_pressure(math::pow10(the_options.min_level_db / 20.0)) {
         for (const Material& material : scene.materials) {
             reflection.push_back(reflected_pressure(material, options.bands));
+            transmission.push_back(transmitted_pressure(material, options.bands));
         }
     }
 
     const Scene& scene;
     Options options;
     double speed_of_sound = 0.0;
-    std::vector<audio::Spectrum> reflection;  // pressure factor per material
+    double least_pressure = 0.0;
+    std::vector<audio::Spectrum> reflection;    // pressure factor per material
+    std::vector<audio::Spectrum> transmission;  // likewise
 
     double time = 0.0;
     std::vector<Vec3> positions;
     std::vector<geometry::TriangleId> kept;
     std::vector<geometry::Triangle> triangles;  // the kept ones
     geometry::Facets facets;
-    std::vector<std::uint8_t> one_sided;  // per facet
+    std::vector<std::uint8_t> one_sided, lets_through;  // per facet
+    std::vector<double> gain;                           // per facet, of the loudest band
     bvh::Tree tree;
     double cost_when_built = 0.0;
     GeometrySummary summary;
     frustum::TraceStatistics statistics;
 
+    // Of the geometry as it is.
+    std::optional<frustum::PathFinder> finder;
+    std::vector<std::optional<frustum::SourceTrace>> sources;
+    std::optional<frustum::ListenerTrace> listeners;
+
+    frustum::Surroundings surroundings() const {
+        return {.tree = tree,
+                .mesh = mesh(),
+                .facets = facets,
+                .one_sided = one_sided,
+                .lets_through = lets_through,
+                .gain = gain};
+    }
+    void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
+    frustum::TraceResult trace(std::size_t source, const Vec3& place, Executor& executor);
+
     geometry::MeshView mesh() const { return {positions, triangles}; }
     void move_geometry(Executor& executor);
     void update_tree(bool same_triangles, Executor& executor);
-    void find_facets();
+    void describe_facets(std::span<const std::uint32_t> labels);
+    bool is_wanted(const Path& path) const;
     Path describe(const frustum::SpecularPath& specular) const;
 };
 
 void Simulator::State::move_geometry(Executor& executor) {
-    positions = scene.mesh.positions_at(time);
+    std::vector<Vec3> moved = scene.mesh.positions_at(time);
+    if (!kept.empty() && moved == positions) {
+        return;
+    }
+    finder.reset();
+    sources.clear();
+    listeners.reset();
+    positions = std::move(moved);
     geometry::CleanMesh clean = geometry::clean({positions, scene.mesh.triangles()});
     if (clean.kept.empty()) {
         throw Error(scene.name,
@@ -81,12 +126,33 @@ void Simulator::State::move_geometry(Executor& executor) {
     }
     update_tree(same_triangles, executor);
     facets = geometry::find_facets(mesh(), clean.weld, labels);
+    describe_facets(labels);
+    summary = {.clean = clean.report, .triangles = kept.size(), .facets = facets.facets.size()};
+}
+
+void Simulator::State::describe_facets(std::span<const std::uint32_t> labels) {
     one_sided.clear();
+    lets_through.clear();
+    gain.clear();
+    const auto loudest = [&](const audio::Spectrum& pressure) {
+        return *std::max_element(
+            pressure.begin(),
+            pressure.begin() + static_cast<std::ptrdiff_t>(options.bands.count()));
+    };
     for (const geometry::Facet& facet : facets.facets) {
         const std::uint32_t material = labels[facet.triangles.front()];
+        const double through = options.transmission ? loudest(transmission[material]) : 0.0;
         one_sided.push_back(scene.materials[material].one_sided ? 1 : 0);
+        lets_through.push_back(through > 0.0 ? 1 : 0);
+        gain.push_back(std::max(loudest(reflection[material]), through));
     }
-    summary = {.clean = clean.report, .triangles = kept.size(), .facets = facets.facets.size()};
+}
+
+bool Simulator::State::is_wanted(const Path& path) const {
+    return path.length > 0.0 &&
+           std::any_of(path.pressure.begin(),
+                       path.pressure.begin() + static_cast<std::ptrdiff_t>(options.bands.count()),
+                       [&](double p) { return p >= least_pressure; });
 }
 
 void Simulator::State::update_tree(bool same_triangles, Executor& executor) {
@@ -104,7 +170,9 @@ void Simulator::State::update_tree(bool same_triangles, Executor& executor) {
 Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
     Path path;
     path.order = static_cast<int>(specular.triangles.size());
-    path.kind = path.order == 0 ? PathKind::direct : PathKind::specular;
+    path.kind = path.order == 0           ? PathKind::direct
+                : specular.passes.empty() ? PathKind::specular
+                                          : PathKind::transmitted;
     path.length = specular.length;
     path.delay = specular.length / speed_of_sound;
     path.points = specular.points;
@@ -116,13 +184,14 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
             path.pressure[band] *= air[band];
         }
     }
-    for (const geometry::TriangleId triangle : specular.triangles) {
-        const geometry::TriangleId in_file = kept[triangle];
+    for (std::size_t i = 0; i < specular.triangles.size(); ++i) {
+        const bool passes = !specular.passes.empty() && specular.passes[i] != 0;
+        const geometry::TriangleId in_file = kept[specular.triangles[i]];
         const std::uint32_t material = scene.material_of_triangle[in_file];
         path.triangles.push_back(in_file);
         path.materials.push_back(material);
         for (std::size_t band = 0; band < bands; ++band) {
-            path.pressure[band] *= reflection[material][band];
+            path.pressure[band] *= (passes ? transmission : reflection)[material][band];
         }
     }
     // At a corner two reflection points coincide; the last two distinct points give the direction.
@@ -149,36 +218,82 @@ void Simulator::set_time(double time, Executor& executor) {
     state_->time = time;
 }
 
-std::vector<PairResult> Simulator::run(Executor& executor) {
-    const State& state = *state_;
-    const Scene& scene = state.scene;
-    std::vector<Vec3> listeners;
-    for (const Emitter& listener : scene.listeners) {
-        listeners.push_back(scene.position_at(listener, state.time));
+// A finder serves as long as the geometry and the farthest emitter stay.
+void Simulator::State::prepare_finder(std::span<const Vec3> from,
+                                      std::span<const Vec3> to,
+                                      Executor& executor) {
+    double reach = std::numeric_limits<double>::min();
+    for (const auto& points : {from, to}) {
+        for (const Vec3& point : points) {
+            reach = std::max(reach, glm::length(point));
+        }
     }
-    const frustum::TraceOptions trace_options = {.max_order = state.options.specular_order,
-                                                 .mode = state.options.mode,
-                                                 .resolution = state.options.resolution};
-    state_->statistics = {};
+    if (!finder || finder->reach() < reach) {
+        constexpr double kRoomToMove = 4.0;
+        const frustum::TraceOptions trace_options = {
+            .max_order = options.specular_order,
+            .mode = options.mode,
+            .resolution = options.resolution,
+            .max_length = options.max_length,
+            // Air only takes; the last word is is_wanted().
+            .least_pressure = kRoom * least_pressure};
+        sources.clear();
+        listeners.reset();
+        finder.emplace(surroundings(),
+                       frustum::FinderOptions{
+                           .trace = trace_options,
+                           .all_the_way = frustum::are_many(to.size(), options.specular_order),
+                           .reach = kRoomToMove * reach});
+    }
+    sources.resize(from.size());
+    if (!listeners ||
+        !std::equal(
+            to.begin(), to.end(), listeners->listeners().begin(), listeners->listeners().end())) {
+        listeners.emplace(finder->trace_listeners(to, executor));
+    }
+}
+
+frustum::TraceResult Simulator::State::trace(std::size_t source,
+                                             const Vec3& place,
+                                             Executor& executor) {
+    if (!options.keeps_traces) {
+        return finder->find(place, *listeners, executor);
+    }
+    std::optional<frustum::SourceTrace>& seen = sources[source];
+    if (!seen || seen->source() != place) {
+        seen.emplace(finder->trace_source(place, executor));
+    }
+    return finder->connect(*seen, *listeners, executor);
+}
+
+std::vector<PairResult> Simulator::run(Executor& executor) {
+    State& state = *state_;
+    const auto places_of = [&](const std::vector<Emitter>& emitters) {
+        std::vector<Vec3> places;
+        for (const Emitter& emitter : emitters) {
+            places.push_back(state.scene.position_at(emitter, state.time));
+        }
+        return places;
+    };
+    const std::vector<Vec3> sources = places_of(state.scene.sources);
+    const std::vector<Vec3> listeners = places_of(state.scene.listeners);
+    state.prepare_finder(sources, listeners, executor);
+    state.statistics = {.frusta = state.listeners->frusta()};
     std::vector<PairResult> pairs;
-    for (std::size_t source = 0; source < scene.sources.size(); ++source) {
-        const auto trace =
-            frustum::find_specular_paths(surroundings(),
-                                         scene.position_at(scene.sources[source], state.time),
-                                         listeners,
-                                         trace_options,
-                                         executor);
-        state_->statistics.frusta += trace.statistics.frusta;
-        state_->statistics.candidates += trace.statistics.candidates;
-        state_->statistics.paths += trace.statistics.paths;
+    for (std::size_t source = 0; source < sources.size(); ++source) {
+        const auto trace = state.trace(source, sources[source], executor);
+        state.statistics.frusta += trace.statistics.frusta;
+        state.statistics.candidates += trace.statistics.candidates;
+        state.statistics.paths += trace.statistics.paths;
         const std::size_t first = pairs.size();
         for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
             pairs.push_back(
                 {.source = source, .listener = listener, .time = state.time, .paths = {}});
         }
         for (const frustum::SpecularPath& specular : trace.paths) {
-            if (specular.length > 0.0) {
-                pairs[first + specular.listener].paths.push_back(state.describe(specular));
+            Path path = state.describe(specular);
+            if (state.is_wanted(path)) {
+                pairs[first + specular.listener].paths.push_back(std::move(path));
             }
         }
     }
@@ -186,10 +301,7 @@ std::vector<PairResult> Simulator::run(Executor& executor) {
 }
 
 frustum::Surroundings Simulator::surroundings() const noexcept {
-    return {.tree = state_->tree,
-            .mesh = state_->mesh(),
-            .facets = state_->facets,
-            .one_sided = state_->one_sided};
+    return state_->surroundings();
 }
 
 const GeometrySummary& Simulator::geometry() const noexcept {

@@ -9,6 +9,7 @@
 #include "earshot/propagation/air.h"
 #include "earshot/propagation/scene.h"
 
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -16,15 +17,24 @@
 namespace earshot::propagation {
 
 struct Options {
-    int specular_order = 4;  ///< most mirror reflections of a path, >= 0
+    int specular_order = 4;  ///< most reflections and transmissions of a path, >= 0
     frustum::Mode mode = frustum::Mode::complete;
     int resolution = 0;  ///< sub-frusta along a frustum's side; 0: the mode's default
     Air air{};
     bool air_absorption = true;
+    bool transmission = false;  ///< sound also goes through materials that transmit
+    /// Longer paths are left out, metres.
+    double max_length = std::numeric_limits<double>::infinity();
+    /// Paths are left out whose loudest band is fainter, in decibels re the source's free field at
+    /// 1 m.
+    double min_level_db = -std::numeric_limits<double>::infinity();
+    /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
+    /// does not. Costs memory and changes no result.
+    bool keeps_traces = false;
     audio::Bands bands = audio::Bands::octaves();
 };
 
-enum class PathKind { direct, specular };
+enum class PathKind { direct, specular, transmitted };
 
 /// The name of a kind in paths.json.
 std::string_view name_of(PathKind kind) noexcept;

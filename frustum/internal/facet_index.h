@@ -25,6 +25,13 @@ public:
     bool is_one_sided(geometry::FacetId facet) const noexcept {
         return !one_sided_.empty() && one_sided_[facet] != 0;
     }
+    bool lets_through(geometry::FacetId facet) const noexcept {
+        return !lets_through_.empty() && lets_through_[facet] != 0;
+    }
+    /// The most that is left of the pressure of a path that meets it, as a share.
+    double gain(geometry::FacetId facet) const noexcept {
+        return gain_.empty() ? 1.0 : gain_[facet];
+    }
     /// Metres: how far the facet's triangles may lie from its plane.
     double deviation(geometry::FacetId facet) const noexcept { return (*facets_)[facet].deviation; }
     /// Metres: how far points of the facet's triangles may lie from its outline, in all.
@@ -47,7 +54,8 @@ public:
 
 private:
     const std::vector<geometry::Facet>* facets_;
-    std::span<const std::uint8_t> one_sided_;
+    std::span<const std::uint8_t> one_sided_, lets_through_;
+    std::span<const double> gain_;
     std::vector<std::uint32_t> first_loop_;  // per facet, and one past the last
     std::vector<LoopRange> loops_;
     std::vector<geometry::Vec3> vertices_;

@@ -35,7 +35,7 @@ public:
     Proposer(const FacetIndex& index,
              const PathVerifier& verifier,
              const Audience& audience,
-             int max_order,
+             const TraceOptions& options,
              double reach,
              const geometry::Vec3& source);
 
@@ -66,11 +66,12 @@ private:
     void meet_grazed(const VisibleFacets& search, const VisibleFacet& visible);
     void look_for_listeners(const VisibleFacets& search, std::span<const VisibleFacet> seen);
     void propose(std::size_t listener);
+    bool is_wanted(double length) const noexcept;
 
     const FacetIndex& index_;
     const PathVerifier& verifier_;
     const Audience& audience_;
-    int max_order_;
+    TraceOptions options_;
     double reach_;
     std::vector<geometry::FacetId> sequence_;
     std::vector<geometry::Vec3> images_;

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace earshot::propagation {
@@ -182,6 +183,82 @@ TEST(ArrivalsOf, CarryDelayPressureAndDirection) {
     EXPECT_EQ(arrivals[2].delay, pair.paths[2].delay);
     EXPECT_EQ(arrivals[2].pressure, pair.paths[2].pressure);
     EXPECT_EQ(arrivals[2].direction[1], pair.paths[2].arrival.y);
+}
+
+void expect_same(const std::vector<PairResult>& a, const std::vector<PairResult>& b) {
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        ASSERT_EQ(a[i].paths.size(), b[i].paths.size());
+        for (std::size_t k = 0; k < a[i].paths.size(); ++k) {
+            EXPECT_EQ(a[i].paths[k].points, b[i].paths[k].points);
+            EXPECT_EQ(a[i].paths[k].pressure, b[i].paths[k].pressure);
+            EXPECT_EQ(a[i].paths[k].triangles, b[i].paths[k].triangles);
+        }
+    }
+}
+
+TEST(Simulator, KeptTracesFollowSourcesAndListenersThatMove) {
+    Scene scene = box_scene();
+    scene.sources.push_back({.name = "t", .position = {5, 1, 2}, .directivity = {}});
+    Simulator keeping(scene, {.specular_order = 3, .keeps_traces = true});
+    for (int step = 0; step < 6; ++step) {
+        if (step % 2 == 1) {
+            scene.listeners[0].position.x -= 0.3;
+        }
+        if (step % 3 == 2) {
+            scene.sources[1].position.z += 0.4;
+        }
+        Simulator fresh(scene, {.specular_order = 3});
+        expect_same(keeping.run(), fresh.run());
+    }
+    scene.listeners[0].position = {100.0, 50.0, 20.0};  // farther than what was expected
+    Simulator fresh(scene, {.specular_order = 3});
+    expect_same(keeping.run(), fresh.run());
+}
+
+TEST(Simulator, SoundGoesThroughMaterialsThatTransmitIfAskedFor) {
+    Scene scene = box_scene();
+    scene.materials[0].transmission = EnergyCoefficient(0.04);
+    scene.listeners[0].position = {9.0, 2.0, 3.0};  // beyond the wall x = 6
+    EXPECT_TRUE(Simulator(scene, {.specular_order = 2}).run()[0].paths.empty());
+    const auto pairs =
+        Simulator(scene, {.specular_order = 2, .air_absorption = false, .transmission = true})
+            .run();
+    const auto& paths = pairs[0].paths;
+    // Straight, and over the floor and the walls z = 0 and x = 0; over the others the reflection
+    // would lie beyond the wall that is passed.
+    ASSERT_EQ(paths.size(), 1U + 3U);
+    EXPECT_EQ(paths[0].kind, PathKind::transmitted);
+    EXPECT_EQ(name_of(paths[0].kind), "transmitted");
+    EXPECT_EQ(paths[0].order, 1);
+    EXPECT_NEAR(paths[0].pressure[4] * paths[0].length, 0.2, 1e-15);
+    EXPECT_NEAR(paths[0].points[1].x, 6.0, 1e-12);
+    for (std::size_t i = 1; i < paths.size(); ++i) {
+        EXPECT_EQ(paths[i].order, 2);
+        EXPECT_EQ(paths[i].kind, PathKind::transmitted);
+    }
+}
+
+TEST(Simulator, LevelAndLengthLimitsLeaveOutExactlyWhatFallsUnderThem) {
+    const Scene scene = box_scene();
+    const auto all = Simulator(scene, {.specular_order = 3}).run()[0].paths;
+    const Path& some = all[all.size() / 2];
+    const auto loudest = [](const Path& path) {
+        return *std::max_element(path.pressure.begin(), path.pressure.end());
+    };
+    const double level = 20.0 * std::log10(loudest(some));
+    std::size_t loud = 0, near = 0;
+    for (const Path& path : all) {
+        loud += 20.0 * std::log10(loudest(path)) >= level - 1e-9 ? 1 : 0;
+        near += path.length <= some.length ? 1 : 0;
+    }
+    EXPECT_LT(loud, all.size());
+    const auto count = [&](const Options& options) {
+        return Simulator(scene, options).run()[0].paths.size();
+    };
+    EXPECT_EQ(count({.specular_order = 3, .min_level_db = level - 1e-9}), loud);
+    EXPECT_EQ(count({.specular_order = 3, .max_length = some.length}), near);
+    EXPECT_EQ(count({.specular_order = 3}), all.size());
 }
 
 }  // namespace

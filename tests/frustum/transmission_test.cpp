@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/brute_force.h"
+#include "earshot/frustum/path_finder.h"
+
+#include <gtest/gtest.h>
+
+#include "frustum/quad_room.h"
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace earshot::frustum {
+namespace {
+
+using geometry::Vec3;
+
+constexpr double kSheet = 2.3;  // x of the sheet
+const Vec3 kSize = {5.0, 3.0, 4.0};
+
+/// A box with a sheet across it that lets sound through; the sheet is the last facet.
+struct DividedBox {
+    QuadRoom room;
+    std::vector<std::uint8_t> lets_through;
+
+    explicit DividedBox(double lean = 0.0) {
+        room.add_box(Vec3(0.0), {kSize.x, 0, 0}, {0, kSize.y, 0}, {0, 0, kSize.z}, true);
+        room.add_quad({kSheet, 0, 0},
+                      {kSheet + lean, kSize.y, 0},
+                      {kSheet + lean, kSize.y, kSize.z},
+                      {kSheet, 0, kSize.z});
+        room.finish();
+        lets_through.assign(7, 0);
+        lets_through.back() = 1;
+    }
+
+    Surroundings surroundings() const {
+        Surroundings result = room.surroundings();
+        result.lets_through = lets_through;
+        return result;
+    }
+};
+
+/// Where an image of a coordinate lies, and over how many walls.
+struct Image {
+    double place;
+    int walls;
+};
+
+std::vector<Image> images_of(double x, double size, int most) {
+    std::vector<Image> images;
+    for (int period = -most; period <= most; ++period) {
+        images.push_back({2.0 * period * size + x, std::abs(2 * period)});
+        images.push_back({2.0 * period * size - x, std::abs(2 * period - 1)});
+    }
+    return images;
+}
+
+/// How often a straight line from x to y, unfolded over the walls, passes the sheet.
+int passes_between(double x, double y) {
+    int passes = 0;
+    for (int period = -20; period <= 20; ++period) {
+        for (const double sheet : {kSheet, -kSheet}) {
+            const double place = 2.0 * period * kSize.x + sheet;
+            passes += (place - x) * (place - y) < 0.0 ? 1 : 0;
+        }
+    }
+    return passes;
+}
+
+TEST(Transmission, PathsOverTheWallsOfADividedBoxAreThoseOfTheBox) {
+    const DividedBox box;
+    const Vec3 source = {0.7, 1.1, 1.3};
+    const std::vector<Vec3> listeners = {{1.9, 2.0, 3.1}, {4.2, 0.9, 2.2}};
+    constexpr int kOrder = 4;
+    std::size_t counted = 0;
+    const auto found =
+        find_specular_paths(box.surroundings(), source, listeners, {.max_order = kOrder});
+    for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
+        std::vector<std::pair<double, int>> expected, actual;  // length, passes
+        const Vec3& to = listeners[listener];
+        for (const Image& x : images_of(to.x, kSize.x, kOrder)) {
+            for (const Image& y : images_of(to.y, kSize.y, kOrder)) {
+                for (const Image& z : images_of(to.z, kSize.z, kOrder)) {
+                    const int passes = passes_between(source.x, x.place);
+                    if (x.walls + y.walls + z.walls + passes <= kOrder) {
+                        expected.emplace_back(
+                            glm::distance(source, Vec3(x.place, y.place, z.place)), passes);
+                    }
+                }
+            }
+        }
+        for (const SpecularPath& path : found.paths) {
+            const int passes = static_cast<int>(
+                std::count(path.passes.begin(), path.passes.end(), std::uint8_t{1}));
+            const auto on_sheet = std::count_if(path.triangles.begin(),
+                                                path.triangles.end(),
+                                                [](auto triangle) { return triangle >= 12; });
+            if (path.listener == listener && on_sheet == passes) {
+                actual.emplace_back(path.length, passes);
+            }
+        }
+        std::sort(expected.begin(), expected.end());
+        std::sort(actual.begin(), actual.end());
+        ASSERT_EQ(actual.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            EXPECT_NEAR(actual[i].first, expected[i].first, 1e-12);
+            EXPECT_EQ(actual[i].second, expected[i].second);
+        }
+        counted += expected.size();
+    }
+    EXPECT_GT(counted, 60U);
+}
+
+TEST(Transmission, PointsAndTrianglesStandInTheOrderOfTheWay) {
+    const DividedBox box(0.4);
+    const auto found = find_specular_paths(
+        box.surroundings(), {0.7, 1.1, 1.3}, std::vector<Vec3>{{4.2, 0.9, 2.2}}, {.max_order = 4});
+    std::size_t through = 0;
+    for (const SpecularPath& path : found.paths) {
+        ASSERT_EQ(path.points.size(), path.triangles.size() + 2);
+        ASSERT_TRUE(path.passes.empty() || path.passes.size() == path.triangles.size());
+        double length = 0.0;
+        for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
+            length += glm::distance(path.points[i], path.points[i + 1]);
+        }
+        EXPECT_NEAR(length, path.length, 1e-12);
+        for (std::size_t i = 0; i < path.passes.size(); ++i) {
+            if (path.passes[i] == 0) {
+                continue;
+            }
+            ++through;
+            EXPECT_GE(path.triangles[i], 12U);
+            const Vec3 in = glm::normalize(path.points[i + 1] - path.points[i]);
+            const Vec3 out = glm::normalize(path.points[i + 2] - path.points[i + 1]);
+            EXPECT_NEAR(glm::distance(in, out), 0.0, 1e-9);
+        }
+    }
+    EXPECT_GT(through, 10U);
+}
+
+TEST(Transmission, NothingIsMissedInRandomRoomsWithSheets) {
+    std::size_t through = 0;
+    for (std::uint64_t seed = 0; seed < 25; ++seed) {
+        const RandomRoom random(seed, 3);
+        Surroundings surroundings = random.room.surroundings();
+        std::vector<std::uint8_t> lets_through(surroundings.facets.facets.size(), 0);
+        for (std::size_t i = 6; i < lets_through.size(); ++i) {
+            lets_through[i] = random_bits(seed, 50, i) % 4 > 0 ? 1 : 0;
+        }
+        surroundings.lets_through = lets_through;
+        constexpr int kOrder = 3;
+        const auto expected =
+            find_specular_paths_brute_force(surroundings, random.source, random.listeners, kOrder);
+        for (const bool all_the_way : {false, true}) {
+            const PathFinder finder(surroundings,
+                                    {.trace = {.max_order = kOrder}, .all_the_way = all_the_way});
+            const auto found = finder.find(random.source, finder.trace_listeners(random.listeners));
+            EXPECT_EQ(found.paths, expected.paths) << seed;
+        }
+        for (const SpecularPath& path : expected.paths) {
+            through += path.passes.empty() ? 0 : 1;
+        }
+    }
+    EXPECT_GT(through, 20U);
+}
+
+TEST(Transmission, AnEdgeOfTwoSheetsIsPassedOnceAndALegAlongASheetIsBlocked) {
+    QuadRoom room;
+    room.add_quad({0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0});
+    room.add_quad({2, 0, 0}, {4, 0, 1}, {4, 2, 1}, {2, 2, 0});
+    room.finish();
+    Surroundings surroundings = room.surroundings();
+    const std::vector<std::uint8_t> both = {1, 1};
+    surroundings.lets_through = both;
+    const auto direct = [&](const Vec3& from, const Vec3& to) {
+        return find_specular_paths(surroundings, from, std::vector<Vec3>{to}, {.max_order = 2});
+    };
+    const auto through_edge = direct({2, 1, -1}, {2, 1, 1});
+    ASSERT_EQ(through_edge.paths.size(), 1U);
+    EXPECT_EQ(through_edge.paths[0].passes, std::vector<std::uint8_t>{1});
+    EXPECT_TRUE(direct({-1, 1, 0}, {1, 1, 0}).paths.empty());
+}
+
+TEST(Limits, LeaveOutExactlyWhatFallsUnderThem) {
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+        const RandomRoom random(seed, 3);
+        Surroundings surroundings = random.room.surroundings();
+        std::vector<double> gain;
+        for (std::size_t i = 0; i < surroundings.facets.facets.size(); ++i) {
+            gain.push_back(earshot::random(seed, 60, i));
+        }
+        surroundings.gain = gain;
+        const auto all =
+            find_specular_paths(surroundings, random.source, random.listeners, {.max_order = 3});
+        if (all.paths.empty()) {
+            continue;
+        }
+        const auto pressure_of = [&](const SpecularPath& path) {
+            double pressure = 1.0;
+            for (const auto triangle : path.triangles) {
+                pressure *= gain[surroundings.facets.of_triangle[triangle]];
+            }
+            return pressure / path.length;
+        };
+        const SpecularPath& some = all.paths[all.paths.size() / 2];
+        const double least = 1.0000001 * pressure_of(some);
+        std::vector<SpecularPath> short_ones, loud_ones;
+        for (const SpecularPath& path : all.paths) {
+            if (path.length <= some.length) {
+                short_ones.push_back(path);
+            }
+            if (pressure_of(path) >= least) {
+                loud_ones.push_back(path);
+            }
+        }
+        const auto found = [&](const TraceOptions& options) {
+            return find_specular_paths(surroundings, random.source, random.listeners, options)
+                .paths;
+        };
+        EXPECT_EQ(found({.max_order = 3, .max_length = some.length}), short_ones) << seed;
+        EXPECT_EQ(found({.max_order = 3, .least_pressure = least}), loud_ones) << seed;
+    }
+}
+
+}  // namespace
+}  // namespace earshot::frustum
