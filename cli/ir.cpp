@@ -84,7 +84,8 @@ public:
 
 private:
     void add_tracing_options() {
-        add_integer(app(), "--order", order_, {0, 64}, "most specular reflections of a path");
+        add_integer(
+            app(), "--order", order_, {0, 64}, "most reflections and transmissions of a path");
         app()
             .add_option("--mode",
                         mode_,

@@ -30,7 +30,8 @@ CellRaster::CellRaster(const Rect& rect, int cells) noexcept
       cell_size_((rect.upper - rect.lower) / static_cast<double>(cells)),
       scale_(static_cast<double>(cells) / (rect.upper - rect.lower)) {}
 
-void CellRaster::start(double slack_in_cells) noexcept {
+void CellRaster::start(double slack_in_cells, bool only_centres) noexcept {
+    only_centres_ = only_centres;
     slack_ = slack_in_cells;
     edge_ = 0;
     for (auto& row : turns_) {
@@ -42,7 +43,9 @@ void CellRaster::add_loop(std::span<const glm::dvec2> loop) noexcept {
     glm::dvec2 previous = (loop.back() - rect_.lower) * scale_;
     for (const glm::dvec2& point : loop) {
         const glm::dvec2 current = (point - rect_.lower) * scale_;
-        mark_edge(previous, current);
+        if (!only_centres_) {
+            mark_edge(previous, current);
+        }
         wind_edge(previous, current);
         previous = current;
     }
@@ -127,6 +130,23 @@ CellMask CellRaster::cells_of(const Rect& box, double slack_in_cells) const noex
     CellMask mask = 0;
     for (int row = rows.first; row <= rows.last; ++row) {
         mask |= row_bits(row, columns.first, columns.last);
+    }
+    return mask;
+}
+
+CellMask CellRaster::cells_centred_in(const Rect& box) const noexcept {
+    const glm::dvec2 low = (box.lower - rect_.lower) * scale_ - 0.5;
+    const glm::dvec2 high = (box.upper - rect_.lower) * scale_ - 0.5;
+    const int first_column = clamped_ceiling(low.x);
+    const int first_row = clamped_ceiling(low.y);
+    const int end_column = std::min(cells_, clamped_ceiling(std::nextafter(high.x, 1e300)));
+    const int end_row = std::min(cells_, clamped_ceiling(std::nextafter(high.y, 1e300)));
+    if (first_column >= end_column) {
+        return 0;
+    }
+    CellMask mask = 0;
+    for (int row = first_row; row < end_row; ++row) {
+        mask |= row_bits(row, first_column, end_column - 1);
     }
     return mask;
 }

@@ -32,8 +32,12 @@ constexpr double kAlmostACell = 0.99;
 
 // Draws a facet that lies wholly in the half-space of the frustum's depths, as most do: it need not
 // be clipped. Where it can meet a few cells only, and cannot fill one, its bounds speak for it.
-VisibleFacets::Drawing VisibleFacets::draw_whole(
-    const Frustum& frustum, CellRaster& raster, FacetId facet, double moved, Projected& out) {
+VisibleFacets::Drawing VisibleFacets::draw_whole(const Frustum& frustum,
+                                                 CellRaster& raster,
+                                                 FacetId facet,
+                                                 double moved,
+                                                 bool only_samples,
+                                                 Projected& out) {
     const auto loops = index_.loops(facet);
     const std::uint32_t begin = loops.front().begin;
     const std::uint32_t end = loops.back().end;
@@ -66,14 +70,16 @@ VisibleFacets::Drawing VisibleFacets::draw_whole(
     const double slack = kCellSlack + kSpread * moved / least_depth / std::min(cell.x, cell.y);
     out.bounds = {.lower = lower - slack * cell, .upper = upper + slack * cell};
     const CellMask near = raster.cells_of({.lower = lower, .upper = upper}, slack);
-    if (near == 0) {
+    const bool meets_a_sample =
+        !only_samples || raster.cells_centred_in({.lower = lower, .upper = upper}) != 0;
+    if (near == 0 || !meets_a_sample) {
         return Drawing::outside;
     }
     constexpr int kFewCells = 4;
     const glm::dvec2 size = (upper - lower) / cell;
     if (std::popcount(near) <= kFewCells && (size.x < kAlmostACell || size.y < kAlmostACell)) {
         out.coverage = {.touched = near, .filled = 0, .centred = near};
-        if (mode_ == Mode::complete) {
+        if (!only_samples) {
             return Drawing::done;
         }
     }
@@ -83,7 +89,7 @@ VisibleFacets::Drawing VisibleFacets::draw_whole(
         glm::any(glm::greaterThan(upper, frustum.rect.upper + far))) {
         return Drawing::needs_clipping;
     }
-    raster.start(slack);
+    raster.start(slack, only_samples);
     for (const FacetIndex::LoopRange& loop : loops) {
         raster.add_loop(std::span(outline_).subspan(loop.begin - begin, loop.end - loop.begin));
     }
@@ -92,14 +98,12 @@ VisibleFacets::Drawing VisibleFacets::draw_whole(
 }
 
 // Draws a facet as seen from the frustum's apex, beyond the facet where the frustum starts.
-// Returns false if nothing of it is inside.
-bool VisibleFacets::draw(const Frustum& frustum,
-                         CellRaster& raster,
-                         FacetId facet,
-                         Projected& out) {
+// Returns false if nothing of it is inside or, with `only_samples`, no centre of a cell.
+bool VisibleFacets::draw(
+    const Frustum& frustum, CellRaster& raster, FacetId facet, bool only_samples, Projected& out) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double moved = moved_ + index_.flatness(facet);
-    switch (draw_whole(frustum, raster, facet, moved, out)) {
+    switch (draw_whole(frustum, raster, facet, moved, only_samples, out)) {
         case Drawing::outside:
             return false;
         case Drawing::done:
@@ -146,7 +150,7 @@ bool VisibleFacets::draw(const Frustum& frustum,
     }
     const double slack_uv = kSpread * moved / least_depth;
     const double slack = kCellSlack + slack_uv / std::min(cell.x, cell.y);
-    raster.start(slack);
+    raster.start(slack, only_samples);
     std::size_t begin = 0;
     for (std::size_t i = 0; i < loops.size(); ++i) {
         if (ends[i] > begin) {

@@ -315,8 +315,8 @@ std::size_t ListenerTrace::frusta() const noexcept {
     return kept_->side ? kept_->side->frusta() : 0;
 }
 
-// In a concert hall of 3,754 facets both ways took equally long for 1, 12 and 50 listeners at orders
-// 2, 3 and 4.
+// In a concert hall of 3,754 facets both ways took equally long for 1, 12 and 50 listeners at
+// orders 2, 3 and 4.
 bool are_many(std::size_t listeners, int max_order) noexcept {
     constexpr std::size_t kMost = 768;
     if (max_order <= 2) {

@@ -77,6 +77,7 @@ void Proposer::propose_from(const VisibleFacets& search, std::span<const Visible
         look_for_listeners(search, seen);
         return;
     }
+    sight_ = search.sight();
     const auto next_order = static_cast<int>(order()) + 1;
     for (const VisibleFacet& visible : seen) {
         meet_listeners(search, visible);
@@ -96,8 +97,12 @@ void Proposer::for_each_in_sight(const VisibleFacets& search,
     if (points.empty()) {
         return;
     }
+    for (int k = 0; k < 2; ++k) {
+        sight_.lower[k] = visible.window.lower[k];
+        sight_.upper[k] = visible.window.upper[k];
+    }
     in_sight_.resize(points.size());
-    find_in_sight(search.sight(visible), points, in_sight_);
+    find_in_sight(sight_, points, in_sight_);
     const auto items = kept.items(visible.facet);
     for (std::size_t block = 0; block < points.size(); ++block) {
         for (std::uint32_t left = in_sight_[block]; left != 0; left &= left - 1) {

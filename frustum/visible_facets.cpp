@@ -153,7 +153,7 @@ void VisibleFacets::visit_facet(FacetId facet) {
         return;
     }
     Projected projected;
-    if (!draw(frustum_, raster_, facet, projected)) {
+    if (!draw(frustum_, raster_, facet, mode_ == Mode::sampled, projected)) {
         return;
     }
     const InverseDepth depth = frustum_.inverse_depth(index_.plane(facet));
@@ -220,7 +220,7 @@ void VisibleFacets::add_sample(FacetId facet, const InverseDepth& depth, CellMas
 // A box is hidden if every sub-frustum it may meet is filled by something nearer than its nearest
 // corner.
 bool VisibleFacets::box_is_hidden(const geometry::Aabb& box) const noexcept {
-    if (covered_ == 0 || mode_ == Mode::sampled) {
+    if (covered_ == 0 && mode_ == Mode::complete) {
         return false;
     }
     // The box's extent along the frustum's axes; quotients of its ends bound the quotients of its
@@ -250,8 +250,26 @@ bool VisibleFacets::box_is_hidden(const geometry::Aabb& box) const noexcept {
         bounds.lower[k] = low * (low < 0.0 ? near_scale : far_scale);
         bounds.upper[k] = high * (high < 0.0 ? far_scale : near_scale);
     }
+    if (mode_ == Mode::sampled) {
+        return samples_pass(bounds, nearest);
+    }
     const CellMask cells = cells_near(bounds, nearest);
     return (cells & ~covered_) == 0 && everything_hides(nearest, cells);
+}
+
+// Whether no sample meets a box before it has met a facet.
+bool VisibleFacets::samples_pass(const Rect& bounds, double nearest) const noexcept {
+    const CellMask cells = raster_.cells_centred_in(bounds) & frustum_.alive;
+    if ((cells & ~covered_) != 0) {
+        return false;
+    }
+    const double front = 1.0 / nearest;
+    CellMask behind = 0;
+    for_each_cell(cells, [&](int cell) {
+        const Cover& cover = covers_[static_cast<std::size_t>(cell)];
+        behind |= static_cast<CellMask>(cover.centre > front) << cell;
+    });
+    return behind == cells;
 }
 
 // Whether a cover is nearer than a plane everywhere in a cell, by more than rounding.
@@ -378,7 +396,7 @@ bool VisibleFacets::may_reach_mirrored(const VisibleFacet& visible,
     return may_pass(visible, plane.mirror(point));
 }
 
-WindowSight VisibleFacets::sight(const VisibleFacet& visible) const noexcept {
+WindowSight VisibleFacets::sight() const noexcept {
     const Vec3* axes[] = {&frustum_.right, &frustum_.up, &frustum_.forward};
     WindowSight sight;
     for (int k = 0; k < 3; ++k) {
@@ -388,8 +406,6 @@ WindowSight VisibleFacets::sight(const VisibleFacet& visible) const noexcept {
         }
     }
     for (int k = 0; k < 2; ++k) {
-        sight.lower[k] = visible.window.lower[k];
-        sight.upper[k] = visible.window.upper[k];
         sight.share[k] = 0.5 * raster_.cell_size()[k];
     }
     sight.reach = kSpread * moved_;
@@ -414,7 +430,7 @@ Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
     // The facet itself, drawn from the parent's side: (u, v) is the same for both.
     Frustum aperture = frustum_;
     aperture.rect = child.rect;
-    child.alive = draw(aperture, raster, visible.facet, own) ? own.coverage.touched : 0;
+    child.alive = draw(aperture, raster, visible.facet, false, own) ? own.coverage.touched : 0;
     const glm::dvec2 size = raster_.cell_size();
     const double slack = kCellSlack + kWindowSlack / std::min(size.x, size.y);
     child.alive &= raster.cells_meeting(raster_, visible.cells, slack);

@@ -36,13 +36,17 @@ class CellRaster {
 public:
     CellRaster(const Rect& rect, int cells) noexcept;
 
-    void start(double slack_in_cells) noexcept;
+    /// `only_centres`: nothing but Coverage::centred is wanted, and the rest is the same.
+    void start(double slack_in_cells, bool only_centres = false) noexcept;
     /// Adds a closed loop; points in (u, v).
     void add_loop(std::span<const glm::dvec2> loop) noexcept;
     Coverage finish() const noexcept;
 
     /// The cells that a box of (u, v) grown by slack_in_cells meets.
     CellMask cells_of(const Rect& box, double slack_in_cells) const noexcept;
+
+    /// The cells whose centres lie in a box of (u, v), as computed without slack.
+    CellMask cells_centred_in(const Rect& box) const noexcept;
 
     /// The cells that meet, grown by slack_in_cells (of the other grid), one of `cells` of another
     /// grid over the same (u, v).
@@ -68,6 +72,7 @@ private:
     glm::dvec2 cell_size_;
     glm::dvec2 scale_;
     double slack_ = 0.0;
+    bool only_centres_ = false;
     CellMask edge_ = 0;
     // By how much the winding number changes from the column before; one past the last is never
     // read.

@@ -75,6 +75,7 @@ private:
     double reach_;
     std::vector<geometry::FacetId> sequence_;
     std::vector<geometry::Vec3> images_;
+    WindowSight sight_;  // of the current frustum
     std::vector<std::uint8_t> in_sight_;
     Harvest harvest_;
 };

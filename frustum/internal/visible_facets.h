@@ -69,8 +69,9 @@ public:
     /// sub-frustum that may hold it is dead or filled by a facet nearer than the point.
     bool may_reach(const geometry::Vec3& point) const noexcept;
 
-    /// A superset of the points that may_pass() lets through, for many points.
-    WindowSight sight(const VisibleFacet& visible) const noexcept;
+    /// To find a superset of the points that may_pass() lets through, once it is given the window
+    /// of a visible facet.
+    WindowSight sight() const noexcept;
 
     /// Whether a straight line from the current frustum's apex to a point, mirrored as often as the
     /// way to it reflects, may pass a facet that the frustum sees. Conservative like may_reach, but
@@ -105,12 +106,17 @@ private:
 
     void visit_nodes();
     void visit_facet(geometry::FacetId facet);
-    bool draw(const Frustum& frustum, CellRaster& raster, geometry::FacetId facet, Projected& out);
+    bool draw(const Frustum& frustum,
+              CellRaster& raster,
+              geometry::FacetId facet,
+              bool only_samples,
+              Projected& out);
     enum class Drawing { outside, done, needs_clipping };
     Drawing draw_whole(const Frustum& frustum,
                        CellRaster& raster,
                        geometry::FacetId facet,
                        double moved,
+                       bool only_samples,
                        Projected& out);
     bool clip(const Frustum& frustum, const CellRaster& raster, double moved);
     void add_cover(geometry::FacetId facet, const InverseDepth& depth, CellMask filled);
@@ -119,6 +125,7 @@ private:
     double depth_error(geometry::FacetId facet) const noexcept;
     CellMask cells_near(const Rect& bounds, double depth) const noexcept;
     bool everything_hides(double depth, CellMask cells) const noexcept;
+    bool samples_pass(const Rect& bounds, double nearest) const noexcept;
     bool box_is_hidden(const geometry::Aabb& box) const noexcept;
     bool is_nearer(const Cover& cover,
                    const InverseDepth& depth,

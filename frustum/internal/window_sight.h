@@ -17,12 +17,12 @@ struct alignas(64) PointBlock {
 /// point p, in the frustum's axes, is in sight if lower z - room <= x <= upper z + room for room =
 /// share * z + reach, and likewise in y, and z > least_depth.
 struct WindowSight {
-    double apex[3];
-    double axes[3][3];  ///< right, up, forward
-    double lower[2], upper[2];
-    double share[2];
-    double reach;
-    double least_depth;
+    double apex[3] = {};
+    double axes[3][3] = {};  ///< right, up, forward
+    double lower[2] = {}, upper[2] = {};
+    double share[2] = {};
+    double reach = 0.0;
+    double least_depth = 0.0;
 };
 
 /// Sets bit i of masks[k] if point i of block k is in sight. The same bits on every instruction

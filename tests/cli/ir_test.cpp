@@ -2,11 +2,13 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 
 namespace earshot::test {
 namespace {
@@ -186,6 +188,60 @@ TEST_F(Ir, ThirdOctavesGiveThirtyOneBands) {
     EXPECT_EQ(json_of("paths.json")["pairs"][0]["paths"][0]["pressure"].size(), 31U);
 }
 
+TEST_F(Ir, LimitsLeaveOutWhatIsLongerOrFainter) {
+    const auto paths_with = [&](std::vector<std::string> extra) {
+        std::vector<std::string> arguments = {
+            "ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "3", "--quiet"};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        EXPECT_EQ(run_earshot(arguments).status, 0);
+        return json_of("paths.json")["pairs"][0]["paths"];
+    };
+    const Json all = paths_with({});
+    const auto loudest = [](const Json& path) {
+        const auto pressure = path["pressure"].get<std::vector<double>>();
+        return 20.0 * std::log10(*std::max_element(pressure.begin(), pressure.end()));
+    };
+    Json near = Json::array();
+    Json loud = Json::array();
+    for (const Json& path : all) {
+        if (path["length"] <= 12.0) {
+            near.push_back(path);
+        }
+        if (loudest(path) >= -25.0) {
+            loud.push_back(path);
+        }
+    }
+    ASSERT_LT(near.size(), all.size());
+    ASSERT_LT(loud.size(), all.size());
+    EXPECT_EQ(paths_with({"--max-length", "12"}), near);
+    EXPECT_EQ(paths_with({"--min-level", "-25"}), loud);
+}
+
+TEST_F(Ir, TransmissionGoesThroughWallsThatLetSoundThrough) {
+    const std::string file = (folder_ / "two_rooms.gltf").string();
+    Json scene = Json::parse(read_file(kScenes + "coupled_rooms.gltf"));
+    for (Json& material : scene["materials"]) {
+        material["extras"]["acoustics"]["transmission"] = 0.01;
+    }
+    std::ofstream(file) << scene.dump();
+    const auto kinds_with = [&](std::vector<std::string> extra) {
+        std::vector<std::string> arguments = {"ir", file, "-o", out(), "--order", "3", "--quiet"};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        EXPECT_EQ(run_earshot(arguments).status, 0);
+        std::map<std::string, int> kinds;
+        const Json paths = json_of("paths.json");
+        for (const Json& pair : paths["pairs"]) {
+            for (const Json& path : pair["paths"]) {
+                ++kinds[path["kind"]];
+                EXPECT_EQ(path["triangles"].size() + 2, path["points"].size());
+            }
+        }
+        return kinds;
+    };
+    EXPECT_EQ(kinds_with({})["transmitted"], 0);
+    EXPECT_GT(kinds_with({"--transmission"})["transmitted"], 3);
+}
+
 TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     const auto with = [&](std::vector<std::string> extra) {
         std::vector<std::string> arguments = {"ir", kScenes + "shoebox.gltf", "-o", out()};
@@ -194,6 +250,8 @@ TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     };
     EXPECT_TRUE(failed_with(with({"--order", "-1"}), 2, "--order"));
     EXPECT_TRUE(failed_with(with({"--order", "3.5"}), 2, "--order"));
+    EXPECT_TRUE(failed_with(with({"--max-length", "-1"}), 2, "--max-length"));
+    EXPECT_TRUE(failed_with(with({"--min-level", "loud"}), 2, "--min-level"));
     EXPECT_TRUE(failed_with(with({"--sample-rate", "0"}), 2, "--sample-rate"));
     EXPECT_TRUE(failed_with(with({"--length", "-1"}), 2, "--length"));
     EXPECT_TRUE(failed_with(with({"--bands", "quarter"}), 2, "--bands"));

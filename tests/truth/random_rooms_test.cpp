@@ -15,8 +15,8 @@ namespace earshot::support {
 namespace {
 
 constexpr std::uint64_t kFirstSeed = 0;
-constexpr std::uint64_t kRooms = 70;      // ten of each family
-constexpr std::uint64_t kDeepRooms = 28;  // of these, as many are searched one order deeper
+constexpr std::uint64_t kRooms = 210;     // thirty of each family
+constexpr std::uint64_t kDeepRooms = 70;  // of these, as many are searched one order deeper
 constexpr int kOrder = 3;
 constexpr int kDeepOrder = 4;
 constexpr std::size_t kDeepTriangles = 80;  // at most: the search is exponential in the order
