@@ -43,10 +43,13 @@ std::string rounded_ms(double time) {
 
 }  // namespace
 
-DecayCurve::DecayCurve(std::span<const double> squared, std::size_t onset, double sample_rate)
+DecayCurve::DecayCurve(std::span<const double> squared,
+                       std::size_t onset,
+                       double sample_rate,
+                       double beyond)
     : sample_rate_(sample_rate), remaining_(squared.size() - onset) {
     EARSHOT_ASSERT(onset < squared.size());
-    double sum = 0.0;
+    double sum = beyond;
     for (std::size_t n = squared.size(); n-- > 0;) {
         sum += squared[n];
         if (n >= onset) {
@@ -56,6 +59,7 @@ DecayCurve::DecayCurve(std::span<const double> squared, std::size_t onset, doubl
     energy_ = sum;
     EARSHOT_ASSERT(energy_ > 0.0);
 
+    known_db_ = beyond > 0.0 ? static_cast<int>(-10.0 * math::log10(beyond / energy_)) : kDeepestDb;
     const double least = energy_ * math::pow10(-kDeepestDb / 10.0);
     for (const double remaining : remaining_) {
         if (remaining < least) {
@@ -128,7 +132,8 @@ DecayCurve::Reading DecayCurve::read(const DecayRange& range, double bandwidth_h
     }
     const double least = std::max(kLeastSlowness - kFluctuation / std::sqrt(bandwidth_hz * time),
                                   kLeastSlownessOfAll);
-    for (int depth = range.to_db; depth <= kLastStepFromDb; ++depth) {
+    const int last = std::min(kLastStepFromDb, known_db_ - kStepDb);
+    for (int depth = range.to_db; depth <= last; ++depth) {
         if (slowness_after(depth) < least) {
             return {std::nullopt, true, early_end(depth, range)};
         }

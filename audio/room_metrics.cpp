@@ -3,6 +3,7 @@
 
 #include "earshot/audio/internal/band_energy.h"
 #include "earshot/audio/internal/decay_curve.h"
+#include "earshot/audio/internal/noise_floor.h"
 #include "earshot/base/math.h"
 
 #include <algorithm>
@@ -17,6 +18,8 @@ constexpr double kReferenceEnergy = 0.01;  // free field at 10 m, pressure 1 at 
 constexpr double kLeastLateEnergy = 1e-6;  // of all: below it a clarity is that of the filter
 constexpr double kSpeechLimit = 0.05;      // seconds
 constexpr double kMusicLimit = 0.08;       // seconds
+constexpr double kLeastSpeechHz = 90.0;
+constexpr double kMostSpeechHz = 11000.0;
 
 // First sample less than 20 dB below the largest; nothing if all are 0.
 std::optional<std::size_t> find_onset(std::span<const double> samples) {
@@ -48,12 +51,21 @@ std::string band_name(const Bands& bands, std::size_t band) {
 
 // The decay times of a band; what it lacks goes to the notes. True if the response ends early.
 bool read_decay(const DecayCurve& curve,
+                const NoiseFloor& noise,
                 double bandwidth_hz,
                 const std::string& band,
                 BandMetrics& out,
                 std::vector<std::string>& notes) {
     bool ends_early = false;
-    const auto time = [&](const DecayRange& range) {
+    const auto time = [&](const DecayRange& range) -> std::optional<double> {
+        constexpr int kRoomDb = 10;
+        if (noise.energy > 0.0 && noise.depth_db < range.to_db + kRoomDb) {
+            notes.push_back(std::string(range.name) + " at " + band + ": noise " +
+                            std::to_string(std::lround(noise.depth_db)) +
+                            " dB below the decay's start, " +
+                            std::to_string(range.to_db + kRoomDb) + " dB needed");
+            return std::nullopt;
+        }
         const DecayCurve::Reading reading = curve.read(range, bandwidth_hz);
         ends_early = ends_early || reading.ends_early;
         if (!reading.time) {
@@ -93,7 +105,9 @@ double centre_of(std::span<const double> squared, std::size_t onset, double samp
 
 }  // namespace
 
-RoomMetrics room_metrics(const Bands& bands, const ImpulseResponse& response) {
+RoomMetrics room_metrics(const Bands& bands,
+                         const ImpulseResponse& response,
+                         const MetricsOptions& options) {
     RoomMetrics metrics;
     metrics.bands.resize(bands.count());
     std::vector<std::string>& notes = metrics.notes;
@@ -113,22 +127,34 @@ RoomMetrics room_metrics(const Bands& bands, const ImpulseResponse& response) {
     }
     const BandEnergy energy(bands, response.samples, response.sample_rate);
     bool ends_early = false;
+    bool speech_ends_early = false;
     for (std::size_t band = 0; band < bands.count(); ++band) {
         const std::string at_band = " at " + band_name(bands, band);
         if (!energy.covers(band)) {
             notes.push_back("all" + at_band + ": the band reaches past half the sample rate");
             continue;
         }
-        const std::vector<double> squared = energy.squared(band);
+        std::vector<double> squared = energy.squared(band);
         if (std::all_of(squared.begin(), squared.end(), [](double e) { return e == 0.0; })) {
             notes.push_back("all" + at_band + ": silent");
             continue;
         }
         const std::size_t begin = energy.lead() + *onset;
-        const DecayCurve curve(squared, begin, response.sample_rate);
+        NoiseFloor noise;
+        if (options.ends_in_noise) {
+            const std::span<const double> signal(squared.data(),
+                                                 energy.lead() + response.samples.size());
+            noise = find_noise_floor(signal, begin, response.sample_rate);
+            squared.resize(noise.energy > 0.0 ? noise.end : squared.size());
+        }
+        const DecayCurve curve(squared, begin, response.sample_rate, noise.beyond);
         BandMetrics& out = metrics.bands[band];
         const double bandwidth = bands.upper_edge_hz(band) - bands.lower_edge_hz(band);
-        ends_early |= read_decay(curve, bandwidth, band_name(bands, band), out, notes);
+        const bool ends_here =
+            read_decay(curve, noise, bandwidth, band_name(bands, band), out, notes);
+        ends_early |= ends_here;
+        speech_ends_early |= ends_here && bands.upper_edge_hz(band) > kLeastSpeechHz &&
+                             bands.lower_edge_hz(band) < kMostSpeechHz;
         if (after_onset >= kSpeechLimit) {
             out.clarity_c50_db = read_clarity_db(curve, kSpeechLimit, "c50" + at_band, notes);
             out.definition_d50 = 1.0 - curve.energy_from(kSpeechLimit) / curve.energy();
@@ -144,7 +170,15 @@ RoomMetrics room_metrics(const Bands& bands, const ImpulseResponse& response) {
         notes.emplace_back(
             "c50, c80, d50, ts, g: of the response as it is, which ends before its decay does");
     }
-    notes.emplace_back("sti: not computed");
+    if (speech_ends_early) {
+        notes.emplace_back("sti: the response ends before its decay does");
+    } else if (const auto speech =
+                   speech_transmission(response, options.speech, options.ends_in_noise)) {
+        metrics.speech_transmission_index = speech->index;
+    } else {
+        notes.emplace_back(
+            "sti: an octave from 125 Hz to 8 kHz is silent or reaches past half the sample rate");
+    }
     return metrics;
 }
 

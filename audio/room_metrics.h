@@ -3,6 +3,7 @@
 
 #include "earshot/audio/bands.h"
 #include "earshot/audio/impulse_response.h"
+#include "earshot/audio/speech.h"
 
 #include <optional>
 #include <string>
@@ -26,14 +27,25 @@ struct BandMetrics {
 
 struct RoomMetrics {
     std::vector<BandMetrics> bands;                   ///< one per band, in order
-    std::optional<double> speech_transmission_index;  ///< empty until it is supported
+    std::optional<double> speech_transmission_index;  ///< STI, see speech.h
     std::vector<std::string> notes;  ///< why a value is empty, e.g. "t20 at 63 Hz: decay range ..."
+};
+
+struct MetricsOptions {
+    /// The response was measured: it ends in steady noise, which is estimated and taken out (ISO
+    /// 3382-1:2009, 5.3.3; Lundeby et al. 1995). Decay times that the noise does not leave room
+    /// for, 10 dB below their range, are empty.
+    bool ends_in_noise = false;
+    /// For the speech transmission index.
+    std::optional<SpeechLevels> speech{};
 };
 
 /// Metrics per band by zero-phase octave or third-octave filters, the onset of the direct sound
 /// (20 dB below the largest sample) and backward integration (ISO 3382-1:2009, 5.3.3 and annex A).
 /// Ts counts from the onset; G takes a pressure of 1 as free field at 1 m. Every value that is
 /// empty is explained in the notes; a silent response has none and one note.
-RoomMetrics room_metrics(const Bands& bands, const ImpulseResponse& response);
+RoomMetrics room_metrics(const Bands& bands,
+                         const ImpulseResponse& response,
+                         const MetricsOptions& options = {});
 
 }  // namespace earshot::audio

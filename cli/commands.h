@@ -9,8 +9,10 @@ namespace earshot::cli {
 
 // One per command, each in a file of its name; main.cpp holds the table of them.
 
+std::unique_ptr<Command> make_auralize_command(CLI::App& program);
 std::unique_ptr<Command> make_bvh_command(CLI::App& program);
 std::unique_ptr<Command> make_ir_command(CLI::App& program);
 std::unique_ptr<Command> make_materials_command(CLI::App& program);
+std::unique_ptr<Command> make_metrics_command(CLI::App& program);
 
 }  // namespace earshot::cli

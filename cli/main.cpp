@@ -14,6 +14,8 @@ namespace {
 // The table of commands, in the order of the help.
 constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_ir_command,
+    make_metrics_command,
+    make_auralize_command,
     make_bvh_command,
     make_materials_command,
 };

@@ -97,27 +97,47 @@ std::string encode_paths(const ResultHeader& header,
            join_lines(lines, " ") + "]}\n";
 }
 
-std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs) {
+namespace {
+
+Json to_json(const audio::RoomMetrics& metrics) {
     using Band = audio::BandMetrics;
+    const auto& sti = metrics.speech_transmission_index;
+    return {{"edt", column(metrics.bands, &Band::early_decay_time)},
+            {"t20", column(metrics.bands, &Band::reverberation_time_t20)},
+            {"t30", column(metrics.bands, &Band::reverberation_time_t30)},
+            {"c50", column(metrics.bands, &Band::clarity_c50_db)},
+            {"c80", column(metrics.bands, &Band::clarity_c80_db)},
+            {"d50", column(metrics.bands, &Band::definition_d50)},
+            {"ts", column(metrics.bands, &Band::centre_time)},
+            {"g", column(metrics.bands, &Band::strength_db)},
+            {"sti", sti ? Json(*sti) : Json(nullptr)},
+            {"notes", metrics.notes}};
+}
+
+}  // namespace
+
+std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs) {
     std::vector<std::string> lines;
     for (const PairMetrics& pair : pairs) {
-        const auto& metrics = pair.metrics;
-        const auto& sti = metrics.speech_transmission_index;
-        const Json values = {{"edt", column(metrics.bands, &Band::early_decay_time)},
-                             {"t20", column(metrics.bands, &Band::reverberation_time_t20)},
-                             {"t30", column(metrics.bands, &Band::reverberation_time_t30)},
-                             {"c50", column(metrics.bands, &Band::clarity_c50_db)},
-                             {"c80", column(metrics.bands, &Band::clarity_c80_db)},
-                             {"d50", column(metrics.bands, &Band::definition_d50)},
-                             {"ts", column(metrics.bands, &Band::centre_time)},
-                             {"g", column(metrics.bands, &Band::strength_db)},
-                             {"sti", sti ? Json(*sti) : Json(nullptr)},
-                             {"notes", metrics.notes}};
         lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) + "," +
-                        dump(values).substr(1));
+                        dump(to_json(pair.metrics)).substr(1));
     }
     return "{\"version\":1,\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) +
            ",\n\"pairs\":[" + join_lines(lines, " ") + "]}\n";
+}
+
+std::string encode_channel_metrics(const std::string& file,
+                                   double sample_rate,
+                                   const audio::Bands& bands,
+                                   const std::vector<audio::RoomMetrics>& channels) {
+    std::vector<std::string> lines;
+    for (std::size_t i = 0; i < channels.size(); ++i) {
+        lines.push_back("{\"channel\":" + std::to_string(i + 1) + "," +
+                        dump(to_json(channels[i])).substr(1));
+    }
+    return "{\"version\":1,\"file\":" + dump(file) + ",\"sample_rate\":" + dump(sample_rate) +
+           ",\"bands_hz\":" + dump(to_json(bands.nominal_hz())) + ",\n\"channels\":[" +
+           join_lines(lines, " ") + "]}\n";
 }
 
 }  // namespace earshot::io

@@ -32,4 +32,11 @@ std::string encode_paths(const ResultHeader& header,
 /// The text of metrics.json; a value that the response cannot support is null.
 std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs);
 
+/// The metrics of a sound file, a set per channel, as `earshot metrics --json` prints them: the
+/// fields of metrics.json for each channel.
+std::string encode_channel_metrics(const std::string& file,
+                                   double sample_rate,
+                                   const audio::Bands& bands,
+                                   const std::vector<audio::RoomMetrics>& channels);
+
 }  // namespace earshot::io

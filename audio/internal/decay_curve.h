@@ -25,8 +25,12 @@ inline constexpr DecayRange kT30{"t30", 5, 35};
 class DecayCurve {
 public:
     /// The curve begins at sample `onset`; its 0 dB is the energy of all samples, those before the
-    /// onset included. Precondition: a sample is positive, onset < squared.size().
-    DecayCurve(std::span<const double> squared, std::size_t onset, double sample_rate);
+    /// onset included, and `beyond`, that of the decay after the last sample. Precondition: a
+    /// sample is positive, onset < squared.size().
+    DecayCurve(std::span<const double> squared,
+               std::size_t onset,
+               double sample_rate,
+               double beyond = 0.0);
 
     double energy() const noexcept { return energy_; }
     /// Energy from `time` seconds after the onset on.
@@ -49,6 +53,7 @@ private:
 
     double sample_rate_;
     double energy_ = 0.0;
+    int known_db_ = 0;  // the curve is not known deeper
     std::vector<double> remaining_;            // energy from each sample on
     std::vector<double> level_db_;             // of remaining_, to the lowest depth of interest
     std::vector<std::size_t> first_below_db_;  // entry d: first sample below -d dB

@@ -274,5 +274,61 @@ TEST(RoomMetrics, HaveTheSameBitsOnEveryMachine) {
     EXPECT_EQ(digest.value(), 10341041966376484970ULL);
 }
 
+// A measured response: two seconds, of which the decay is lost in steady noise.
+ImpulseResponse with_noise(ImpulseResponse response, double level_db) {
+    response.samples.resize(std::size_t(2.0 * kSampleRate), 0.0);
+    for (std::size_t n = 0; n < response.samples.size(); ++n) {
+        response.samples[n] += random_between(99, 1, n, -1.0, 1.0) * math::pow10(level_db / 20.0);
+    }
+    return response;
+}
+
+TEST(RoomMetrics, NoiseAtTheEndOfAMeasurementIsTakenOut) {
+    const ImpulseResponse clean = decaying_noise(0.6, 5);
+    const Bands& bands = Bands::octaves();
+    const RoomMetrics expected = room_metrics(bands, clean);
+    const RoomMetrics raw = room_metrics(bands, with_noise(clean, -50.0));
+    const RoomMetrics found =
+        room_metrics(bands, with_noise(clean, -50.0), {.ends_in_noise = true});
+    for (std::size_t band = 4; band < bands.count() - 1; ++band) {
+        ASSERT_TRUE(found.bands[band].reverberation_time_t20) << band;
+        EXPECT_NEAR(*found.bands[band].reverberation_time_t20,
+                    *expected.bands[band].reverberation_time_t20,
+                    0.03)
+            << band;
+        EXPECT_NEAR(*found.bands[band].clarity_c80_db, *expected.bands[band].clarity_c80_db, 0.05);
+        if (raw.bands[band].reverberation_time_t30 && found.bands[band].reverberation_time_t30) {
+            const double truth = *expected.bands[band].reverberation_time_t30;
+            EXPECT_LT(std::abs(*found.bands[band].reverberation_time_t30 - truth),
+                      std::abs(*raw.bands[band].reverberation_time_t30 - truth) + 1e-9);
+        }
+    }
+    ASSERT_TRUE(found.speech_transmission_index);
+    EXPECT_NEAR(*found.speech_transmission_index, *expected.speech_transmission_index, 0.005);
+}
+
+TEST(RoomMetrics, DecayTimesThatNoiseLeavesNoRoomForAreEmpty) {
+    const RoomMetrics found = room_metrics(
+        Bands::octaves(), with_noise(decaying_noise(0.6, 5), -27.0), {.ends_in_noise = true});
+    for (std::size_t band = 4; band < 9; ++band) {
+        EXPECT_TRUE(found.bands[band].early_decay_time) << band;
+        EXPECT_FALSE(found.bands[band].reverberation_time_t20) << band;
+        EXPECT_FALSE(found.bands[band].reverberation_time_t30) << band;
+    }
+    EXPECT_TRUE(std::any_of(found.notes.begin(), found.notes.end(), [](const std::string& note) {
+        return note.find("t30 at 1000 Hz: noise") == 0 && note.find("45 dB needed") != note.npos;
+    }));
+}
+
+TEST(RoomMetrics, AResponseWithoutNoiseIsNotCut) {
+    ImpulseResponse clean = decaying_noise(0.6, 6);
+    const RoomMetrics plain = room_metrics(Bands::octaves(), clean);
+    const RoomMetrics found = room_metrics(Bands::octaves(), clean, {.ends_in_noise = true});
+    for (std::size_t band = 4; band < 9; ++band) {
+        EXPECT_EQ(found.bands[band].reverberation_time_t30,
+                  plain.bands[band].reverberation_time_t30);
+    }
+}
+
 }  // namespace
 }  // namespace earshot::audio

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/audio/speech.h"
+
+#include "earshot/audio/internal/band_energy.h"
+#include "earshot/audio/internal/noise_floor.h"
+#include "earshot/base/assert.h"
+#include "earshot/base/math.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::audio {
+
+namespace {
+
+constexpr std::size_t kFirstOctave = 2;  // 125 Hz among Bands::octaves()
+constexpr double kTurn = 6.283185307179586;
+
+// IEC 60268-16:2011, tables A.1 and A.3 and clause 4.
+constexpr std::array<double, 14> kModulationHz = {
+    0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5};
+constexpr SpeechSpectrum kWeight = {0.085, 0.127, 0.230, 0.233, 0.309, 0.224, 0.173};
+constexpr std::array<double, kSpeechBands - 1> kRedundancy = {
+    0.085, 0.078, 0.065, 0.011, 0.047, 0.095};
+constexpr SpeechSpectrum kThresholdDb = {46.0, 27.0, 12.0, 6.5, 7.5, 8.0, 12.0};
+constexpr double kMostRatioDb = 15.0;
+
+/// Energies over so short a time that the fastest modulation hardly changes in it: it is reduced by
+/// less than 2e-5.
+constexpr double kStep = 2.5e-4;  // seconds
+
+struct Envelope {
+    std::vector<double> energy;
+    double step = 0.0;  // seconds
+};
+
+Envelope envelope_of(std::span<const double> squared, double sample_rate) {
+    const auto length = static_cast<std::size_t>(std::max(1.0, std::floor(kStep * sample_rate)));
+    Envelope envelope;
+    envelope.step = static_cast<double>(length) / sample_rate;
+    for (std::size_t begin = 0; begin < squared.size(); begin += length) {
+        double sum = 0.0;
+        for (std::size_t n = begin; n < std::min(begin + length, squared.size()); ++n) {
+            sum += squared[n];
+        }
+        envelope.energy.push_back(sum);
+    }
+    return envelope;
+}
+
+/// What is left of a modulation (Schroeder 1981).
+double modulation_transfer(const Envelope& envelope, double frequency_hz) {
+    double energy = 0.0;
+    double in_phase = 0.0;
+    double in_quadrature = 0.0;
+    for (std::size_t n = 0; n < envelope.energy.size(); ++n) {
+        const double angle = kTurn * frequency_hz * envelope.step * static_cast<double>(n);
+        energy += envelope.energy[n];
+        in_phase += envelope.energy[n] * math::cos(angle);
+        in_quadrature += envelope.energy[n] * math::sin(angle);
+    }
+    return std::sqrt(in_phase * in_phase + in_quadrature * in_quadrature) / energy;
+}
+
+/// Cuts a band off where its decay sinks into noise.
+void cut_noise(std::vector<double>& squared, std::size_t lead, const ImpulseResponse& response) {
+    const std::span<const double> signal(squared.data(), lead + response.samples.size());
+    const auto loudest = std::max_element(signal.begin(), signal.end()) - signal.begin();
+    const NoiseFloor floor =
+        find_noise_floor(signal, static_cast<std::size_t>(loudest), response.sample_rate);
+    if (floor.energy > 0.0) {
+        squared.resize(floor.end);
+    }
+}
+
+double intensity(double level_db) {
+    return math::pow10(level_db / 10.0);
+}
+
+/// How far below an octave's level the masking of the next octave lies (table A.2).
+double masking_db(double level_db) {
+    if (level_db < 63.0) {
+        return 0.5 * level_db - 65.0;
+    }
+    if (level_db < 67.0) {
+        return 1.8 * level_db - 146.9;
+    }
+    return level_db < 100.0 ? 0.5 * level_db - 59.8 : -10.0;
+}
+
+/// What noise, masking and the threshold of hearing leave of any modulation in an octave.
+double level_factor(const SpeechLevels& levels, std::size_t band) {
+    const auto total = [&](std::size_t k) {
+        return intensity(levels.speech_db[k]) + intensity(levels.noise_db[k]);
+    };
+    double besides = intensity(kThresholdDb[band]);
+    if (band > 0) {
+        const double below_db = 10.0 * math::log10(total(band - 1));
+        besides += intensity(below_db + masking_db(below_db));
+    }
+    return intensity(levels.speech_db[band]) / (total(band) + besides);
+}
+
+double transmission_index(double modulation) {
+    if (modulation >= 1.0) {
+        return 1.0;
+    }
+    const double ratio_db =
+        modulation > 0.0 ? 10.0 * math::log10(modulation / (1.0 - modulation)) : -kMostRatioDb;
+    return (std::clamp(ratio_db, -kMostRatioDb, kMostRatioDb) + kMostRatioDb) /
+           (2.0 * kMostRatioDb);
+}
+
+}  // namespace
+
+SpeechTransmission speech_transmission(std::span<const std::vector<double>> squared,
+                                       double sample_rate,
+                                       const std::optional<SpeechLevels>& levels) {
+    EARSHOT_ASSERT(squared.size() == kSpeechBands && sample_rate > 0.0);
+    SpeechTransmission result;
+    for (std::size_t band = 0; band < kSpeechBands; ++band) {
+        const Envelope envelope = envelope_of(squared[band], sample_rate);
+        const double factor = levels ? level_factor(*levels, band) : 1.0;
+        for (const double frequency_hz : kModulationHz) {
+            result.modulation[band] +=
+                transmission_index(factor * modulation_transfer(envelope, frequency_hz)) /
+                static_cast<double>(kModulationHz.size());
+        }
+        result.index += kWeight[band] * result.modulation[band];
+        if (band > 0) {
+            result.index -= kRedundancy[band - 1] *
+                            std::sqrt(result.modulation[band - 1] * result.modulation[band]);
+        }
+    }
+    result.index = std::clamp(result.index, 0.0, 1.0);
+    return result;
+}
+
+std::optional<SpeechTransmission> speech_transmission(const ImpulseResponse& response,
+                                                      const std::optional<SpeechLevels>& levels,
+                                                      bool ends_in_noise) {
+    if (response.samples.empty()) {
+        return std::nullopt;
+    }
+    const BandEnergy energy(Bands::octaves(), response.samples, response.sample_rate);
+    std::vector<std::vector<double>> squared;
+    for (std::size_t band = 0; band < kSpeechBands; ++band) {
+        if (!energy.covers(kFirstOctave + band)) {
+            return std::nullopt;
+        }
+        squared.push_back(energy.squared(kFirstOctave + band));
+        if (ends_in_noise) {
+            cut_noise(squared.back(), energy.lead(), response);
+        }
+        if (std::all_of(squared.back().begin(), squared.back().end(), [](double e) {
+                return !(e > 0.0);
+            })) {
+            return std::nullopt;
+        }
+    }
+    return speech_transmission(squared, response.sample_rate, levels);
+}
+
+}  // namespace earshot::audio

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/audio/room_metrics.h"
+#include "earshot/base/error.h"
+#include "earshot/cli/commands.h"
+#include "earshot/cli/output.h"
+#include "earshot/io/results.h"
+#include "earshot/io/wav.h"
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+using audio::BandMetrics;
+using audio::RoomMetrics;
+
+constexpr const char* kFooter =
+    "Prints EDT, T20, T30 (s), C50, C80 (dB), D50, Ts (s), G (dB) per band and STI of every "
+    "channel.\n"
+    "A value that the response does not support is left out, with the reason.\n\n"
+    "Examples:\n"
+    "  earshot metrics measured.wav\n"
+    "      steady noise at the end is estimated and taken out\n"
+    "  earshot metrics out/source__listener.wav --noise-free --json\n"
+    "      of a computed response, as earshot ir does";
+
+struct Row {
+    const char* name;
+    std::optional<double> BandMetrics::*value;
+    const char* format;
+};
+
+constexpr std::array<Row, 8> kRows = {{{"EDT s", &BandMetrics::early_decay_time, "%9.3f"},
+                                       {"T20 s", &BandMetrics::reverberation_time_t20, "%9.3f"},
+                                       {"T30 s", &BandMetrics::reverberation_time_t30, "%9.3f"},
+                                       {"C50 dB", &BandMetrics::clarity_c50_db, "%9.2f"},
+                                       {"C80 dB", &BandMetrics::clarity_c80_db, "%9.2f"},
+                                       {"D50", &BandMetrics::definition_d50, "%9.3f"},
+                                       {"Ts s", &BandMetrics::centre_time, "%9.4f"},
+                                       {"G dB", &BandMetrics::strength_db, "%9.2f"}}};
+
+std::string formatted(const char* format, double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), format, value);
+    return text.data();
+}
+
+std::string head_of(const std::string& text) {
+    return text + std::string(8 - std::min<std::size_t>(8, text.size()), ' ');
+}
+
+/// A line per value, a column per band.
+std::string table(const audio::Bands& bands, const RoomMetrics& metrics) {
+    std::string text = head_of("Hz");
+    for (const double frequency_hz : bands.nominal_hz()) {
+        text += formatted("%9g", frequency_hz);
+    }
+    text += "\n";
+    for (const Row& row : kRows) {
+        text += head_of(row.name);
+        for (const BandMetrics& band : metrics.bands) {
+            const auto& value = band.*row.value;
+            text += value ? formatted(row.format, *value) : std::string(8, ' ') + "-";
+        }
+        text += "\n";
+    }
+    const auto& sti = metrics.speech_transmission_index;
+    text += head_of("STI") + (sti ? formatted("%9.3f", *sti) : std::string(8, ' ') + "-") + "\n";
+    for (const std::string& note : metrics.notes) {
+        text += "  " + note + "\n";
+    }
+    return text;
+}
+
+class MetricsCommand : public Command {
+public:
+    explicit MetricsCommand(CLI::App& program)
+        : Command(program, "metrics", "Room acoustic metrics of an impulse response") {
+        app().add_option("FILE", file_, "a WAV, FLAC or AIFF file")->required();
+        add_integer(app(), "--channel", channel_, {0, 4096}, "only this one, from 1; 0: all");
+        app()
+            .add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
+            ->check(CLI::IsMember({"octave", "third"}))
+            ->capture_default_str();
+        app().add_flag(
+            "--noise-free", is_noise_free_, "the response is computed: look for no noise");
+        app().footer(kFooter);
+    }
+
+    void run() override {
+        const io::Sound sound = io::read_sound(file_);
+        const auto channels = static_cast<std::size_t>(sound.channels);
+        if (static_cast<std::size_t>(channel_) > channels) {
+            throw Error(
+                file_, "has " + std::to_string(channels) + " channels", "choose one of them");
+        }
+        const audio::Bands& bands =
+            bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves();
+        std::vector<RoomMetrics> metrics;
+        std::string text;
+        for (std::size_t channel = 0; channel < channels; ++channel) {
+            if (channel_ != 0 && static_cast<std::size_t>(channel_) != channel + 1) {
+                continue;
+            }
+            metrics.push_back(audio::room_metrics(
+                bands, response_of(sound, channel), {.ends_in_noise = !is_noise_free_}));
+            text += (channels > 1 ? "channel " + std::to_string(channel + 1) + "\n" : "") +
+                    table(bands, metrics.back());
+        }
+        write_output(common().json ? io::encode_channel_metrics(
+                                         std::filesystem::path(file_).filename().string(),
+                                         sound.sample_rate,
+                                         bands,
+                                         metrics)
+                                   : text);
+    }
+
+private:
+    audio::ImpulseResponse response_of(const io::Sound& sound, std::size_t channel) const {
+        const auto channels = static_cast<std::size_t>(sound.channels);
+        audio::ImpulseResponse response{.sample_rate = sound.sample_rate, .samples = {}};
+        for (std::size_t i = channel; i < sound.samples.size(); i += channels) {
+            response.samples.push_back(sound.samples[i]);
+            if (!std::isfinite(sound.samples[i])) {
+                throw Error(file_, "holds samples that are not numbers", "export it again");
+            }
+        }
+        return response;
+    }
+
+    std::string file_;
+    std::int64_t channel_ = 0;
+    std::string bands_ = "octave";
+    bool is_noise_free_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_metrics_command(CLI::App& program) {
+    return std::make_unique<MetricsCommand>(program);
+}
+
+}  // namespace earshot::cli

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/random.h"
+#include "earshot/io/wav.h"
+#include "earshot/io/whole_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include "run_earshot.h"
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace earshot::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class Metrics : public testing::Test {
+protected:
+    Metrics() { fs::create_directories(folder_); }
+    ~Metrics() override {
+        std::error_code ignored;
+        fs::remove_all(folder_, ignored);
+    }
+
+    /// Decays of 60 dB in these times, a channel each, over steady noise 60 dB below their start.
+    std::string write_decays(const std::vector<double>& times) const {
+        io::Sound sound{.channels = static_cast<int>(times.size()), .samples = {}};
+        for (std::uint64_t n = 0; n < 96000; ++n) {
+            for (std::uint64_t channel = 0; channel < times.size(); ++channel) {
+                const double t = static_cast<double>(n) / sound.sample_rate;
+                const double decay = std::exp(-6.907755 * t / times[channel]);
+                sound.samples.push_back(decay * (random(1, channel, n) - 0.5) +
+                                        1e-3 * (random(2, channel, n) - 0.5));
+            }
+        }
+        const fs::path file = folder_ / "decays.wav";
+        io::write_whole_file(file, io::encode_wav(sound));
+        return file.string();
+    }
+
+    const fs::path folder_ =
+        fs::path(testing::TempDir()) /
+        ("earshot_metrics_" +
+         std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+};
+
+TEST_F(Metrics, OfEveryChannelAsJson) {
+    const RunResult result = run_earshot({"metrics", write_decays({0.4, 0.9}), "--json"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const Json json = Json::parse(result.out);
+    EXPECT_EQ(json["version"], 1);
+    EXPECT_EQ(json["file"], "decays.wav");
+    EXPECT_EQ(json["bands_hz"].size(), 10U);
+    ASSERT_EQ(json["channels"].size(), 2U);
+    EXPECT_NEAR(json["channels"][0]["t20"][5].get<double>(), 0.4, 0.03);
+    EXPECT_NEAR(json["channels"][1]["t20"][5].get<double>(), 0.9, 0.06);
+    EXPECT_NEAR(json["channels"][1]["sti"].get<double>(), 0.61, 0.03);
+}
+
+TEST_F(Metrics, OfOneChannelAsATable) {
+    const std::string file = write_decays({0.4, 0.9});
+    const RunResult result = run_earshot({"metrics", file, "--channel", "2"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    for (const char* label : {"channel 2", "EDT s", "T30 s", "C80 dB", "STI", "16000"}) {
+        EXPECT_NE(result.out.find(label), std::string::npos) << label;
+    }
+    EXPECT_EQ(result.out.find("channel 1"), std::string::npos);
+    const RunResult raw = run_earshot({"metrics", file, "--channel", "2", "--noise-free"});
+    EXPECT_NE(raw.out, result.out);
+}
+
+TEST_F(Metrics, RefusesWhatItCannotRead) {
+    EXPECT_TRUE(failed_with(run_earshot({"metrics"}), 2, "FILE"));
+    EXPECT_TRUE(failed_with(run_earshot({"metrics", "missing.wav"}), 1, "missing.wav"));
+    const fs::path text = folder_ / "text.wav";
+    std::ofstream(text) << "no sound";
+    EXPECT_TRUE(failed_with(run_earshot({"metrics", text.string()}), 1, "text.wav"));
+    const std::string file = write_decays({0.3});
+    EXPECT_TRUE(failed_with(run_earshot({"metrics", file, "--channel", "2"}), 1, "1 channels"));
+    EXPECT_TRUE(failed_with(run_earshot({"metrics", file, "--bands", "half"}), 2, "--bands"));
+}
+
+TEST_F(Metrics, OfSilenceAreEmptyWithANote) {
+    const fs::path file = folder_ / "silence.wav";
+    io::write_whole_file(file, io::encode_wav({.samples = std::vector<double>(4800, 0.0)}));
+    const RunResult result = run_earshot({"metrics", file.string(), "--json"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const Json json = Json::parse(result.out);
+    EXPECT_TRUE(json["channels"][0]["sti"].is_null());
+    EXPECT_EQ(json["channels"][0]["notes"][0], "the response is silent");
+}
+
+}  // namespace
+}  // namespace earshot::test
