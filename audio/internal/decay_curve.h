@@ -53,7 +53,7 @@ private:
 
     double sample_rate_;
     double energy_ = 0.0;
-    int known_db_ = 0;  // the curve is not known deeper
+    int known_db_ = 0;                         // the curve is not known deeper
     std::vector<double> remaining_;            // energy from each sample on
     std::vector<double> level_db_;             // of remaining_, to the lowest depth of interest
     std::vector<std::size_t> first_below_db_;  // entry d: first sample below -d dB
