@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/energy_histogram.h"
+#include "earshot/base/parallel.h"
+#include "earshot/bvh/tree.h"
+#include "earshot/geometry/mesh.h"
+#include "earshot/propagation/air.h"
+#include "earshot/propagation/material.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace earshot::propagation {
+
+/// The scene at one instant, as rays see it. Owned by the caller.
+struct RayScene {
+    const bvh::Tree& tree;  ///< over the triangles of `mesh`
+    geometry::MeshView mesh;
+    std::span<const std::uint32_t> material_of_triangle;  ///< one per triangle of `mesh`
+    std::span<const Material> materials;
+};
+
+struct RayOptions {
+    std::size_t rays = 20000;
+    std::uint64_t seed = 1;
+    double length = 1.0;  ///< of the histograms, seconds; rays end there
+    double bin = 1e-3;    ///< seconds
+    /// Sound that was reflected like by a mirror, and up to so many times, is left to exact paths.
+    int specular_order = 4;
+    /// Of the sphere about a listener that counts rays, metres; smaller where a surface is nearer.
+    double receiver_radius = 0.5;
+    audio::Bands bands = audio::Bands::octaves();
+    Air air{};
+    bool air_absorption = true;
+};
+
+/// What became of the energy that left the source, per band: emitted = absorbed + escaped + left,
+/// but for what a band's scattering, being another than the mean's, makes of a ray's weight.
+struct EnergyBalance {
+    audio::Spectrum emitted{}, absorbed{}, escaped{}, left{};
+    std::uint64_t bounces = 0;
+};
+
+struct LateEnergy {
+    std::vector<audio::EnergyHistogram> listeners;  ///< one each, air absorption included
+    EnergyBalance balance;                          ///< without the air
+};
+
+/// Late sound by stochastic rays (Vorlaender 2008, chapter 11): at each surface a ray loses what is
+/// absorbed and goes on like from a mirror or, with the probability of the scattering coefficient,
+/// in a direction after Lambert. What is scattered reaches every listener in sight directly
+/// (diffuse rain); rays from mirrors count by their way through a sphere about the listener, which
+/// tells the energy density without bias. Ray i is a pure function of (seed, i), and sums run in
+/// the order of rays: the same bits for any executor. Throws Error if an option is out of range.
+LateEnergy trace_late_rays(const RayScene& scene,
+                           const geometry::Vec3& source,
+                           std::span<const geometry::Vec3> listeners,
+                           const RayOptions& options = {},
+                           Executor& executor = Executor::serial());
+
+}  // namespace earshot::propagation

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/propagation/late_rays.h"
+
+#include "earshot/base/digest.h"
+#include "earshot/base/error.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+namespace earshot::propagation {
+namespace {
+
+using geometry::Vec3;
+
+constexpr double kPi = 3.141592653589793;
+
+/// A closed box of one material.
+struct BoxRoom {
+    geometry::Mesh mesh;
+    std::vector<std::uint32_t> material_of_triangle;
+    std::vector<Material> materials{1};
+    bvh::Tree tree;
+    Vec3 size;
+
+    BoxRoom(const Vec3& the_size, double absorption, double scattering) : size(the_size) {
+        for (int i = 0; i < 8; ++i) {
+            mesh.positions.emplace_back(
+                i & 1 ? size.x : 0.0, i & 2 ? size.y : 0.0, i & 4 ? size.z : 0.0);
+        }
+        mesh.triangles = {{0, 4, 5},
+                          {0, 5, 1},
+                          {2, 3, 7},
+                          {2, 7, 6},
+                          {0, 1, 3},
+                          {0, 3, 2},
+                          {4, 6, 7},
+                          {4, 7, 5},
+                          {0, 2, 6},
+                          {0, 6, 4},
+                          {1, 5, 7},
+                          {1, 7, 3}};
+        material_of_triangle.assign(12, 0);
+        materials[0].absorption = EnergyCoefficient(absorption);
+        materials[0].scattering = EnergyCoefficient(scattering);
+        tree = bvh::Tree::build(bvh::triangle_boxes(mesh.view()));
+    }
+
+    RayScene scene() const { return {tree, mesh.view(), material_of_triangle, materials}; }
+    double volume() const { return size.x * size.y * size.z; }
+    double surface() const { return 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x); }
+};
+
+constexpr std::size_t kBand = 5;  // 1 kHz
+
+std::vector<double> energies(const audio::EnergyHistogram& histogram) {
+    std::vector<double> result;
+    for (const audio::Spectrum& bin : histogram.energy) {
+        result.push_back(bin[kBand]);
+    }
+    return result;
+}
+
+/// Reverberation time from a line through the backward integral from -5 to -35 dB.
+double decay_time(const audio::EnergyHistogram& histogram) {
+    std::vector<double> level = energies(histogram);
+    for (std::size_t n = level.size() - 1; n-- > 0;) {
+        level[n] += level[n + 1];
+    }
+    const double whole = level.front();
+    double count = 0.0, t = 0.0, l = 0.0, tt = 0.0, tl = 0.0;
+    for (std::size_t n = 0; n < level.size(); ++n) {
+        const double db = 10.0 * std::log10(level[n] / whole);
+        if (db <= -5.0 && db >= -35.0) {
+            const double time = static_cast<double>(n) * histogram.bin;
+            count += 1.0;
+            t += time;
+            l += db;
+            tt += time * time;
+            tl += time * db;
+        }
+    }
+    return -60.0 * (count * tt - t * t) / (count * tl - t * l);
+}
+
+/// Eyring's with Kuttruff's correction for the spread of free paths (Kuttruff 2009, section 5.5).
+double eyring_time(const BoxRoom& room, double absorption, double path_variance) {
+    const double exponent = -std::log(1.0 - absorption);
+    const double corrected = exponent * (1.0 - 0.5 * path_variance * exponent);
+    return 24.0 * std::log(10.0) / 343.2 * room.volume() / (room.surface() * corrected);
+}
+
+RayOptions options_for(double length) {
+    return {.length = length, .air_absorption = false};
+}
+
+TEST(LateRays, TheEnergyThatLeftTheSourceIsAccountedFor) {
+    const BoxRoom room({5, 3, 4}, 0.3, 0.4);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}};
+    RayOptions options = options_for(0.4);
+    options.rays = 3000;
+    const LateEnergy late = trace_late_rays(room.scene(), {1, 1, 1}, listeners, options);
+    const EnergyBalance& balance = late.balance;
+    EXPECT_NEAR(balance.emitted[kBand], 4.0 * kPi, 1e-10);
+    EXPECT_EQ(balance.escaped[kBand], 0.0);
+    EXPECT_NEAR((balance.absorbed[kBand] + balance.escaped[kBand] + balance.left[kBand]) /
+                    balance.emitted[kBand],
+                1.0,
+                1e-10);
+    EXPECT_GT(balance.absorbed[kBand], 0.99 * balance.emitted[kBand]);
+}
+
+TEST(LateRays, DiffuseRoomsDecayAsEyringAndKuttruffSay) {
+    struct Case {
+        Vec3 size;
+        double path_variance, tolerance;
+    };
+    // Variances of free paths: Kuttruff 2009, table 5.1.
+    for (const Case& test : {Case{{6, 6, 6}, 0.34, 0.03}, Case{{8, 4, 6}, 0.40, 0.05}}) {
+        for (const double absorption : {0.1, 0.3}) {
+            const BoxRoom room(test.size, absorption, 1.0);
+            const double expected = eyring_time(room, absorption, test.path_variance);
+            const std::vector<Vec3> listeners = {0.6 * test.size};
+            const LateEnergy late = trace_late_rays(
+                room.scene(), 0.3 * test.size, listeners, options_for(1.2 * expected));
+            EXPECT_NEAR(decay_time(late.listeners[0]) / expected, 1.0, test.tolerance)
+                << absorption;
+        }
+    }
+}
+
+/// Energy of all images of a box within a span of time, without scattering.
+double image_energy(const BoxRoom& room,
+                    const Vec3& source,
+                    const Vec3& listener,
+                    double reflected,
+                    int least_order,
+                    double from,
+                    double to) {
+    double sum = 0.0;
+    constexpr int kMost = 30;
+    for (int x = -kMost; x <= kMost; ++x) {
+        for (int y = -kMost; y <= kMost; ++y) {
+            for (int z = -kMost; z <= kMost; ++z) {
+                const int n[3] = {x, y, z};
+                Vec3 image;
+                for (int k = 0; k < 3; ++k) {
+                    image[k] = n[k] * room.size[k] +
+                               (n[k] % 2 == 0 ? source[k] : room.size[k] - source[k]);
+                }
+                const double distance = glm::distance(image, listener);
+                const int order = std::abs(x) + std::abs(y) + std::abs(z);
+                const double time = distance / 343.2;
+                if (order >= least_order && time >= from && time < to) {
+                    sum += std::pow(reflected, order) / (distance * distance);
+                }
+            }
+        }
+    }
+    return sum;
+}
+
+TEST(LateRays, MirrorsAloneGiveTheEnergyOfTheImagesPastTheOrderOfExactPaths) {
+    const BoxRoom room({7, 4, 5}, 0.2, 0.0);
+    const Vec3 source = {2, 1.5, 1.3};
+    const Vec3 listener = {5, 2.2, 3.4};
+    RayOptions options = options_for(0.4);
+    options.rays = 60000;
+    options.specular_order = 3;
+    const LateEnergy late =
+        trace_late_rays(room.scene(), source, std::vector<Vec3>{listener}, options);
+    const std::vector<double> found = energies(late.listeners[0]);
+    for (const auto& [from, to] : {std::pair(0.0, 0.05), {0.05, 0.1}, {0.1, 0.2}, {0.2, 0.3}}) {
+        const double sum = std::accumulate(found.begin() + std::lround(from / options.bin),
+                                           found.begin() + std::lround(to / options.bin),
+                                           0.0);
+        const double expected = image_energy(room, source, listener, 0.8, 4, from, to);
+        EXPECT_NEAR(sum / expected, 1.0, 0.06) << from;
+    }
+}
+
+TEST(LateRays, ErrorsTellHowFarRunsWithOtherSeedsDiffer) {
+    const BoxRoom room({5, 3, 4}, 0.3, 0.5);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}};
+    constexpr int kSeeds = 12;
+    constexpr std::size_t kBin = 4;  // of 10 ms
+    double sum = 0.0, squares = 0.0, errors = 0.0;
+    for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+        RayOptions options = options_for(0.1);
+        options.bin = 0.01;
+        options.seed = seed;
+        const LateEnergy late = trace_late_rays(room.scene(), {1, 1, 1}, listeners, options);
+        const double energy = late.listeners[0].energy[kBin][kBand];
+        sum += energy / kSeeds;
+        squares += energy * energy / kSeeds;
+        errors += late.listeners[0].error[kBin][kBand] / kSeeds;
+    }
+    const double spread = std::sqrt((squares - sum * sum) * kSeeds / (kSeeds - 1.0));
+    EXPECT_LT(spread, 0.05 * sum);
+    EXPECT_GT(errors, 0.3 * spread);
+    EXPECT_LT(errors, 6.0 * spread);
+}
+
+TEST(LateRays, TheResultDoesNotDependOnTheThreads) {
+    const BoxRoom room({5, 3, 4}, 0.2, 0.3);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}, {1, 2, 3}};
+    RayOptions options = options_for(0.3);
+    options.rays = 5000;
+    const auto digest_of = [&](int threads) {
+        Executor executor(threads);
+        const LateEnergy late =
+            trace_late_rays(room.scene(), {1, 1, 1}, listeners, options, executor);
+        Digest digest;
+        for (const auto& histogram : late.listeners) {
+            for (std::size_t n = 0; n < histogram.energy.size(); ++n) {
+                digest.add(histogram.energy[n][kBand]);
+                digest.add(histogram.error[n][kBand]);
+            }
+        }
+        digest.add(late.balance.absorbed[kBand]);
+        return digest.value();
+    };
+    EXPECT_EQ(digest_of(2), digest_of(1));
+    EXPECT_EQ(digest_of(8), digest_of(1));
+}
+
+TEST(LateRays, RefusesOptionsOutOfRange) {
+    const BoxRoom room({5, 3, 4}, 0.2, 0.3);
+    const auto attempt = [&](const RayOptions& options) {
+        trace_late_rays(room.scene(), {1, 1, 1}, {}, options);
+    };
+    EXPECT_THROW(attempt({.rays = 0}), Error);
+    EXPECT_THROW(attempt({.length = -1.0}), Error);
+    EXPECT_THROW(attempt({.bin = 0.0}), Error);
+    EXPECT_THROW(attempt({.receiver_radius = 0.0}), Error);
+}
+
+}  // namespace
+}  // namespace earshot::propagation
