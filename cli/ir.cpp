@@ -43,6 +43,7 @@ public:
         add_repeatable(app(), "--listener", listeners_, "a listener at [NAME=]X,Y,Z in metres");
         add_tracing_options();
         add_limits();
+        add_late_options();
         add_sound_options();
         add_time_options();
         app().footer(kFooter);
@@ -99,6 +100,14 @@ private:
                     "sub-frusta along a cube face around the source; 0: the default");
     }
 
+    void add_late_options() {
+        add_integer(app(),
+                    "--rays",
+                    rays_,
+                    {0, 1000000000},
+                    "of late sound: reverberation and scattering; 0 (default): none");
+    }
+
     void add_limits() {
         app().add_flag(
             "--transmission", transmission_, "follow sound through materials that transmit");
@@ -152,6 +161,9 @@ private:
             .transmission = transmission_,
             .max_length = max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity(),
             .min_level_db = min_level_db_,
+            .rays = static_cast<std::size_t>(rays_),
+            .seed = static_cast<std::uint64_t>(common().seed),
+            .late_length = length_,
             .keeps_traces = !frames_.empty(),
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
     }
@@ -223,6 +235,7 @@ private:
     bool transmission_ = false;
     double max_length_ = 0.0;
     double min_level_db_ = -std::numeric_limits<double>::infinity();
+    std::int64_t rays_ = 0;
     std::int64_t order_ = 4;
     std::int64_t resolution_ = 0;
     std::int64_t sample_rate_hz_ = 48000;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/response_job.h"
 
+#include "earshot/audio/late_noise.h"
+#include "earshot/base/random.h"
 #include "earshot/io/results.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
@@ -125,8 +127,9 @@ private:
         metrics_.resize(first + pairs.size());
         executor_.for_each(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                const auto response = assembler_.assemble(
+                auto response = assembler_.assemble(
                     propagation::arrivals_of(pairs[i]), job_.response.length, executor_);
+                add_late(response, pairs[i]);
                 sounds[i] = io::encode_wav({.sample_rate = response.sample_rate,
                                             .channels = 1,
                                             .samples = response.samples});
@@ -140,7 +143,7 @@ private:
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const std::string name =
                 source_names_[pairs[i].source] + "__" + listener_names_[pairs[i].listener];
-            if (pairs[i].paths.empty()) {
+            if (pairs[i].paths.empty() && pairs[i].late.energy.empty()) {
                 summary_.notes.push_back(
                     {name, "no path up to the order asked for: the response is silence"});
             }
@@ -150,6 +153,24 @@ private:
             write(name + (job_.is_sequence ? frame_suffix(frame) : "") + ".wav", sounds[i]);
             progress_.report(
                 "responses", frame * pairs.size() + i + 1, job_.times.size() * pairs.size());
+        }
+    }
+
+    /// Noise that takes the course of the late energy; every pair and time has its own.
+    void add_late(audio::ImpulseResponse& response, const PairResult& pair) const {
+        if (pair.late.energy.empty()) {
+            return;
+        }
+        const std::uint64_t pair_seed =
+            random_bits(job_.simulation.seed, pair.source, pair.listener);
+        const std::vector<double> noise =
+            audio::late_noise(job_.simulation.bands, pair.late, response.sample_rate, pair_seed);
+        const std::size_t length = job_.response.length > 0.0
+                                       ? response.samples.size()
+                                       : std::max(response.samples.size(), noise.size());
+        response.samples.resize(length, 0.0);
+        for (std::size_t n = 0; n < std::min(length, noise.size()); ++n) {
+            response.samples[n] += noise[n];
         }
     }
 

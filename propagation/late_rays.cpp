@@ -30,7 +30,7 @@ constexpr double kGoldenRatio = 1.618033988749895;
 constexpr std::size_t kBatch = 1024;
 
 // A ray is played for when it is this faint; the odds keep the mean.
-constexpr double kFaint = 1e-5;
+constexpr double kFaint = 1e-7;
 constexpr double kSurvival = 0.5;
 
 // New rays and rain start so far from a surface, as a share of the scene: more than the rounding of
@@ -388,6 +388,31 @@ private:
 };
 
 }  // namespace
+
+double late_length(const RayScene& scene,
+                   const Vec3& source,
+                   const RayOptions& options,
+                   Executor& executor) {
+    constexpr double kShortest = 0.05;  // seconds
+    constexpr double kLongest = 20.0;
+    constexpr double kReliable = 1e-5;  // of the energy: far above what the roulette disturbs
+    constexpr double kWanted = -6.5;    // decades
+    RayOptions few = options;
+    few.rays = std::min<std::size_t>(options.rays, 512);
+    few.bin = kLongest;
+    for (few.length = kShortest; few.length < kLongest; few.length *= 1.5) {
+        const EnergyBalance balance = trace_late_rays(scene, source, {}, few, executor).balance;
+        double left = 0.0;
+        for (std::size_t band = 0; band < options.bands.count(); ++band) {
+            left = std::max(left, balance.left[band] / balance.emitted[band]);
+        }
+        if (left < kReliable) {
+            const double decades = left > 0.0 ? std::min(math::log10(left), -5.0) : kWanted;
+            return std::clamp(few.length * std::max(1.0, kWanted / decades), kShortest, kLongest);
+        }
+    }
+    return kLongest;
+}
 
 LateEnergy trace_late_rays(const RayScene& scene,
                            const Vec3& source,

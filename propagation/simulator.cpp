@@ -5,6 +5,7 @@
 #include "earshot/bvh/quality.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/geometry/facets.h"
+#include "earshot/propagation/late_rays.h"
 
 #include <glm/geometric.hpp>
 
@@ -69,6 +70,7 @@ struct Simulator::State {
     std::vector<Vec3> positions;
     std::vector<geometry::TriangleId> kept;
     std::vector<geometry::Triangle> triangles;  // the kept ones
+    std::vector<std::uint32_t> labels;          // their materials
     geometry::Facets facets;
     std::vector<std::uint8_t> one_sided, lets_through;  // per facet
     std::vector<double> gain;                           // per facet, of the loudest band
@@ -96,7 +98,10 @@ struct Simulator::State {
     geometry::MeshView mesh() const { return {positions, triangles}; }
     void move_geometry(Executor& executor);
     void update_tree(bool same_triangles, Executor& executor);
-    void describe_facets(std::span<const std::uint32_t> labels);
+    void describe_facets();
+    std::vector<audio::EnergyHistogram> late_sound(const Vec3& source,
+                                                   std::span<const Vec3> to,
+                                                   Executor& executor) const;
     bool is_wanted(const Path& path) const;
     Path describe(const frustum::SpecularPath& specular) const;
 };
@@ -119,18 +124,18 @@ void Simulator::State::move_geometry(Executor& executor) {
     const bool same_triangles = clean.kept == kept;
     kept = std::move(clean.kept);
     triangles.resize(kept.size());
-    std::vector<std::uint32_t> labels(kept.size());
+    labels.resize(kept.size());
     for (std::size_t i = 0; i < kept.size(); ++i) {
         triangles[i] = scene.mesh.triangles()[kept[i]];
         labels[i] = scene.material_of_triangle[kept[i]];
     }
     update_tree(same_triangles, executor);
     facets = geometry::find_facets(mesh(), clean.weld, labels);
-    describe_facets(labels);
+    describe_facets();
     summary = {.clean = clean.report, .triangles = kept.size(), .facets = facets.facets.size()};
 }
 
-void Simulator::State::describe_facets(std::span<const std::uint32_t> labels) {
+void Simulator::State::describe_facets() {
     one_sided.clear();
     lets_through.clear();
     gain.clear();
@@ -146,6 +151,22 @@ void Simulator::State::describe_facets(std::span<const std::uint32_t> labels) {
         lets_through.push_back(through > 0.0 ? 1 : 0);
         gain.push_back(std::max(loudest(reflection[material]), through));
     }
+}
+
+std::vector<audio::EnergyHistogram> Simulator::State::late_sound(const Vec3& source,
+                                                                 std::span<const Vec3> to,
+                                                                 Executor& executor) const {
+    const RayScene rays_see = {
+        .tree = tree, .mesh = mesh(), .material_of_triangle = labels, .materials = scene.materials};
+    RayOptions rays = {.rays = options.rays,
+                       .seed = options.seed,
+                       .specular_order = options.specular_order,
+                       .bands = options.bands,
+                       .air = options.air,
+                       .air_absorption = options.air_absorption};
+    rays.length = options.late_length > 0.0 ? options.late_length
+                                            : late_length(rays_see, source, rays, executor);
+    return trace_late_rays(rays_see, source, to, rays, executor).listeners;
 }
 
 bool Simulator::State::is_wanted(const Path& path) const {
@@ -287,8 +308,17 @@ std::vector<PairResult> Simulator::run(Executor& executor) {
         state.statistics.paths += trace.statistics.paths;
         const std::size_t first = pairs.size();
         for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
-            pairs.push_back(
-                {.source = source, .listener = listener, .time = state.time, .paths = {}});
+            pairs.push_back({.source = source,
+                             .listener = listener,
+                             .time = state.time,
+                             .paths = {},
+                             .late = {}});
+        }
+        if (state.options.rays > 0) {
+            auto late = state.late_sound(sources[source], listeners, executor);
+            for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
+                pairs[first + listener].late = std::move(late[listener]);
+            }
         }
         for (const frustum::SpecularPath& specular : trace.paths) {
             Path path = state.describe(specular);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/energy_histogram.h"
 #include "earshot/audio/impulse_response.h"
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
@@ -28,6 +29,10 @@ struct Options {
     /// Paths are left out whose loudest band is fainter, in decibels re the source's free field at
     /// 1 m.
     double min_level_db = -std::numeric_limits<double>::infinity();
+    /// For late sound; 0: none. See RayOptions.
+    std::size_t rays = 0;
+    std::uint64_t seed = 1;
+    double late_length = 0.0;  ///< seconds; 0: as long as the decay, see propagation::late_length
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
     /// does not. Costs memory and changes no result.
     bool keeps_traces = false;
@@ -60,6 +65,8 @@ struct PairResult {
     std::size_t listener = 0;  ///< index into Scene::listeners
     double time = 0.0;         ///< seconds, of the scene's animation
     std::vector<Path> paths;   ///< sorted by delay, order, triangles
+    /// What arrives besides, past Options::specular_order or scattered; empty without rays.
+    audio::EnergyHistogram late{};
 };
 
 /// What the scene amounts to at the current time.

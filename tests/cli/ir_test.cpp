@@ -242,6 +242,35 @@ TEST_F(Ir, TransmissionGoesThroughWallsThatLetSoundThrough) {
     EXPECT_GT(kinds_with({"--transmission"})["transmitted"], 3);
 }
 
+TEST_F(Ir, RaysAddTheDecayTheSameForAnyNumberOfThreads) {
+    const auto files_with = [&](const std::string& threads) {
+        EXPECT_EQ(run_earshot({"ir",
+                               kScenes + "shoebox.gltf",
+                               "-o",
+                               out(),
+                               "--order",
+                               "2",
+                               "--rays",
+                               "3000",
+                               "--threads",
+                               threads,
+                               "--quiet"})
+                      .status,
+                  0);
+        std::string all;
+        for (const auto& entry : fs::directory_iterator(out())) {
+            all += read_file(entry.path());
+        }
+        return all;
+    };
+    const std::string one = files_with("1");
+    const Json metrics = json_of("metrics.json");
+    EXPECT_TRUE(metrics["pairs"][0]["t30"][5].is_number());
+    EXPECT_TRUE(metrics["pairs"][0]["sti"].is_number());
+    EXPECT_EQ(json_of("paths.json")["pairs"][0]["paths"].size(), 25U);
+    EXPECT_EQ(files_with("2"), one);
+}
+
 TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     const auto with = [&](std::vector<std::string> extra) {
         std::vector<std::string> arguments = {"ir", kScenes + "shoebox.gltf", "-o", out()};
@@ -252,6 +281,7 @@ TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     EXPECT_TRUE(failed_with(with({"--order", "3.5"}), 2, "--order"));
     EXPECT_TRUE(failed_with(with({"--max-length", "-1"}), 2, "--max-length"));
     EXPECT_TRUE(failed_with(with({"--min-level", "loud"}), 2, "--min-level"));
+    EXPECT_TRUE(failed_with(with({"--rays", "-1"}), 2, "--rays"));
     EXPECT_TRUE(failed_with(with({"--sample-rate", "0"}), 2, "--sample-rate"));
     EXPECT_TRUE(failed_with(with({"--length", "-1"}), 2, "--length"));
     EXPECT_TRUE(failed_with(with({"--bands", "quarter"}), 2, "--bands"));
