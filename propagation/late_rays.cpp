@@ -118,8 +118,8 @@ private:
         return sound;
     }
 
-    static void add(Spectrum& sum, const Spectrum& energy) {
-        for (std::size_t band = 0; band < sum.size(); ++band) {
+    void add(Spectrum& sum, const Spectrum& energy) const {
+        for (std::size_t band = 0; band < options_.bands.count(); ++band) {
             sum[band] += energy[band];
         }
     }
@@ -132,7 +132,8 @@ private:
         }
         const auto hits = bvh::closest_hits(wide_, scene_.mesh, rays);
         std::vector<Rain> rain;
-        std::vector<Sound> next;
+        rain.reserve(sounds.size());
+        std::size_t kept = 0;
         for (std::size_t i = 0; i < sounds.size(); ++i) {
             Sound& sound = sounds[i];
             count_passages(
@@ -143,11 +144,14 @@ private:
             }
             ++tally.balance.bounces;
             if (reflect(sound, *hits[i], bounce, rain, tally.balance)) {
-                next.push_back(sound);
+                if (kept != i) {
+                    sounds[kept] = sound;
+                }
+                ++kept;
             }
         }
         let_it_rain(rain, tally);
-        sounds = std::move(next);
+        sounds.resize(kept);
     }
 
     /// Energy density along the ray's way through each listener's sphere.
@@ -254,7 +258,8 @@ private:
     /// Russian roulette for faint rays.
     bool stays(Sound& sound, double die, EnergyBalance& balance) const {
         const double start = 4.0 * kPi / static_cast<double>(options_.rays);
-        const double largest = *std::max_element(sound.energy.begin(), sound.energy.end());
+        const auto end = sound.energy.begin() + static_cast<std::ptrdiff_t>(options_.bands.count());
+        const double largest = *std::max_element(sound.energy.begin(), end);
         if (largest >= kFaint * start) {
             return true;
         }
@@ -262,7 +267,7 @@ private:
             add(balance.left, sound.energy);
             return false;
         }
-        for (std::size_t band = 0; band < sound.energy.size(); ++band) {
+        for (std::size_t band = 0; band < options_.bands.count(); ++band) {
             const double raised = sound.energy[band] / kSurvival;
             balance.left[band] -= raised - sound.energy[band];
             sound.energy[band] = raised;

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+//
+// bench_late_rays [THREADS]: million bounces per second and thread of late rays in a box of 12 and
+// of 3,072 triangles and in the concert hall, one listener, absorption 0.1, scattering 0.2.
+
+#include "earshot/propagation/late_rays.h"
+
+#include "earshot/base/error.h"
+#include "earshot/io/scene_file.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <vector>
+
+namespace {
+
+using earshot::Executor;
+using earshot::geometry::Mesh;
+using earshot::geometry::Vec3;
+using earshot::geometry::VertexId;
+using namespace earshot::propagation;
+
+/// A box whose faces are cut into n x n squares.
+Mesh box(const Vec3& size, unsigned n) {
+    Mesh mesh;
+    for (int face = 0; face < 6; ++face) {
+        const int axis = face / 2;
+        const auto first = static_cast<VertexId>(mesh.positions.size());
+        for (unsigned i = 0; i <= n; ++i) {
+            for (unsigned k = 0; k <= n; ++k) {
+                Vec3 point(0.0);
+                point[axis] = face % 2 == 0 ? 0.0 : size[axis];
+                point[(axis + 1) % 3] = size[(axis + 1) % 3] * i / n;
+                point[(axis + 2) % 3] = size[(axis + 2) % 3] * k / n;
+                mesh.positions.push_back(point);
+            }
+        }
+        for (unsigned i = 0; i < n; ++i) {
+            for (unsigned k = 0; k < n; ++k) {
+                const VertexId corner = first + i * (n + 1) + k;
+                mesh.triangles.push_back({corner, corner + n + 1, corner + n + 2});
+                mesh.triangles.push_back({corner, corner + n + 2, corner + 1});
+            }
+        }
+    }
+    return mesh;
+}
+
+void measure(const char* name,
+             const Mesh& mesh,
+             const Vec3& source,
+             const Vec3& listener,
+             Executor& executor) {
+    std::vector<Material> materials(1);
+    materials[0].absorption = EnergyCoefficient(0.1);
+    materials[0].scattering = EnergyCoefficient(0.2);
+    const std::vector<std::uint32_t> material_of_triangle(mesh.triangles.size(), 0);
+    const auto tree = earshot::bvh::Tree::build(earshot::bvh::triangle_boxes(mesh.view()));
+    const RayScene scene = {tree, mesh.view(), material_of_triangle, materials};
+    double seconds = std::numeric_limits<double>::infinity();
+    std::uint64_t bounces = 0;
+    for (int repeat = 0; repeat < 3; ++repeat) {
+        const auto start = std::chrono::steady_clock::now();
+        bounces = trace_late_rays(scene, source, std::span(&listener, 1), {.rays = 20000}, executor)
+                      .balance.bounces;
+        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+        seconds = std::min(seconds, elapsed.count());
+    }
+    std::printf("| %s | %zu | %llu | %.0f | %.2f |\n",
+                name,
+                mesh.triangles.size(),
+                static_cast<unsigned long long>(bounces),
+                1e3 * seconds,
+                1e-6 * static_cast<double>(bounces) / seconds / executor.threads());
+}
+
+int run(int argc, char** argv) {
+    Executor executor(argc > 1 ? std::atoi(argv[1]) : 1);
+    std::printf("%d threads\n\n", executor.threads());
+    std::printf("| scene | triangles | bounces | ms | million bounces/s and thread |\n");
+    std::printf("| --- | ---: | ---: | ---: | ---: |\n");
+    const Vec3 size = {8.0, 3.5, 6.0};
+    measure("box", box(size, 1), {2.0, 1.2, 1.5}, {5.5, 1.6, 4.0}, executor);
+    measure("box", box(size, 16), {2.0, 1.2, 1.5}, {5.5, 1.6, 4.0}, executor);
+    const auto hall = earshot::io::load_scene("scenes/concert_hall.gltf").scene;
+    const Mesh mesh = {hall.mesh.positions_at(0.0),
+                       {hall.mesh.triangles().begin(), hall.mesh.triangles().end()}};
+    measure("concert hall",
+            mesh,
+            hall.position_at(hall.sources.front(), 0.0),
+            hall.position_at(hall.listeners.front(), 0.0),
+            executor);
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const earshot::Error& error) {
+        std::fprintf(stderr, "bench_late_rays: %s\n", error.line().c_str());
+        return 1;
+    }
+}
