@@ -26,7 +26,8 @@ double sn3d_factor(int degree, int order) {
     return std::sqrt(ratio);
 }
 
-// The unit vector to where the arrival comes from, as the listener sees it; zeros if it has none.
+}  // namespace
+
 Vector origin_seen_from(const Orientation& orientation, const Arrival& arrival) {
     const Vector& travel = arrival.direction;
     const double length = std::sqrt(dot(travel, travel));
@@ -37,8 +38,6 @@ Vector origin_seen_from(const Orientation& orientation, const Arrival& arrival) 
             -dot(travel, orientation.left) / length,
             -dot(travel, orientation.up) / length};
 }
-
-}  // namespace
 
 std::size_t ambisonic_channels(int order) noexcept {
     const auto side = static_cast<std::size_t>(order + 1);

@@ -20,6 +20,10 @@ struct Orientation {
     std::array<double, 3> up{0.0, 0.0, 1.0};
 };
 
+/// The unit vector to where the arrival comes from, in front, left, up components; zeros if its
+/// direction has no length.
+std::array<double, 3> origin_seen_from(const Orientation& orientation, const Arrival& arrival);
+
 /// (order + 1)^2
 std::size_t ambisonic_channels(int order) noexcept;
 
