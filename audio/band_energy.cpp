@@ -53,15 +53,20 @@ double BandEnergy::frequency_of_bin(std::size_t bin) const noexcept {
     return sample_rate_ * static_cast<double>(bin) / static_cast<double>(fft_.size());
 }
 
-std::vector<double> BandEnergy::squared(std::size_t band) const {
+std::vector<double> BandEnergy::filtered(std::size_t band) const {
     EARSHOT_ASSERT(covers(band));
-    std::vector<std::complex<double>> filtered(spectrum_);
-    for (std::size_t k = 0; k < filtered.size(); ++k) {
-        filtered[k] *= std::sqrt(band_power_gain(bands_, band, frequency_of_bin(k)));
+    std::vector<std::complex<double>> spectrum(spectrum_);
+    for (std::size_t k = 0; k < spectrum.size(); ++k) {
+        spectrum[k] *= std::sqrt(band_power_gain(bands_, band, frequency_of_bin(k)));
     }
     std::vector<double> signal(fft_.size());
-    fft_.inverse(filtered, signal);
+    fft_.inverse(spectrum, signal);
     signal.resize(squared_size_);
+    return signal;
+}
+
+std::vector<double> BandEnergy::squared(std::size_t band) const {
+    std::vector<double> signal = filtered(band);
     for (double& sample : signal) {
         sample *= sample;
     }

@@ -3,11 +3,13 @@
 
 #include "earshot/audio/internal/arrival_filter.h"
 #include "earshot/audio/internal/fractional_delay.h"
+#include "earshot/base/assert.h"
 #include "earshot/base/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace earshot::audio {
 
@@ -65,7 +67,10 @@ struct Assembler::Impl {
     bool flat(const Arrival& arrival) const;
     std::size_t response_samples(std::span<const Arrival> arrivals, double length) const;
     void render(const Arrival& arrival, std::span<double> piece) const;
-    void add(const Arrival& arrival, std::span<const double> piece, std::span<double> sum) const;
+    void add(const Arrival& arrival,
+             double gain,
+             std::span<const double> piece,
+             std::span<double> sum) const;
 
     double sample_rate;
     ArrivalFilter filter;
@@ -130,6 +135,7 @@ void Assembler::Impl::render(const Arrival& arrival, std::span<double> piece) co
 }
 
 void Assembler::Impl::add(const Arrival& arrival,
+                          double gain,
                           std::span<const double> piece,
                           std::span<double> sum) const {
     const double position = std::floor(arrival.delay * sample_rate);
@@ -143,7 +149,7 @@ void Assembler::Impl::add(const Arrival& arrival,
     const std::size_t skipped = centre > lead ? 0 : lead - centre;
     const std::size_t count = std::min(piece.size() - skipped, sum.size() - begin);
     for (std::size_t n = 0; n < count; ++n) {
-        sum[begin + n] += piece[skipped + n];
+        sum[begin + n] += gain * piece[skipped + n];
     }
 }
 
@@ -156,15 +162,29 @@ Assembler& Assembler::operator=(Assembler&&) noexcept = default;
 ImpulseResponse Assembler::assemble(std::span<const Arrival> arrivals,
                                     double length,
                                     Executor& executor) const {
-    check_arrivals(arrivals);
-    ImpulseResponse result{impl_->sample_rate, {}};
-    result.samples.assign(impl_->response_samples(arrivals, length), 0.0);
+    const std::vector<double> gains(arrivals.size(), 1.0);
+    return std::move(assemble_channels(arrivals, gains, 1, length, executor).front());
+}
 
-    std::vector<const Arrival*> heard;
-    for (const Arrival& arrival : arrivals) {
-        if (!impl_->silent(arrival) &&
-            arrival.delay * impl_->sample_rate < static_cast<double>(result.samples.size())) {
-            heard.push_back(&arrival);
+std::vector<ImpulseResponse> Assembler::assemble_channels(std::span<const Arrival> arrivals,
+                                                          std::span<const double> gains,
+                                                          std::size_t channels,
+                                                          double length,
+                                                          Executor& executor) const {
+    EARSHOT_ASSERT(gains.size() == arrivals.size() * channels);
+    check_arrivals(arrivals);
+    if (!std::all_of(gains.begin(), gains.end(), [](double g) { return std::isfinite(g); })) {
+        throw Error("arrivals", "a direction is not finite", "check the scene's coordinates");
+    }
+    const std::size_t size = impl_->response_samples(arrivals, length);
+    const ImpulseResponse silence{impl_->sample_rate, std::vector<double>(size)};
+    std::vector<ImpulseResponse> results(channels, silence);
+
+    std::vector<std::size_t> heard;
+    for (std::size_t i = 0; i < arrivals.size(); ++i) {
+        if (!impl_->silent(arrivals[i]) &&
+            arrivals[i].delay * impl_->sample_rate < static_cast<double>(size)) {
+            heard.push_back(i);
         }
     }
     const std::size_t piece_size = impl_->filter.fft().size();
@@ -176,14 +196,22 @@ ImpulseResponse Assembler::assemble(std::span<const Arrival> arrivals,
         const std::size_t count = std::min(kArrivalsPerStep, heard.size() - first);
         executor.for_each(count, 4, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                impl_->render(*heard[first + i], piece(i));
+                impl_->render(arrivals[heard[first + i]], piece(i));
             }
         });
-        for (std::size_t i = 0; i < count; ++i) {
-            impl_->add(*heard[first + i], piece(i), result.samples);
-        }
+        executor.for_each(channels, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t channel = begin; channel < end; ++channel) {
+                for (std::size_t i = 0; i < count; ++i) {
+                    const std::size_t arrival = heard[first + i];
+                    impl_->add(arrivals[arrival],
+                               gains[arrival * channels + channel],
+                               piece(i),
+                               results[channel].samples);
+                }
+            }
+        });
     }
-    return result;
+    return results;
 }
 
 ImpulseResponse assemble(const Bands& bands,

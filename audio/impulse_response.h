@@ -48,6 +48,16 @@ public:
                              double length = 0.0,
                              Executor& executor = Executor::serial()) const;
 
+    /// As assemble(), into several channels at once: `gains` has a row of `channels` factors of any
+    /// sign per arrival. Every arrival is filtered once; the channels are equally long. Throws
+    /// Error also if a gain is not finite. Precondition: gains.size() == arrivals.size() *
+    /// channels.
+    std::vector<ImpulseResponse> assemble_channels(std::span<const Arrival> arrivals,
+                                                   std::span<const double> gains,
+                                                   std::size_t channels,
+                                                   double length = 0.0,
+                                                   Executor& executor = Executor::serial()) const;
+
 private:
     struct Impl;
     std::unique_ptr<const Impl> impl_;

@@ -4,6 +4,7 @@
 #include "earshot/audio/internal/band_energy.h"
 #include "earshot/audio/internal/decay_curve.h"
 #include "earshot/audio/internal/noise_floor.h"
+#include "earshot/audio/internal/onset.h"
 #include "earshot/base/math.h"
 
 #include <algorithm>
@@ -13,28 +14,12 @@ namespace earshot::audio {
 
 namespace {
 
-constexpr double kOnsetPressure = 0.1;     // of the largest: 20 dB below (ISO 3382-1, A.3.4)
 constexpr double kReferenceEnergy = 0.01;  // free field at 10 m, pressure 1 at 1 m
 constexpr double kLeastLateEnergy = 1e-6;  // of all: below it a clarity is that of the filter
 constexpr double kSpeechLimit = 0.05;      // seconds
 constexpr double kMusicLimit = 0.08;       // seconds
 constexpr double kLeastSpeechHz = 90.0;
 constexpr double kMostSpeechHz = 11000.0;
-
-// First sample less than 20 dB below the largest; nothing if all are 0.
-std::optional<std::size_t> find_onset(std::span<const double> samples) {
-    double largest = 0.0;
-    for (const double sample : samples) {
-        largest = std::max(largest, std::abs(sample));
-    }
-    if (largest == 0.0) {
-        return std::nullopt;
-    }
-    const auto onset = std::find_if(samples.begin(), samples.end(), [&](double sample) {
-        return std::abs(sample) >= kOnsetPressure * largest;
-    });
-    return static_cast<std::size_t>(onset - samples.begin());
-}
 
 std::string in_ms(double time) {
     return std::to_string(std::lround(1000.0 * time)) + " ms";

@@ -25,8 +25,10 @@ public:
     /// False for a band that reaches past half the sample rate.
     bool covers(std::size_t band) const noexcept;
 
-    /// Square of the band's signal per sample. Sample n of the signal is sample n + lead() here:
-    /// the filters ring before its beginning and after its end. Precondition: covers(band).
+    /// The band's signal. Sample n of the signal is sample n + lead() here: the filters ring before
+    /// its beginning and after its end. Precondition: covers(band).
+    std::vector<double> filtered(std::size_t band) const;
+    /// Its square per sample.
     std::vector<double> squared(std::size_t band) const;
     std::size_t lead() const noexcept { return lead_; }
 

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/spatial.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace earshot::audio {
+
+/// What the ears hear of an impulse from one direction, far away and re pressure at the head's
+/// centre without the head. The time between the ears is in the samples.
+struct HeadResponse {
+    std::array<double, 3> towards{1.0, 0.0, 0.0};  ///< unit; front, left, up
+    std::vector<double> left;
+    std::vector<double> right;
+};
+
+/// Head-related responses around one head.
+struct HeadResponses {
+    double sample_rate = 48000.0;  ///< hertz
+    std::vector<HeadResponse> directions;
+};
+
+/// The same responses at a higher sample rate, by band-limited interpolation. Throws Error if the
+/// rate is lower than theirs.
+HeadResponses resampled(const HeadResponses& head, double sample_rate);
+
+/// The entry whose direction is nearest, the first of equals. Precondition: there is one.
+std::size_t nearest_direction(const HeadResponses& head, const std::array<double, 3>& towards);
+
+/// The responses of both ears, left first, equally long: every arrival through the head response of
+/// the nearest measured direction, without interpolation, so that the time and level between the
+/// ears are as measured. Arrivals without a direction are taken from the front. `length` as in
+/// ResponseOptions. Throws Error as Assembler::assemble, or if there are no head responses.
+/// Precondition: the assembler has the sample rate of the head responses.
+std::array<ImpulseResponse, 2> render_binaural(const Assembler& assembler,
+                                               std::span<const Arrival> arrivals,
+                                               const HeadResponses& head,
+                                               const Orientation& orientation = {},
+                                               double length = 0.0,
+                                               Executor& executor = Executor::serial());
+
+}  // namespace earshot::audio

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/audio/spatial_metrics.h"
+
+#include "earshot/audio/internal/band_energy.h"
+#include "earshot/audio/internal/onset.h"
+#include "earshot/base/assert.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace earshot::audio {
+
+namespace {
+
+constexpr double kLateralBegin = 0.005;  // seconds
+constexpr double kEarlyEnd = 0.08;
+constexpr double kLargestDelay = 0.001;  // between the ears
+
+std::size_t samples_in(double time, double sample_rate) {
+    return static_cast<std::size_t>(std::lround(time * sample_rate));
+}
+
+double energy_of(std::span<const double> signal) {
+    double sum = 0.0;
+    for (const double sample : signal) {
+        sum += sample * sample;
+    }
+    return sum;
+}
+
+// Of the samples begin ... end of the left ear with those of the right that are up to 1 ms earlier
+// or later; nothing if an ear is silent then.
+std::optional<double> coefficient(std::span<const double> left,
+                                  std::span<const double> right,
+                                  std::size_t begin,
+                                  std::size_t end,
+                                  std::size_t largest_delay) {
+    const double energies =
+        energy_of(left.subspan(begin, end - begin)) * energy_of(right.subspan(begin, end - begin));
+    if (!(energies > 0.0)) {
+        return std::nullopt;
+    }
+    double largest = 0.0;
+    for (std::size_t shift = 0; shift <= 2 * largest_delay; ++shift) {
+        double sum = 0.0;
+        for (std::size_t n = begin; n < end; ++n) {
+            if (n + shift >= largest_delay && n + shift - largest_delay < right.size()) {
+                sum += left[n] * right[n + shift - largest_delay];
+            }
+        }
+        largest = std::max(largest, std::abs(sum));
+    }
+    return largest / std::sqrt(energies);
+}
+
+std::string at(const Bands& bands, std::size_t band) {
+    return " at band " + std::to_string(band + 1) + " of " + std::to_string(bands.count());
+}
+
+}  // namespace
+
+LateralMetrics lateral_metrics(const Bands& bands,
+                               const ImpulseResponse& pressure,
+                               const ImpulseResponse& figure_of_eight) {
+    EARSHOT_ASSERT(pressure.samples.size() == figure_of_eight.samples.size());
+    EARSHOT_ASSERT(pressure.sample_rate == figure_of_eight.sample_rate);
+    LateralMetrics metrics;
+    metrics.lateral_fraction.resize(bands.count());
+    const double rate = pressure.sample_rate;
+    const auto onset = find_onset(pressure.samples);
+    const std::size_t early = samples_in(kEarlyEnd, rate);
+    if (!onset || pressure.samples.size() - *onset < early) {
+        metrics.notes.emplace_back("lf: silent, or it ends within 80 ms of the direct sound");
+        return metrics;
+    }
+    const BandEnergy of_pressure(bands, pressure.samples, rate);
+    const BandEnergy of_eight(bands, figure_of_eight.samples, rate);
+    const std::size_t begin = of_pressure.lead() + *onset;
+    const std::size_t lateral = samples_in(kLateralBegin, rate);
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        if (!of_pressure.covers(band)) {
+            metrics.notes.push_back("lf" + at(bands, band) + ": reaches past half the sample rate");
+            continue;
+        }
+        const auto omni = of_pressure.filtered(band);
+        const double whole = energy_of(std::span(omni).first(begin + early));
+        if (!(whole > 0.0)) {
+            metrics.notes.push_back("lf" + at(bands, band) + ": silent");
+            continue;
+        }
+        const auto eight = of_eight.filtered(band);
+        metrics.lateral_fraction[band] =
+            energy_of(std::span(eight).subspan(begin + lateral, early - lateral)) / whole;
+    }
+    return metrics;
+}
+
+BinauralMetrics binaural_metrics(const Bands& bands,
+                                 const ImpulseResponse& left,
+                                 const ImpulseResponse& right) {
+    EARSHOT_ASSERT(left.samples.size() == right.samples.size());
+    EARSHOT_ASSERT(left.sample_rate == right.sample_rate);
+    const std::vector<std::optional<double>> none(bands.count());
+    BinauralMetrics metrics{.iacc_early = none, .iacc_late = none, .iacc = none, .notes{}};
+    const auto left_onset = find_onset(left.samples);
+    const auto right_onset = find_onset(right.samples);
+    const std::size_t early = samples_in(kEarlyEnd, left.sample_rate);
+    if (!left_onset || !right_onset ||
+        left.samples.size() - std::min(*left_onset, *right_onset) <= early) {
+        metrics.notes.emplace_back(
+            "iacc: an ear is silent, or it ends within 80 ms of the direct sound");
+        return metrics;
+    }
+    const BandEnergy at_left(bands, left.samples, left.sample_rate);
+    const BandEnergy at_right(bands, right.samples, right.sample_rate);
+    const std::size_t begin = at_left.lead() + std::min(*left_onset, *right_onset);
+    const std::size_t largest_delay = samples_in(kLargestDelay, left.sample_rate);
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        if (!at_left.covers(band)) {
+            metrics.notes.push_back("iacc" + at(bands, band) +
+                                    ": reaches past half the sample rate");
+            continue;
+        }
+        const auto l = at_left.filtered(band);
+        const auto r = at_right.filtered(band);
+        metrics.iacc_early[band] = coefficient(l, r, begin, begin + early, largest_delay);
+        metrics.iacc_late[band] = coefficient(l, r, begin + early, l.size(), largest_delay);
+        metrics.iacc[band] = coefficient(l, r, begin, l.size(), largest_delay);
+        if (!metrics.iacc[band]) {
+            metrics.notes.push_back("iacc" + at(bands, band) + ": an ear is silent");
+        }
+    }
+    return metrics;
+}
+
+}  // namespace earshot::audio
