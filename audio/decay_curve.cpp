@@ -119,7 +119,9 @@ double DecayCurve::slope(const DecayRange& range) const noexcept {
     return time_and_level / time_squared * sample_rate_;
 }
 
-DecayCurve::Reading DecayCurve::read(const DecayRange& range, double bandwidth_hz) const {
+DecayCurve::Reading DecayCurve::read(const DecayRange& range,
+                                     double bandwidth_hz,
+                                     bool is_whole) const {
     const double db_per_second = slope(range);
     const double time = db_per_second < 0.0 ? -60.0 / db_per_second : 0.0;
     // A line through a few samples can be flatter than the decay that they are taken from.
@@ -129,6 +131,9 @@ DecayCurve::Reading DecayCurve::read(const DecayRange& range, double bandwidth_h
                 false,
                 "decay of " + rounded_ms(shortest) + " ms, the band's filter needs " +
                     rounded_ms(kLeastBandwidthTimesDecay / bandwidth_hz) + " ms"};
+    }
+    if (is_whole) {
+        return {time, false, {}};
     }
     const double least = std::max(kLeastSlowness - kFluctuation / std::sqrt(bandwidth_hz * time),
                                   kLeastSlownessOfAll);

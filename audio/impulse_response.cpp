@@ -203,8 +203,9 @@ std::vector<ImpulseResponse> Assembler::assemble_channels(std::span<const Arriva
             for (std::size_t channel = begin; channel < end; ++channel) {
                 for (std::size_t i = 0; i < count; ++i) {
                     const std::size_t arrival = heard[first + i];
+                    const double gain = gains[arrival * channels + channel];
                     impl_->add(arrivals[arrival],
-                               gains[arrival * channels + channel],
+                               arrivals[arrival].is_inverted ? -gain : gain,
                                piece(i),
                                results[channel].samples);
                 }

@@ -17,6 +17,7 @@ struct Arrival {
     double delay = 0.0;                 ///< seconds since emission, not rounded to samples
     Spectrum pressure{};                ///< linear amplitude per band, >= 0; 1 = free field at 1 m
     std::array<double, 3> direction{};  ///< unit direction of travel at the listener
+    bool is_inverted = false;           ///< the pressure has the other sign
 };
 
 inline constexpr double kSilenceLength = 0.1;  ///< seconds

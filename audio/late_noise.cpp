@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/late_noise.h"
 
+#include "earshot/audio/convolve.h"
 #include "earshot/audio/internal/band_energy.h"
 #include "earshot/audio/internal/fft.h"
+#include "earshot/base/assert.h"
+#include "earshot/base/math.h"
 #include "earshot/base/random.h"
 
 #include <algorithm>
@@ -13,17 +16,131 @@ namespace earshot::audio {
 
 namespace {
 
-/// Of variance 1, as a spectrum.
-std::vector<std::complex<double>> white_noise(const RealFft& fft,
-                                              std::size_t length,
-                                              std::uint64_t seed) {
-    std::vector<double> noise(fft.size(), 0.0);
-    for (std::size_t n = 0; n < length; ++n) {
+/// As dense as reflections are, of variance 1 per sample.
+std::vector<double> sparse_then_white(std::size_t length,
+                                      double growth,
+                                      double sample_rate,
+                                      std::uint64_t seed) {
+    std::vector<double> noise(length, 0.0);
+    std::size_t dense_from = 0;
+    if (growth > 0.0) {
+        const double dense_at = std::sqrt(0.5 * sample_rate / growth);
+        dense_from =
+            static_cast<std::size_t>(std::min(dense_at * sample_rate, static_cast<double>(length)));
+        // growth / 3 * t^3 reflections come before time t.
+        const double count = growth / 3.0 * dense_at * dense_at * dense_at;
+        for (std::uint64_t k = 0; static_cast<double>(k) < count; ++k) {
+            const double place = static_cast<double>(k) + random(seed, 1, k);
+            const double time = math::pow(3.0 / growth * place, 1.0 / 3.0);
+            const auto n = static_cast<std::size_t>(time * sample_rate);
+            if (n < dense_from) {
+                const double size = std::sqrt(sample_rate / growth) / time;
+                noise[n] += random(seed, 2, k) < 0.5 ? -size : size;
+            }
+        }
+    }
+    for (std::size_t n = dense_from; n < length; ++n) {
         noise[n] = std::sqrt(12.0) * (random(seed, 0, n) - 0.5);
     }
-    std::vector<std::complex<double>> spectrum(fft.bins());
-    fft.forward(noise, spectrum);
-    return spectrum;
+    return noise;
+}
+
+/// What depends on the bands and the length alone.
+class Shaper {
+public:
+    Shaper(const Bands& bands, std::size_t length, double sample_rate)
+        : length_(length),
+          sample_rate_(sample_rate),
+          fft_(power_of_two_from(std::max<std::size_t>(length, 4))) {
+        std::size_t count = 0;
+        while (count < bands.count() && bands.exact_hz()[count] < 0.5 * sample_rate) {
+            ++count;
+        }
+        std::vector<double> together(fft_.bins(), 0.0);
+        for (std::size_t band = 0; band < count; ++band) {
+            std::vector<double>& share = shares_.emplace_back(fft_.bins());
+            for (std::size_t k = 0; k < share.size(); ++k) {
+                share[k] = band_power_gain(
+                    bands,
+                    band,
+                    sample_rate * static_cast<double>(k) / static_cast<double>(fft_.size()));
+                together[k] += share[k];
+            }
+        }
+        for (std::vector<double>& share : shares_) {
+            for (std::size_t k = 0; k < share.size(); ++k) {
+                share[k] = together[k] > 0.0 ? share[k] / together[k] : 0.0;
+            }
+        }
+    }
+
+    std::vector<double> noise(const EnergyHistogram& histogram, std::uint64_t seed) const {
+        std::vector<double> white =
+            sparse_then_white(length_, histogram.reflection_growth, sample_rate_, seed);
+        white.resize(fft_.size(), 0.0);
+        std::vector<std::complex<double>> spectrum(fft_.bins());
+        fft_.forward(white, spectrum);
+        const double samples_per_bin = histogram.bin * sample_rate_;
+        std::vector<double> sum(length_, 0.0);
+        std::vector<double> signal(fft_.size());
+        std::vector<std::complex<double>> part(fft_.bins());
+        for (std::size_t band = 0; band < shares_.size(); ++band) {
+            for (std::size_t k = 0; k < part.size(); ++k) {
+                part[k] = spectrum[k] * shares_[band][k];
+            }
+            fft_.inverse(part, signal);
+            for (std::size_t n = 0; n < length_; ++n) {
+                const auto bin =
+                    std::min(static_cast<std::size_t>(static_cast<double>(n) / samples_per_bin),
+                             histogram.energy.size() - 1);
+                sum[n] += signal[n] * std::sqrt(histogram.energy[bin][band] / samples_per_bin);
+            }
+        }
+        return sum;
+    }
+
+private:
+    std::size_t length_;
+    double sample_rate_;
+    RealFft fft_;
+    std::vector<std::vector<double>> shares_;  // of each band, per bin of the transform
+};
+
+std::size_t samples_of(const EnergyHistogram& histogram, double sample_rate) {
+    return static_cast<std::size_t>(
+        std::ceil(histogram.bin * sample_rate * static_cast<double>(histogram.energy.size())));
+}
+
+void add(std::span<const double> part, double gain, std::vector<double>& sum) {
+    sum.resize(std::max(sum.size(), part.size()), 0.0);
+    for (std::size_t n = 0; n < part.size(); ++n) {
+        sum[n] += gain * part[n];
+    }
+}
+
+/// Gives `use` each part's noise and where it comes from.
+template <class Use>
+void for_each_part(const Bands& bands,
+                   const EnergyHistogram& histogram,
+                   double sample_rate,
+                   std::uint64_t seed,
+                   const Orientation& orientation,
+                   const Use& use) {
+    const std::size_t length = samples_of(histogram, sample_rate);
+    if (length == 0) {
+        return;
+    }
+    const Shaper shaper(bands, length, sample_rate);
+    for (std::size_t part = 0; part < kDirectionParts; ++part) {
+        EnergyHistogram energy = energy_from(histogram, part);
+        // The reflections are shared out among the parts.
+        energy.reflection_growth /= kDirectionParts;
+        const auto middle = middle_of_part(part);
+        const Arrival arrival{
+            .delay = 0.0, .pressure = {}, .direction = {-middle[0], -middle[1], -middle[2]}};
+        use(shaper.noise(energy, random_bits(seed, part, 1)),
+            origin_seen_from(orientation, arrival));
+    }
 }
 
 }  // namespace
@@ -32,45 +149,51 @@ std::vector<double> late_noise(const Bands& bands,
                                const EnergyHistogram& histogram,
                                double sample_rate,
                                std::uint64_t seed) {
-    const double samples_per_bin = histogram.bin * sample_rate;
-    const auto length = static_cast<std::size_t>(
-        std::ceil(samples_per_bin * static_cast<double>(histogram.energy.size())));
-    if (length == 0) {
-        return {};
-    }
-    std::size_t count = 0;
-    while (count < bands.count() && bands.exact_hz()[count] < 0.5 * sample_rate) {
-        ++count;
-    }
-    const RealFft fft(power_of_two_from(std::max<std::size_t>(length, 4)));
-    const auto noise = white_noise(fft, length, seed);
-    // What the bands' filters let through together, per bin of the transform.
-    std::vector<double> together(fft.bins(), 0.0);
-    const auto gain = [&](std::size_t band, std::size_t k) {
-        return band_power_gain(
-            bands, band, sample_rate * static_cast<double>(k) / static_cast<double>(fft.size()));
-    };
-    for (std::size_t band = 0; band < count; ++band) {
-        for (std::size_t k = 0; k < together.size(); ++k) {
-            together[k] += gain(band, k);
-        }
-    }
-    std::vector<double> sum(length, 0.0);
-    std::vector<double> signal(fft.size());
-    std::vector<std::complex<double>> part(fft.bins());
-    for (std::size_t band = 0; band < count; ++band) {
-        for (std::size_t k = 0; k < part.size(); ++k) {
-            part[k] = together[k] > 0.0 ? noise[k] * (gain(band, k) / together[k]) : 0.0;
-        }
-        fft.inverse(part, signal);
-        for (std::size_t n = 0; n < length; ++n) {
-            const auto bin =
-                std::min(static_cast<std::size_t>(static_cast<double>(n) / samples_per_bin),
-                         histogram.energy.size() - 1);
-            sum[n] += signal[n] * std::sqrt(histogram.energy[bin][band] / samples_per_bin);
-        }
-    }
-    return sum;
+    const std::size_t length = samples_of(histogram, sample_rate);
+    return length == 0 ? std::vector<double>{}
+                       : Shaper(bands, length, sample_rate).noise(histogram, seed);
+}
+
+std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
+                                                      const EnergyHistogram& histogram,
+                                                      double sample_rate,
+                                                      std::uint64_t seed,
+                                                      int order,
+                                                      const Orientation& orientation) {
+    std::vector<std::vector<double>> channels(ambisonic_channels(order));
+    std::vector<double> gains(channels.size());
+    for_each_part(bands,
+                  histogram,
+                  sample_rate,
+                  seed,
+                  orientation,
+                  [&](const std::vector<double>& noise, const std::array<double, 3>& towards) {
+                      spherical_harmonics(order, towards, gains);
+                      for (std::size_t channel = 0; channel < channels.size(); ++channel) {
+                          add(noise, gains[channel], channels[channel]);
+                      }
+                  });
+    return channels;
+}
+
+std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
+                                                       const EnergyHistogram& histogram,
+                                                       const HeadResponses& head,
+                                                       std::uint64_t seed,
+                                                       const Orientation& orientation) {
+    EARSHOT_ASSERT(!head.directions.empty());
+    std::array<std::vector<double>, 2> ears;
+    for_each_part(bands,
+                  histogram,
+                  head.sample_rate,
+                  seed,
+                  orientation,
+                  [&](const std::vector<double>& noise, const std::array<double, 3>& towards) {
+                      const HeadResponse& heard = head.directions[nearest_direction(head, towards)];
+                      add(convolve(noise, heard.left), 1.0, ears[0]);
+                      add(convolve(noise, heard.right), 1.0, ears[1]);
+                  });
+    return ears;
 }
 
 }  // namespace earshot::audio

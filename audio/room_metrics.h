@@ -2,10 +2,12 @@
 #pragma once
 
 #include "earshot/audio/bands.h"
+#include "earshot/audio/energy_histogram.h"
 #include "earshot/audio/impulse_response.h"
 #include "earshot/audio/speech.h"
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -36,6 +38,9 @@ struct MetricsOptions {
     /// 3382-1:2009, 5.3.3; Lundeby et al. 1995). Decay times that the noise does not leave room
     /// for, 10 dB below their range, are empty.
     bool ends_in_noise = false;
+    /// The response is known to hold the whole decay: it is not looked for signs that it was cut
+    /// off.
+    bool is_whole = false;
     /// For the speech transmission index.
     std::optional<SpeechLevels> speech{};
 };
@@ -47,5 +52,21 @@ struct MetricsOptions {
 RoomMetrics room_metrics(const Bands& bands,
                          const ImpulseResponse& response,
                          const MetricsOptions& options = {});
+
+/// The same metrics of the energies that arrive, on a grid of a tenth of a millisecond: what a
+/// response has on average over small changes of place, without the interference of its arrivals,
+/// the chance of its noise and the ringing of filters, as programs of geometrical room acoustics
+/// give them. The onset is the first energy less than 20 dB below the largest of an instant in its
+/// band. STI only for octaves.
+RoomMetrics energy_metrics(const Bands& bands,
+                           std::span<const Arrival> arrivals,
+                           const EnergyHistogram& late);
+
+/// Frequency above which the room's modes overlap and sound follows rays (Schroeder and Kuttruff
+/// 1962): 2000 sqrt(time / volume), hertz, of the mean T30 (or T20, else EDT) of the octaves or
+/// thirds from 400 Hz to 1250 Hz; nothing if there is none. Precondition: volume > 0, cubic metres.
+std::optional<double> schroeder_frequency_hz(const Bands& bands,
+                                             const RoomMetrics& metrics,
+                                             double volume);
 
 }  // namespace earshot::audio

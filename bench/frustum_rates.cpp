@@ -50,8 +50,8 @@ Scene scene_of(Mesh mesh, const char* name, const Vec3& source, const Vec3& list
     scene.name = name;
     scene.materials.resize(1);
     scene.material_of_triangle.assign(mesh.triangles.size(), 0);
-    scene.sources = {{.name = "source", .position = source, .directivity = {}}};
-    scene.listeners = {{.name = "listener", .position = listener, .directivity = {}}};
+    scene.sources = {{.name = "source", .position = source}};
+    scene.listeners = {{.name = "listener", .position = listener}};
     scene.mesh = earshot::geometry::AnimatedMesh::fixed(std::move(mesh));
     return scene;
 }

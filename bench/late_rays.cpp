@@ -64,7 +64,11 @@ void measure(const char* name,
     std::uint64_t bounces = 0;
     for (int repeat = 0; repeat < 3; ++repeat) {
         const auto start = std::chrono::steady_clock::now();
-        bounces = trace_late_rays(scene, source, std::span(&listener, 1), {.rays = 20000}, executor)
+        bounces = trace_late_rays(scene,
+                                  {.pose = {.position = source}},
+                                  std::span(&listener, 1),
+                                  {.rays = 20000},
+                                  executor)
                       .balance.bounces;
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
         seconds = std::min(seconds, elapsed.count());

@@ -1,31 +1,36 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/simd.h"
 #include "earshot/cli/commands.h"
+#include "earshot/cli/emitter_options.h"
+#include "earshot/cli/listening.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/response_job.h"
 #include "earshot/cli/response_summary.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/scene_file.h"
+#include "earshot/io/sofa.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace earshot::cli {
 namespace {
 
-using propagation::Emitter;
-
 constexpr const char* kFooter =
-    "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json.\n\n"
+    "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json.\n"
+    "Reflections up to --order are exact; rays add what comes later or is scattered.\n\n"
     "Examples:\n"
     "  earshot ir scenes/concert_hall.gltf -o out\n"
     "      every source and listener of the scene, reflections up to order 4\n"
     "  earshot ir room.obj --source 1,1.5,2 --listener seat=4,1.2,3 --order 6 -o out\n"
     "      points of your own, in metres, beside those of the scene\n"
+    "  earshot ir scenes/concert_hall.gltf --format binaural --look-at 0,1.5,0 -o out\n"
+    "      what two ears hear that face a point\n"
     "  earshot ir scenes/door.gltf --frames 0:2:0.1 -o out\n"
     "      one response per instant of an animation";
 
@@ -39,29 +44,29 @@ public:
         app()
             .add_option("-o,--output", directory_, "folder for the results; made if missing")
             ->required();
-        add_repeatable(app(), "--source", sources_, "a source at [NAME=]X,Y,Z in metres");
-        add_repeatable(app(), "--listener", listeners_, "a listener at [NAME=]X,Y,Z in metres");
+        emitters_.add_to(app());
         add_tracing_options();
         add_limits();
         add_late_options();
+        add_format_options();
         add_sound_options();
         add_time_options();
         app().footer(kFooter);
     }
 
     void run() override {
-        const std::vector<Emitter> more_sources = parse_emitters(sources_, "source");
-        const std::vector<Emitter> more_listeners = parse_emitters(listeners_, "listener");
         const std::vector<double> instants = times();
+        const Listening hearing = listening();
         use_simd_target(common().simd);
 
         io::LoadedScene loaded = io::load_scene(scene_file_, {.animation = animation_});
-        add_emitters(loaded.scene.sources, more_sources, "source");
-        add_emitters(loaded.scene.listeners, more_listeners, "listener");
+        emitters_.apply(app(), scene_file_, loaded.scene);
         const ResponseJob job = {
             .scene = loaded.scene,
             .simulation = simulation_options(),
             .response = {.sample_rate = static_cast<double>(sample_rate_hz_), .length = length_},
+            .listening = hearing,
+            .writes_sofa = writes_sofa_,
             .times = instants,
             .is_sequence = !frames_.empty(),
             .directory = directory_};
@@ -105,7 +110,22 @@ private:
                     "--rays",
                     rays_,
                     {0, 1000000000},
-                    "of late sound: reverberation and scattering; 0 (default): none");
+                    "of late sound: reverberation and scattering; 0: none");
+    }
+
+    void add_format_options() {
+        app()
+            .add_option("--format",
+                        format_,
+                        "channels of a response: mono, binaural, or ambisonic:N (order N up to 5, "
+                        "ACN, SN3D)")
+            ->capture_default_str();
+        app()
+            .add_option("--hrtf",
+                        head_file_,
+                        "head responses for binaural, a SOFA file; default: a KEMAR manikin")
+            ->type_name("FILE");
+        app().add_flag("--sofa", writes_sofa_, "also write all responses into responses.sofa");
     }
 
     void add_limits() {
@@ -129,7 +149,7 @@ private:
                    "--length",
                    length_,
                    {0.0, 3600.0},
-                   "of the WAV, seconds; 0: up to the last arrival");
+                   "of the WAV, seconds; 0: as long as sound arrives");
         app()
             .add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
             ->check(CLI::IsMember({"octave", "third"}))
@@ -164,6 +184,7 @@ private:
             .rays = static_cast<std::size_t>(rays_),
             .seed = static_cast<std::uint64_t>(common().seed),
             .late_length = length_,
+            .late_directions = format_ != "mono",
             .keeps_traces = !frames_.empty(),
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
     }
@@ -180,44 +201,29 @@ private:
         return *instants;
     }
 
-    std::vector<Emitter> parse_emitters(const std::vector<std::string>& points,
-                                        const std::string& role) {
-        std::vector<Emitter> emitters;
-        std::size_t unnamed = 0;
-        for (const std::string& text : points) {
-            const auto point = parse_named_point(text);
-            if (!point) {
+    /// How listeners hear, head responses included.
+    Listening listening() {
+        constexpr std::string_view kAmbisonic = "ambisonic:";
+        Listening listening;
+        if (format_ == "binaural") {
+            listening.format = Listening::Format::binaural;
+            listening.head =
+                audio::resampled(io::read_head_responses(
+                                     head_file_.empty() ? io::kDefaultHeadResponses : head_file_),
+                                 static_cast<double>(sample_rate_hz_));
+        } else if (format_.starts_with(kAmbisonic)) {
+            const auto order = parse_integer(std::string_view(format_).substr(kAmbisonic.size()));
+            if (!order || *order < 0 || *order > audio::kMostAmbisonicOrder) {
                 throw wrong_usage(
-                    app(), "--" + role, "'" + text + "' is not of the form [NAME=]X,Y,Z");
+                    app(), "--format", "the order of '" + format_ + "' is not in 0 ... 5");
             }
-            const auto& [x, y, z] = point->position;
-            emitters.push_back(
-                {.name = point->name.empty() ? role + std::to_string(++unnamed) : point->name,
-                 .node = -1,
-                 .position = {x, y, z},
-                 .directivity = {}});
+            listening.format = Listening::Format::ambisonic;
+            listening.ambisonic_order = static_cast<int>(*order);
+        } else if (format_ != "mono") {
+            throw wrong_usage(
+                app(), "--format", "'" + format_ + "' is not one of mono, binaural, ambisonic:N");
         }
-        return emitters;
-    }
-
-    /// Points of the command line stand beside the scene's; one of the same name replaces it.
-    void add_emitters(std::vector<Emitter>& emitters,
-                      const std::vector<Emitter>& more,
-                      const std::string& role) const {
-        for (const Emitter& emitter : more) {
-            const auto same = std::find_if(emitters.begin(), emitters.end(), [&](const Emitter& e) {
-                return e.name == emitter.name;
-            });
-            if (same != emitters.end()) {
-                *same = emitter;
-            } else {
-                emitters.push_back(emitter);
-            }
-        }
-        if (emitters.empty()) {
-            throw Error(
-                scene_file_, "the scene has no " + role, "give one with --" + role + " X,Y,Z");
-        }
+        return listening;
     }
 
     static void print_notes(const Warnings& notes) {
@@ -231,11 +237,13 @@ private:
     }
 
     std::string scene_file_, directory_, mode_ = "complete", bands_ = "octave", frames_, animation_;
-    std::vector<std::string> sources_, listeners_;
+    std::string format_ = "mono", head_file_;
+    EmitterOptions emitters_;
+    bool writes_sofa_ = false;
     bool transmission_ = false;
     double max_length_ = 0.0;
     double min_level_db_ = -std::numeric_limits<double>::infinity();
-    std::int64_t rays_ = 0;
+    std::int64_t rays_ = 20000;
     std::int64_t order_ = 4;
     std::int64_t resolution_ = 0;
     std::int64_t sample_rate_hz_ = 48000;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/room_metrics.h"
+#include "earshot/audio/spatial_metrics.h"
 #include "earshot/base/error.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
@@ -53,13 +54,33 @@ std::string head_of(const std::string& text) {
     return text + std::string(8 - std::min<std::size_t>(8, text.size()), ' ');
 }
 
-/// A line per value, a column per band.
-std::string table(const audio::Bands& bands, const RoomMetrics& metrics) {
+std::string row_of(const std::string& name, const std::vector<std::optional<double>>& values) {
+    std::string text = head_of(name);
+    for (const auto& value : values) {
+        text += value ? formatted("%9.3f", *value) : std::string(8, ' ') + "-";
+    }
+    return text + "\n";
+}
+
+std::string lines_of(const std::vector<std::string>& notes) {
+    std::string text;
+    for (const std::string& note : notes) {
+        text += "  " + note + "\n";
+    }
+    return text;
+}
+
+std::string heads(const audio::Bands& bands) {
     std::string text = head_of("Hz");
     for (const double frequency_hz : bands.nominal_hz()) {
         text += formatted("%9g", frequency_hz);
     }
-    text += "\n";
+    return text + "\n";
+}
+
+/// A line per value, a column per band.
+std::string table(const audio::Bands& bands, const RoomMetrics& metrics) {
+    std::string text = heads(bands);
     for (const Row& row : kRows) {
         text += head_of(row.name);
         for (const BandMetrics& band : metrics.bands) {
@@ -69,11 +90,13 @@ std::string table(const audio::Bands& bands, const RoomMetrics& metrics) {
         text += "\n";
     }
     const auto& sti = metrics.speech_transmission_index;
-    text += head_of("STI") + (sti ? formatted("%9.3f", *sti) : std::string(8, ' ') + "-") + "\n";
-    for (const std::string& note : metrics.notes) {
-        text += "  " + note + "\n";
-    }
-    return text;
+    return text + row_of("STI", {sti}) + lines_of(metrics.notes);
+}
+
+std::string binaural_table(const audio::Bands& bands, const audio::BinauralMetrics& metrics) {
+    return heads(bands) + row_of("IACC_E", metrics.iacc_early) +
+           row_of("IACC_L", metrics.iacc_late) + row_of("IACC_A", metrics.iacc) +
+           lines_of(metrics.notes);
 }
 
 class MetricsCommand : public Command {
@@ -85,6 +108,13 @@ public:
         app()
             .add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
             ->check(CLI::IsMember({"octave", "third"}))
+            ->capture_default_str();
+        app()
+            .add_option("--listening",
+                        listening_,
+                        "what the channels are: any, binaural (then with IACC) or ambisonic (then "
+                        "with LF)")
+            ->check(CLI::IsMember({"any", "binaural", "ambisonic"}))
             ->capture_default_str();
         app().add_flag(
             "--noise-free", is_noise_free_, "the response is computed: look for no noise");
@@ -100,18 +130,30 @@ public:
         }
         const audio::Bands& bands =
             bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves();
-        std::vector<RoomMetrics> metrics;
+        io::SoundMetrics metrics;
         std::string text;
         for (std::size_t channel = 0; channel < channels; ++channel) {
             if (channel_ != 0 && static_cast<std::size_t>(channel_) != channel + 1) {
                 continue;
             }
-            metrics.push_back(audio::room_metrics(
+            metrics.channels.push_back(audio::room_metrics(
                 bands, response_of(sound, channel), {.ends_in_noise = !is_noise_free_}));
             text += (channels > 1 ? "channel " + std::to_string(channel + 1) + "\n" : "") +
-                    table(bands, metrics.back());
+                    table(bands, metrics.channels.back());
         }
-        write_output(common().json ? io::encode_channel_metrics(
+        if (listening_ == "binaural") {
+            require_channels(2, channels);
+            metrics.binaural =
+                audio::binaural_metrics(bands, response_of(sound, 0), response_of(sound, 1));
+            text += binaural_table(bands, *metrics.binaural);
+        } else if (listening_ == "ambisonic") {
+            require_channels(4, channels);
+            metrics.lateral =
+                audio::lateral_metrics(bands, response_of(sound, 0), response_of(sound, 1));
+            text += heads(bands) + row_of("LF", metrics.lateral->lateral_fraction) +
+                    lines_of(metrics.lateral->notes);
+        }
+        write_output(common().json ? io::encode_sound_metrics(
                                          std::filesystem::path(file_).filename().string(),
                                          sound.sample_rate,
                                          bands,
@@ -120,6 +162,15 @@ public:
     }
 
 private:
+    void require_channels(std::size_t least, std::size_t channels) const {
+        if (channels < least) {
+            throw Error(file_,
+                        "has " + std::to_string(channels) + " channels, " + std::to_string(least) +
+                            " needed",
+                        "leave --listening out");
+        }
+    }
+
     audio::ImpulseResponse response_of(const io::Sound& sound, std::size_t channel) const {
         const auto channels = static_cast<std::size_t>(sound.channels);
         audio::ImpulseResponse response{.sample_rate = sound.sample_rate, .samples = {}};
@@ -135,6 +186,7 @@ private:
     std::string file_;
     std::int64_t channel_ = 0;
     std::string bands_ = "octave";
+    std::string listening_ = "any";
     bool is_noise_free_ = false;
 };
 

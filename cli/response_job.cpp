@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/response_job.h"
 
-#include "earshot/audio/late_noise.h"
 #include "earshot/base/random.h"
 #include "earshot/io/results.h"
+#include "earshot/io/room_sofa.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
 
@@ -123,21 +123,11 @@ private:
     void write_responses(const std::vector<PairResult>& pairs, std::size_t frame) {
         // Pairs are independent; what they make is kept in order and written in order.
         std::vector<std::string> sounds(pairs.size());
-        const std::size_t first = metrics_.size();
-        metrics_.resize(first + pairs.size());
+        std::vector<HeardPair> heard(pairs.size());
         executor_.for_each(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                auto response = assembler_.assemble(
-                    propagation::arrivals_of(pairs[i]), job_.response.length, executor_);
-                add_late(response, pairs[i]);
-                sounds[i] = io::encode_wav({.sample_rate = response.sample_rate,
-                                            .channels = 1,
-                                            .samples = response.samples});
-                metrics_[first + i] = {
-                    .source = pairs[i].source,
-                    .listener = pairs[i].listener,
-                    .time = pairs[i].time,
-                    .metrics = audio::room_metrics(job_.simulation.bands, response)};
+                heard[i] = hear_pair(pairs[i]);
+                sounds[i] = io::encode_wav(interleaved(heard[i].channels));
             }
         });
         for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -151,27 +141,44 @@ private:
                 ++summary_.paths_of_order[static_cast<std::size_t>(path.order)];
             }
             write(name + (job_.is_sequence ? frame_suffix(frame) : "") + ".wav", sounds[i]);
+            metrics_.push_back(std::move(heard[i].metrics));
+            if (job_.writes_sofa) {
+                measurements_.push_back(
+                    {.source =
+                         job_.scene.pose_at(job_.scene.sources[pairs[i].source], pairs[i].time),
+                     .listener =
+                         job_.scene.pose_at(job_.scene.listeners[pairs[i].listener], pairs[i].time),
+                     .channels = std::move(heard[i].channels)});
+            }
             progress_.report(
                 "responses", frame * pairs.size() + i + 1, job_.times.size() * pairs.size());
         }
     }
 
-    /// Noise that takes the course of the late energy; every pair and time has its own.
-    void add_late(audio::ImpulseResponse& response, const PairResult& pair) const {
-        if (pair.late.energy.empty()) {
-            return;
+    /// Every pair has noise of its own, the same at all times.
+    HeardPair hear_pair(const PairResult& pair) const {
+        return hear(pair,
+                    job_.scene.pose_at(job_.scene.listeners[pair.listener], pair.time),
+                    job_.listening,
+                    job_.simulation.bands,
+                    assembler_,
+                    job_.response.length,
+                    random_bits(job_.simulation.seed, pair.source, pair.listener),
+                    executor_);
+    }
+
+    static io::Sound interleaved(const std::vector<audio::ImpulseResponse>& channels) {
+        io::Sound sound = {.sample_rate = channels.front().sample_rate,
+                           .channels = static_cast<int>(channels.size()),
+                           .samples = {}};
+        const std::size_t frames = channels.front().samples.size();
+        sound.samples.reserve(frames * channels.size());
+        for (std::size_t n = 0; n < frames; ++n) {
+            for (const audio::ImpulseResponse& channel : channels) {
+                sound.samples.push_back(channel.samples[n]);
+            }
         }
-        const std::uint64_t pair_seed =
-            random_bits(job_.simulation.seed, pair.source, pair.listener);
-        const std::vector<double> noise =
-            audio::late_noise(job_.simulation.bands, pair.late, response.sample_rate, pair_seed);
-        const std::size_t length = job_.response.length > 0.0
-                                       ? response.samples.size()
-                                       : std::max(response.samples.size(), noise.size());
-        response.samples.resize(length, 0.0);
-        for (std::size_t n = 0; n < std::min(length, noise.size()); ++n) {
-            response.samples[n] += noise[n];
-        }
+        return sound;
     }
 
     void write_tables() {
@@ -181,6 +188,9 @@ private:
             .speed_of_sound = propagation::speed_of_sound(job_.simulation.air)};
         write("paths.json", io::encode_paths(header, all_pairs_));
         write("metrics.json", io::encode_metrics(header, metrics_));
+        if (job_.writes_sofa) {
+            write("responses.sofa", io::encode_room_responses(job_.scene.name, measurements_));
+        }
     }
 
     const ResponseJob& job_;
@@ -190,6 +200,7 @@ private:
     audio::Assembler assembler_;
     std::vector<PairResult> all_pairs_;
     std::vector<io::PairMetrics> metrics_;
+    std::vector<io::RoomMeasurement> measurements_;
     ResponseSummary summary_;
 };
 

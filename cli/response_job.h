@@ -3,6 +3,7 @@
 
 #include "earshot/audio/impulse_response.h"
 #include "earshot/base/progress.h"
+#include "earshot/cli/listening.h"
 #include "earshot/propagation/simulator.h"
 
 #include <filesystem>
@@ -15,6 +16,8 @@ struct ResponseJob {
     const propagation::Scene& scene;
     propagation::Options simulation;
     audio::ResponseOptions response;
+    Listening listening{};
+    bool writes_sofa = false;        ///< responses.sofa besides
     std::vector<double> times{0.0};  ///< seconds
     bool is_sequence = false;        ///< file names carry the number of the time
     std::filesystem::path directory;
@@ -33,8 +36,8 @@ struct ResponseSummary {
     double response_seconds = 0.0;       ///< synthesis, metrics and writing
 };
 
-/// Simulates, writes SOURCE__LISTENER.wav per pair (and time), paths.json and metrics.json.
-/// Throws Error; every file that exists afterwards is whole.
+/// Simulates, writes SOURCE__LISTENER.wav per pair (and time), paths.json and metrics.json,
+/// and responses.sofa if asked. Throws Error; every file that exists afterwards is whole.
 ResponseSummary run_response_job(const ResponseJob& job, Executor& executor, Progress& progress);
 
 }  // namespace earshot::cli

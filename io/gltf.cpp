@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/io/directivity_file.h"
 #include "earshot/io/internal/acoustics_extras.h"
 #include "earshot/io/internal/gltf_scene.h"
 #include "earshot/io/internal/scene_parts.h"
@@ -53,7 +54,10 @@ int audio_emitter_of(const GltfFile& file, const Json& node, const std::string& 
     return emitter.get<int>();
 }
 
-void add_emitters(const GltfFile& file, const GltfNodes& nodes, LoadedScene& loaded) {
+void add_emitters(const GltfFile& file,
+                  const GltfNodes& nodes,
+                  const std::filesystem::path& folder,
+                  LoadedScene& loaded) {
     for (std::size_t i = 0; i < file.model.nodes.size(); ++i) {
         if (!nodes.in_scene[i]) {
             continue;
@@ -62,9 +66,12 @@ void add_emitters(const GltfFile& file, const GltfNodes& nodes, LoadedScene& loa
         Emitter emitter;
         emitter.name = node_name(file, i);
         emitter.node = nodes.index_of[i];
-        NodeAcoustics acoustics =
+        const NodeAcoustics acoustics =
             read_node_acoustics(json, emitter.name, file.name, loaded.warnings);
-        emitter.directivity = std::move(acoustics.directivity);
+        if (!acoustics.directivity.empty()) {
+            emitter.directivity = directivity_named(
+                acoustics.directivity, folder, file.name + ": node \"" + emitter.name + "\"");
+        }
         const bool has_audio_emitter = audio_emitter_of(file, json, emitter.name) >= 0;
         if (acoustics.role == Role::listener) {
             loaded.scene.listeners.push_back(emitter);
@@ -98,7 +105,7 @@ LoadedScene load_gltf(const std::filesystem::path& path, const SceneOptions& opt
     read_animation(file, options.animation, nodes, loaded.warnings);
     GltfGeometry geometry = read_geometry(file, nodes, loaded.warnings);
     add_materials(file, geometry, loaded);
-    add_emitters(file, nodes, loaded);
+    add_emitters(file, nodes, path.parent_path(), loaded);
     refuse_equal_names(loaded.scene.sources, "sources", file.name);
     refuse_equal_names(loaded.scene.listeners, "listeners", file.name);
     loaded.scene.mesh = geometry::AnimatedMesh(std::move(nodes.nodes),

@@ -99,6 +99,14 @@ std::string encode_paths(const ResultHeader& header,
 
 namespace {
 
+Json to_json(const std::vector<std::optional<double>>& values) {
+    Json json = Json::array();
+    for (const auto& value : values) {
+        json.push_back(value ? Json(*value) : Json(nullptr));
+    }
+    return json;
+}
+
 Json to_json(const audio::RoomMetrics& metrics) {
     using Band = audio::BandMetrics;
     const auto& sti = metrics.speech_transmission_index;
@@ -114,29 +122,61 @@ Json to_json(const audio::RoomMetrics& metrics) {
             {"notes", metrics.notes}};
 }
 
+/// Metrics of several channels; their notes join the others.
+void add_spatial(const std::optional<audio::LateralMetrics>& lateral,
+                 const std::optional<audio::BinauralMetrics>& binaural,
+                 Json& json) {
+    const auto add_notes = [&](const std::vector<std::string>& notes) {
+        for (const std::string& note : notes) {
+            json["notes"].push_back(note);
+        }
+    };
+    if (lateral) {
+        json["lf"] = to_json(lateral->lateral_fraction);
+        add_notes(lateral->notes);
+    }
+    if (binaural) {
+        json["iacc_early"] = to_json(binaural->iacc_early);
+        json["iacc_late"] = to_json(binaural->iacc_late);
+        json["iacc"] = to_json(binaural->iacc);
+        add_notes(binaural->notes);
+    }
+}
+
 }  // namespace
 
 std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs) {
     std::vector<std::string> lines;
     for (const PairMetrics& pair : pairs) {
+        Json json = to_json(pair.metrics);
+        json["schroeder_hz"] = pair.schroeder_hz ? Json(*pair.schroeder_hz) : Json(nullptr);
+        add_spatial(pair.lateral, pair.binaural, json);
+        json["energy"] = to_json(pair.energy);
         lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) + "," +
-                        dump(to_json(pair.metrics)).substr(1));
+                        dump(json).substr(1));
     }
     return "{\"version\":1,\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) +
            ",\n\"pairs\":[" + join_lines(lines, " ") + "]}\n";
 }
 
-std::string encode_channel_metrics(const std::string& file,
-                                   double sample_rate,
-                                   const audio::Bands& bands,
-                                   const std::vector<audio::RoomMetrics>& channels) {
+std::string encode_sound_metrics(const std::string& file,
+                                 double sample_rate,
+                                 const audio::Bands& bands,
+                                 const SoundMetrics& metrics) {
     std::vector<std::string> lines;
-    for (std::size_t i = 0; i < channels.size(); ++i) {
+    for (std::size_t i = 0; i < metrics.channels.size(); ++i) {
         lines.push_back("{\"channel\":" + std::to_string(i + 1) + "," +
-                        dump(to_json(channels[i])).substr(1));
+                        dump(to_json(metrics.channels[i])).substr(1));
+    }
+    Json together = Json::object();
+    add_spatial(metrics.lateral, metrics.binaural, together);
+    std::string more;
+    if (!together.empty()) {
+        const std::string text = dump(together);
+        more = text.substr(1, text.size() - 2) + ",";
     }
     return "{\"version\":1,\"file\":" + dump(file) + ",\"sample_rate\":" + dump(sample_rate) +
-           ",\"bands_hz\":" + dump(to_json(bands.nominal_hz())) + ",\n\"channels\":[" +
+           ",\"bands_hz\":" + dump(to_json(bands.nominal_hz())) + "," + more + "\n\"channels\":[" +
            join_lines(lines, " ") + "]}\n";
 }
 

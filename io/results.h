@@ -2,8 +2,10 @@
 #pragma once
 
 #include "earshot/audio/room_metrics.h"
+#include "earshot/audio/spatial_metrics.h"
 #include "earshot/propagation/simulator.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,8 +22,12 @@ struct ResultHeader {
 struct PairMetrics {
     std::size_t source = 0;
     std::size_t listener = 0;
-    double time = 0.0;  ///< seconds
-    audio::RoomMetrics metrics;
+    double time = 0.0;            ///< seconds
+    audio::RoomMetrics metrics;   ///< of the response
+    audio::RoomMetrics energy{};  ///< of the energies that arrive, see audio::energy_metrics
+    std::optional<double> schroeder_hz{};
+    std::optional<audio::LateralMetrics> lateral{};
+    std::optional<audio::BinauralMetrics> binaural{};
 };
 
 /// The text of paths.json: one path per line, numbers with the fewest digits that read back as the
@@ -33,10 +39,15 @@ std::string encode_paths(const ResultHeader& header,
 std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs);
 
 /// The metrics of a sound file, a set per channel, as `earshot metrics --json` prints them: the
-/// fields of metrics.json for each channel.
-std::string encode_channel_metrics(const std::string& file,
-                                   double sample_rate,
-                                   const audio::Bands& bands,
-                                   const std::vector<audio::RoomMetrics>& channels);
+/// fields of metrics.json for each channel, and those of the channels together.
+struct SoundMetrics {
+    std::vector<audio::RoomMetrics> channels;
+    std::optional<audio::LateralMetrics> lateral{};
+    std::optional<audio::BinauralMetrics> binaural{};
+};
+std::string encode_sound_metrics(const std::string& file,
+                                 double sample_rate,
+                                 const audio::Bands& bands,
+                                 const SoundMetrics& metrics);
 
 }  // namespace earshot::io

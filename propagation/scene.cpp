@@ -1,13 +1,54 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/propagation/scene.h"
 
+#include <cmath>
+
 namespace earshot::propagation {
 
-geometry::Vec3 Scene::position_at(const Emitter& emitter, double t) const {
+using geometry::Vec3;
+
+Vec3 Scene::position_at(const Emitter& emitter, double t) const {
     if (emitter.node < 0) {
         return emitter.position;
     }
     return geometry::transform_point(mesh.node_transform(emitter.node, t), emitter.position);
+}
+
+Pose Scene::pose_at(const Emitter& emitter, double t) const {
+    const Vec3 position = position_at(emitter, t);
+    constexpr Vec3 kUp(0.0, 1.0, 0.0);
+    if (emitter.looks_at) {
+        return pose_towards(position, *emitter.looks_at - position, kUp);
+    }
+    if (emitter.node < 0) {
+        return {.position = position};
+    }
+    const glm::dmat4 matrix = mesh.node_transform(emitter.node, t);
+    return pose_towards(position, Vec3(-matrix[2]), Vec3(matrix[1]));
+}
+
+Pose pose_towards(const Vec3& position, const Vec3& front, const Vec3& up) {
+    const auto has_direction = [](const Vec3& v) {
+        const double length = glm::length(v);
+        return length > 0.0 && std::isfinite(length);
+    };
+    Pose pose{.position = position};
+    if (!has_direction(front)) {
+        return pose;
+    }
+    pose.front = glm::normalize(front);
+    constexpr double kParallel = 1e-9;
+    Vec3 left = has_direction(up) ? glm::cross(glm::normalize(up), pose.front) : Vec3(0.0);
+    if (glm::length(left) < kParallel) {
+        // Straight up or down: above is what was in front, or behind.
+        left = glm::cross(Vec3(0.0, 0.0, pose.front.y > 0.0 ? 1.0 : -1.0), pose.front);
+    }
+    if (glm::length(left) < kParallel) {
+        left = glm::cross(Vec3(0.0, 1.0, 0.0), pose.front);
+    }
+    pose.left = glm::normalize(left);
+    pose.up = glm::cross(pose.front, pose.left);
+    return pose;
 }
 
 }  // namespace earshot::propagation

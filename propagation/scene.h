@@ -2,8 +2,11 @@
 #pragma once
 
 #include "earshot/geometry/animated_mesh.h"
+#include "earshot/propagation/directivity.h"
 #include "earshot/propagation/material.h"
+#include "earshot/propagation/pose.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +17,10 @@ struct Emitter {
     std::string name;
     int node = -1;  ///< index into AnimatedMesh::nodes(); -1: stays at `position`
     geometry::Vec3 position{0.0};
-    std::string directivity;  ///< of a source: name of its pattern; empty: omnidirectional
+    Directivity directivity{};  ///< of a source
+    /// A point of the scene to look at, whatever the node does; without one it looks along the
+    /// node's -Z, +Y above.
+    std::optional<geometry::Vec3> looks_at{};
 };
 
 /// Everything a simulation needs to know, read once from a file or made by a program.
@@ -28,6 +34,8 @@ struct Scene {
 
     /// Where an emitter of this scene is at time `t` (seconds).
     geometry::Vec3 position_at(const Emitter& emitter, double t) const;
+    /// And where it looks. A node whose matrix squeezes an axis flat looks along -Z.
+    Pose pose_at(const Emitter& emitter, double t) const;
 };
 
 }  // namespace earshot::propagation

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <span>
@@ -31,6 +32,14 @@ constexpr double kRoom = 1.0 - 0x1p-40;
 Vec3 direction_between(const Vec3& from, const Vec3& to) {
     const double length = glm::distance(from, to);
     return length > 0.0 ? (to - from) / length : Vec3(0.0);
+}
+
+bool is_silent(const audio::EnergyHistogram& histogram) {
+    return std::all_of(
+        histogram.energy.begin(), histogram.energy.end(), [](const audio::Spectrum& energies) {
+            return std::all_of(
+                energies.begin(), energies.end(), [](double energy) { return energy == 0.0; });
+        });
 }
 
 }  // namespace
@@ -99,9 +108,10 @@ struct Simulator::State {
     void move_geometry(Executor& executor);
     void update_tree(bool same_triangles, Executor& executor);
     void describe_facets();
-    std::vector<audio::EnergyHistogram> late_sound(const Vec3& source,
-                                                   std::span<const Vec3> to,
-                                                   Executor& executor) const;
+    LateEnergy late_sound(const RaySource& source,
+                          std::span<const Vec3> to,
+                          Executor& executor) const;
+    void radiate(const RaySource& source, Path& path) const;
     bool is_wanted(const Path& path) const;
     Path describe(const frustum::SpecularPath& specular) const;
 };
@@ -153,9 +163,9 @@ void Simulator::State::describe_facets() {
     }
 }
 
-std::vector<audio::EnergyHistogram> Simulator::State::late_sound(const Vec3& source,
-                                                                 std::span<const Vec3> to,
-                                                                 Executor& executor) const {
+LateEnergy Simulator::State::late_sound(const RaySource& source,
+                                        std::span<const Vec3> to,
+                                        Executor& executor) const {
     const RayScene rays_see = {
         .tree = tree, .mesh = mesh(), .material_of_triangle = labels, .materials = scene.materials};
     RayOptions rays = {.rays = options.rays,
@@ -163,17 +173,38 @@ std::vector<audio::EnergyHistogram> Simulator::State::late_sound(const Vec3& sou
                        .specular_order = options.specular_order,
                        .bands = options.bands,
                        .air = options.air,
-                       .air_absorption = options.air_absorption};
+                       .air_absorption = options.air_absorption,
+                       .transmission = options.transmission,
+                       .tells_directions = options.late_directions};
     rays.length = options.late_length > 0.0 ? options.late_length
                                             : late_length(rays_see, source, rays, executor);
-    return trace_late_rays(rays_see, source, to, rays, executor).listeners;
+    LateEnergy late = trace_late_rays(rays_see, source, to, rays, executor);
+    for (audio::EnergyHistogram& histogram : late.listeners) {
+        histogram.is_whole = options.late_length == 0.0;
+        if (is_silent(histogram)) {
+            histogram = {};
+        }
+    }
+    return late;
+}
+
+// What the source sends into the path's first leg.
+void Simulator::State::radiate(const RaySource& source, Path& path) const {
+    if (source.directivity.is_omnidirectional()) {
+        return;
+    }
+    const audio::Spectrum sent =
+        source.directivity.pressure(options.bands, source.pose.seen_from(path.departure));
+    for (std::size_t band = 0; band < options.bands.count(); ++band) {
+        path.pressure[band] *= sent[band];
+    }
 }
 
 bool Simulator::State::is_wanted(const Path& path) const {
     return path.length > 0.0 &&
            std::any_of(path.pressure.begin(),
                        path.pressure.begin() + static_cast<std::ptrdiff_t>(options.bands.count()),
-                       [&](double p) { return p >= least_pressure; });
+                       [&](double p) { return std::abs(p) >= least_pressure; });
 }
 
 void Simulator::State::update_tree(bool same_triangles, Executor& executor) {
@@ -251,13 +282,17 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
     }
     if (!finder || finder->reach() < reach) {
         constexpr double kRoomToMove = 4.0;
+        double loudest = 1.0;
+        for (const Emitter& source : scene.sources) {
+            loudest = std::max(loudest, source.directivity.loudest());
+        }
         const frustum::TraceOptions trace_options = {
             .max_order = options.specular_order,
             .mode = options.mode,
             .resolution = options.resolution,
             .max_length = options.max_length,
             // Air only takes; the last word is is_wanted().
-            .least_pressure = kRoom * least_pressure};
+            .least_pressure = kRoom * least_pressure / loudest};
         sources.clear();
         listeners.reset();
         finder.emplace(surroundings(),
@@ -314,14 +349,19 @@ std::vector<PairResult> Simulator::run(Executor& executor) {
                              .paths = {},
                              .late = {}});
         }
+        const Emitter& emitter = state.scene.sources[source];
+        const RaySource sender = {.pose = state.scene.pose_at(emitter, state.time),
+                                  .directivity = emitter.directivity};
         if (state.options.rays > 0) {
-            auto late = state.late_sound(sources[source], listeners, executor);
+            LateEnergy late = state.late_sound(sender, listeners, executor);
             for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
-                pairs[first + listener].late = std::move(late[listener]);
+                pairs[first + listener].late = std::move(late.listeners[listener]);
+                pairs[first + listener].volume_in_sight = late.volume_in_sight;
             }
         }
         for (const frustum::SpecularPath& specular : trace.paths) {
             Path path = state.describe(specular);
+            state.radiate(sender, path);
             if (state.is_wanted(path)) {
                 pairs[first + specular.listener].paths.push_back(std::move(path));
             }
@@ -345,9 +385,14 @@ const frustum::TraceStatistics& Simulator::statistics() const noexcept {
 std::vector<audio::Arrival> arrivals_of(const PairResult& pair) {
     std::vector<audio::Arrival> arrivals;
     for (const Path& path : pair.paths) {
-        arrivals.push_back({.delay = path.delay,
-                            .pressure = path.pressure,
-                            .direction = {path.arrival.x, path.arrival.y, path.arrival.z}});
+        audio::Arrival& arrival = arrivals.emplace_back(
+            audio::Arrival{.delay = path.delay,
+                           .pressure = path.pressure,
+                           .direction = {path.arrival.x, path.arrival.y, path.arrival.z}});
+        arrival.is_inverted = path.pressure[0] < 0.0;
+        for (double& pressure : arrival.pressure) {
+            pressure = std::abs(pressure);
+        }
     }
     return arrivals;
 }

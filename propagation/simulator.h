@@ -27,12 +27,13 @@ struct Options {
     /// Longer paths are left out, metres.
     double max_length = std::numeric_limits<double>::infinity();
     /// Paths are left out whose loudest band is fainter, in decibels re the source's free field at
-    /// 1 m.
+    /// 1 m in front.
     double min_level_db = -std::numeric_limits<double>::infinity();
     /// For late sound; 0: none. See RayOptions.
     std::size_t rays = 0;
     std::uint64_t seed = 1;
     double late_length = 0.0;  ///< seconds; 0: as long as the decay, see propagation::late_length
+    bool late_directions = false;  ///< tell where late sound comes from
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
     /// does not. Costs memory and changes no result.
     bool keeps_traces = false;
@@ -54,7 +55,9 @@ struct Path {
     std::vector<geometry::TriangleId>
         triangles;                         ///< of the scene in file order, one per interaction
     std::vector<std::uint32_t> materials;  ///< index into Scene::materials, one per interaction
-    audio::Spectrum pressure{};     ///< linear amplitude per band, spreading and air included
+    /// Linear amplitude per band, spreading, air and the source's directivity included; negative in
+    /// every band where the source radiates with the other sign.
+    audio::Spectrum pressure{};
     geometry::Vec3 departure{0.0};  ///< unit direction of travel at the source
     geometry::Vec3 arrival{0.0};    ///< unit direction of travel at the listener
 };
@@ -67,6 +70,7 @@ struct PairResult {
     std::vector<Path> paths;   ///< sorted by delay, order, triangles
     /// What arrives besides, past Options::specular_order or scattered; empty without rays.
     audio::EnergyHistogram late{};
+    double volume_in_sight = 0.0;  ///< of the source, cubic metres; see LateEnergy
 };
 
 /// What the scene amounts to at the current time.

@@ -144,6 +144,10 @@ TEST_F(Ir, FramesMakeOneResponsePerInstant) {
                                           "1",
                                           "--frames",
                                           "0:1:0.5",
+                                          "--rays",
+                                          "500",
+                                          "--length",
+                                          "0.5",
                                           "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json paths = json_of("paths.json");
@@ -165,12 +169,121 @@ TEST_F(Ir, FramesMakeOneResponsePerInstant) {
     EXPECT_EQ(numbered, 3 * listeners);
 
     // One instant alone gives the same as that instant of the sequence.
-    ASSERT_EQ(
-        run_earshot(
-            {"ir", kScenes + "door.gltf", "-o", out(), "--order", "1", "--time", "0.5", "--quiet"})
-            .status,
-        0);
+    ASSERT_EQ(run_earshot({"ir",
+                           kScenes + "door.gltf",
+                           "-o",
+                           out(),
+                           "--order",
+                           "1",
+                           "--time",
+                           "0.5",
+                           "--rays",
+                           "0"})
+                  .status,
+              0);
     EXPECT_EQ(json_of("paths.json")["pairs"][0], paths["pairs"][listeners]);
+}
+
+/// Sum of squares per channel of a 32-bit float WAV.
+std::vector<double> channel_energies(const fs::path& file) {
+    const std::string wav = read_file(file);
+    std::uint16_t channels = 0;
+    std::memcpy(&channels, wav.data() + 22, sizeof channels);
+    std::vector<double> energies(channels);
+    const std::size_t begin = wav.find("data") + 8;
+    for (std::size_t n = 0; begin + (n + 1) * sizeof(float) <= wav.size(); ++n) {
+        float sample = 0.0F;
+        std::memcpy(&sample, wav.data() + begin + n * sizeof(float), sizeof sample);
+        energies[n % channels] += double{sample} * sample;
+    }
+    return energies;
+}
+
+TEST_F(Ir, TwoEarsHearWhereASourceIs) {
+    const auto ears_looking_at = [&](const std::string& point) {
+        const RunResult result = run_earshot({"ir",
+                                              kScenes + "shoebox.gltf",
+                                              "-o",
+                                              out(),
+                                              "--order",
+                                              "0",
+                                              "--rays",
+                                              "0",
+                                              "--source",
+                                              "a=2,1.5,1",
+                                              "--listener",
+                                              "b=3,1.5,1",
+                                              "--look-at",
+                                              point,
+                                              "--format",
+                                              "binaural"});
+        EXPECT_EQ(result.status, 0) << result.err;
+        return channel_energies(folder_ / "out" / "a__b.wav");
+    };
+    // The source is at -x of the listener.
+    const auto facing_minus_z = ears_looking_at("b=3,1.5,0.5");
+    ASSERT_EQ(facing_minus_z.size(), 2U);
+    EXPECT_GT(facing_minus_z[0], 4.0 * facing_minus_z[1]);
+    const auto facing_plus_z = ears_looking_at("3,1.5,1.5");
+    EXPECT_GT(facing_plus_z[1], 4.0 * facing_plus_z[0]);
+    const Json metrics = json_of("metrics.json")["pairs"].back();
+    EXPECT_EQ(metrics["iacc"].size(), 10U);
+}
+
+TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
+    const RunResult result = run_earshot({"ir",
+                                          kScenes + "shoebox.gltf",
+                                          "-o",
+                                          out(),
+                                          "--order",
+                                          "1",
+                                          "--rays",
+                                          "2000",
+                                          "--format",
+                                          "ambisonic:2",
+                                          "--sofa"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const Json pair = json_of("metrics.json")["pairs"][0];
+    const std::string name =
+        pair["source"].get<std::string>() + "__" + pair["listener"].get<std::string>() + ".wav";
+    const auto energies = channel_energies(folder_ / "out" / name);
+    ASSERT_EQ(energies.size(), 9U);
+    for (const double energy : energies) {
+        EXPECT_GT(energy, 0.01 * energies[0]);
+        EXPECT_LE(energy, energies[0]);
+    }
+    EXPECT_TRUE(pair["lf"][5].is_number());
+    EXPECT_TRUE(pair["t30"][5].is_number());
+    EXPECT_TRUE(pair["energy"]["t30"][5].is_number());
+    EXPECT_GT(pair["schroeder_hz"].get<double>(), 20.0);
+    EXPECT_TRUE(fs::exists(folder_ / "out" / "responses.sofa"));
+}
+
+TEST_F(Ir, ACardioidIsSilentBehind) {
+    const auto level_facing = [&](const std::string& point) {
+        const RunResult result = run_earshot({"ir",
+                                              kScenes + "shoebox.gltf",
+                                              "-o",
+                                              out(),
+                                              "--order",
+                                              "0",
+                                              "--rays",
+                                              "0",
+                                              "--source",
+                                              "a=2,1.5,1",
+                                              "--listener",
+                                              "b=3,1.5,1",
+                                              "--directivity",
+                                              "a=cardioid",
+                                              "--aim-at",
+                                              point});
+        EXPECT_EQ(result.status, 0) << result.err;
+        return json_of("paths.json")["pairs"].back()["paths"][0]["pressure"][5].get<double>();
+    };
+    const double in_front = level_facing("3,1.5,1");
+    EXPECT_NEAR(in_front, 1.0, 0.01);
+    EXPECT_NEAR(level_facing("2,1.5,2"), 0.5 * in_front, 1e-9);
+    EXPECT_NEAR(level_facing("1,1.5,1"), 0.0, 1e-9);
 }
 
 TEST_F(Ir, ThirdOctavesGiveThirtyOneBands) {
@@ -283,6 +396,12 @@ TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     EXPECT_TRUE(failed_with(with({"--min-level", "loud"}), 2, "--min-level"));
     EXPECT_TRUE(failed_with(with({"--rays", "-1"}), 2, "--rays"));
     EXPECT_TRUE(failed_with(with({"--sample-rate", "0"}), 2, "--sample-rate"));
+    EXPECT_TRUE(failed_with(with({"--format", "quadro"}), 2, "ambisonic:N"));
+    EXPECT_TRUE(failed_with(with({"--format", "ambisonic:6"}), 2, "0 ... 5"));
+    EXPECT_TRUE(failed_with(with({"--look-at", "here"}), 2, "[NAME=]X,Y,Z"));
+    EXPECT_TRUE(failed_with(with({"--look-at", "nobody=1,2,3"}), 1, "nobody"));
+    EXPECT_TRUE(failed_with(with({"--directivity", "heart"}), 1, "cardioid"));
+    EXPECT_TRUE(failed_with(with({"--format", "binaural", "--hrtf", "no.sofa"}), 1, "no.sofa"));
     EXPECT_TRUE(failed_with(with({"--length", "-1"}), 2, "--length"));
     EXPECT_TRUE(failed_with(with({"--bands", "quarter"}), 2, "--bands"));
     EXPECT_TRUE(failed_with(with({"--mode", "guess"}), 2, "--mode"));

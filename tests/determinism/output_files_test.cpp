@@ -67,19 +67,39 @@ void expect_determinism(const std::vector<std::string>& job) {
 const std::string kScenes = EARSHOT_SOURCE_DIR "/scenes/";
 
 TEST(OutputFiles, AreTheSameBytesForARoom) {
-    expect_determinism({kScenes + "classroom.gltf", "--order", "2"});
+    expect_determinism({kScenes + "classroom.gltf",
+                        "--order",
+                        "2",
+                        "--rays",
+                        "2000",
+                        "--format",
+                        "binaural",
+                        "--sofa",
+                        "--length",
+                        "0.5"});
 }
 
 TEST(OutputFiles, AreTheSameBytesForAMovingScene) {
-    expect_determinism({kScenes + "curtain.gltf", "--order", "2", "--frames", "0:0.6:0.3"});
+    expect_determinism({kScenes + "curtain.gltf",
+                        "--order",
+                        "2",
+                        "--rays",
+                        "500",
+                        "--length",
+                        "0.3",
+                        "--frames",
+                        "0:0.6:0.3"});
 }
 
 // A refitted hierarchy (the second frame of the sequence) and a freshly built one (that frame
 // alone) give the same paths and the same sound.
 TEST(OutputFiles, DoNotDependOnTheFramesBefore) {
     const Files sequence =
-        output_of({kScenes + "curtain.gltf", "--order", "2"}, {"--frames", "0:0.6:0.3"});
-    const Files alone = output_of({kScenes + "curtain.gltf", "--order", "2"}, {"--time", "0.6"});
+        output_of({kScenes + "curtain.gltf", "--order", "2", "--rays", "500", "--length", "0.3"},
+                  {"--frames", "0:0.6:0.3"});
+    const Files alone =
+        output_of({kScenes + "curtain.gltf", "--order", "2", "--rays", "500", "--length", "0.3"},
+                  {"--time", "0.6"});
     int compared = 0;
     for (const auto& [name, bytes] : alone) {
         if (name.ends_with(".wav")) {

@@ -277,7 +277,9 @@ TEST(Gltf, SourcesAndListenersRideOnTheirNodes) {
     ASSERT_EQ(scene.sources.size(), 2U);
     ASSERT_EQ(scene.listeners.size(), 1U);
     EXPECT_EQ(scene.sources[0].name, "speaker");
-    EXPECT_EQ(scene.sources[0].directivity, "cardioid");
+    EXPECT_NEAR(
+        scene.sources[0].directivity.pressure(audio::Bands::octaves(), {-1, 0, 0})[0], 0.0, 1e-15);
+    EXPECT_EQ(scene.sources[1].directivity.pressure(audio::Bands::octaves(), {-1, 0, 0})[0], 1.0);
     EXPECT_EQ(scene.position_at(scene.sources[0], 0.0), Vec3(1.0, 2.0, 3.0));
     EXPECT_EQ(scene.sources[1].name, "radio");
     EXPECT_EQ(scene.listeners[0].name, "ear");

@@ -18,8 +18,8 @@ struct Fixture {
         scene.name = "a \"b\".gltf";
         scene.materials.resize(2);
         scene.materials[1].name = "br\xffick";  // not UTF-8
-        scene.sources = {{.name = "s", .node = -1, .position = {}, .directivity = {}}};
-        scene.listeners = {{.name = "l", .node = -1, .position = {}, .directivity = {}}};
+        scene.sources = {{.name = "s", .node = -1, .position = {}}};
+        scene.listeners = {{.name = "l", .node = -1, .position = {}}};
     }
 };
 

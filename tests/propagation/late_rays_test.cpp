@@ -92,6 +92,10 @@ double eyring_time(const BoxRoom& room, double absorption, double path_variance)
     return 24.0 * std::log(10.0) / 343.2 * room.volume() / (room.surface() * corrected);
 }
 
+RaySource source_at(const Vec3& position) {
+    return {.pose = {.position = position}};
+}
+
 RayOptions options_for(double length) {
     return {.length = length, .air_absorption = false};
 }
@@ -101,7 +105,7 @@ TEST(LateRays, TheEnergyThatLeftTheSourceIsAccountedFor) {
     const std::vector<Vec3> listeners = {{3, 1.5, 2.5}};
     RayOptions options = options_for(0.4);
     options.rays = 3000;
-    const LateEnergy late = trace_late_rays(room.scene(), {1, 1, 1}, listeners, options);
+    const LateEnergy late = trace_late_rays(room.scene(), source_at({1, 1, 1}), listeners, options);
     const EnergyBalance& balance = late.balance;
     EXPECT_NEAR(balance.emitted[kBand], 4.0 * kPi, 1e-10);
     EXPECT_EQ(balance.escaped[kBand], 0.0);
@@ -124,7 +128,7 @@ TEST(LateRays, DiffuseRoomsDecayAsEyringAndKuttruffSay) {
             const double expected = eyring_time(room, absorption, test.path_variance);
             const std::vector<Vec3> listeners = {0.6 * test.size};
             const LateEnergy late = trace_late_rays(
-                room.scene(), 0.3 * test.size, listeners, options_for(1.2 * expected));
+                room.scene(), source_at(0.3 * test.size), listeners, options_for(1.2 * expected));
             EXPECT_NEAR(decay_time(late.listeners[0]) / expected, 1.0, test.tolerance)
                 << absorption;
         }
@@ -170,7 +174,7 @@ TEST(LateRays, MirrorsAloneGiveTheEnergyOfTheImagesPastTheOrderOfExactPaths) {
     options.rays = 60000;
     options.specular_order = 3;
     const LateEnergy late =
-        trace_late_rays(room.scene(), source, std::vector<Vec3>{listener}, options);
+        trace_late_rays(room.scene(), source_at(source), std::vector<Vec3>{listener}, options);
     const std::vector<double> found = energies(late.listeners[0]);
     for (const auto& [from, to] : {std::pair(0.0, 0.05), {0.05, 0.1}, {0.1, 0.2}, {0.2, 0.3}}) {
         const double sum = std::accumulate(found.begin() + std::lround(from / options.bin),
@@ -191,7 +195,8 @@ TEST(LateRays, ErrorsTellHowFarRunsWithOtherSeedsDiffer) {
         RayOptions options = options_for(0.1);
         options.bin = 0.01;
         options.seed = seed;
-        const LateEnergy late = trace_late_rays(room.scene(), {1, 1, 1}, listeners, options);
+        const LateEnergy late =
+            trace_late_rays(room.scene(), source_at({1, 1, 1}), listeners, options);
         const double energy = late.listeners[0].energy[kBin][kBand];
         sum += energy / kSeeds;
         squares += energy * energy / kSeeds;
@@ -211,7 +216,7 @@ TEST(LateRays, TheResultDoesNotDependOnTheThreads) {
     const auto digest_of = [&](int threads) {
         Executor executor(threads);
         const LateEnergy late =
-            trace_late_rays(room.scene(), {1, 1, 1}, listeners, options, executor);
+            trace_late_rays(room.scene(), source_at({1, 1, 1}), listeners, options, executor);
         Digest digest;
         for (const auto& histogram : late.listeners) {
             for (std::size_t n = 0; n < histogram.energy.size(); ++n) {
@@ -229,12 +234,12 @@ TEST(LateRays, TheResultDoesNotDependOnTheThreads) {
 TEST(LateRays, RefusesOptionsOutOfRange) {
     const BoxRoom room({5, 3, 4}, 0.2, 0.3);
     const auto attempt = [&](const RayOptions& options) {
-        trace_late_rays(room.scene(), {1, 1, 1}, {}, options);
+        trace_late_rays(room.scene(), source_at({1, 1, 1}), {}, options);
     };
     EXPECT_THROW(attempt({.rays = 0}), Error);
     EXPECT_THROW(attempt({.length = -1.0}), Error);
     EXPECT_THROW(attempt({.bin = 0.0}), Error);
-    EXPECT_THROW(attempt({.receiver_radius = 0.0}), Error);
+    EXPECT_THROW(attempt({.receiver_radius = -1.0}), Error);
 }
 
 }  // namespace

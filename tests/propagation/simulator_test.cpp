@@ -43,8 +43,8 @@ Scene box_scene() {
     scene.materials[1].name = "floor";
     scene.materials[1].absorption = EnergyCoefficient(0.36);
     scene.materials[1].scattering = EnergyCoefficient(0.75);
-    scene.sources = {{.name = "s", .node = -1, .position = {1, 1, 1}, .directivity = {}}};
-    scene.listeners = {{.name = "l", .node = -1, .position = {4, 2, 3}, .directivity = {}}};
+    scene.sources = {{.name = "s", .node = -1, .position = {1, 1, 1}}};
+    scene.listeners = {{.name = "l", .node = -1, .position = {4, 2, 3}}};
     scene.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
     return scene;
 }
@@ -149,9 +149,9 @@ TEST(Simulator, TimesMayBeVisitedInAnyOrder) {
     scene.mesh = geometry::AnimatedMesh({node}, {}, {part}, wall.triangles);
     scene.materials.resize(1);
     scene.material_of_triangle = {0, 0};
-    scene.sources = {{.name = "s", .node = -1, .position = {-3, 0, 0}, .directivity = {}}};
-    scene.listeners = {{.name = "l", .node = -1, .position = {3, 1, 0}, .directivity = {}},
-                       {.name = "m", .node = 0, .position = {3, 1, 0}, .directivity = {}}};
+    scene.sources = {{.name = "s", .node = -1, .position = {-3, 0, 0}}};
+    scene.listeners = {{.name = "l", .node = -1, .position = {3, 1, 0}},
+                       {.name = "m", .node = 0, .position = {3, 1, 0}}};
     Simulator simulator(scene, {.specular_order = 1});
     const auto paths_at = [&](double time) {
         simulator.set_time(time);
@@ -199,7 +199,7 @@ void expect_same(const std::vector<PairResult>& a, const std::vector<PairResult>
 
 TEST(Simulator, KeptTracesFollowSourcesAndListenersThatMove) {
     Scene scene = box_scene();
-    scene.sources.push_back({.name = "t", .position = {5, 1, 2}, .directivity = {}});
+    scene.sources.push_back({.name = "t", .position = {5, 1, 2}});
     Simulator keeping(scene, {.specular_order = 3, .keeps_traces = true});
     for (int step = 0; step < 6; ++step) {
         if (step % 2 == 1) {

@@ -38,8 +38,8 @@ propagation::Scene scene_of(const Room& room, const Vec3& source, const Vec3& li
     }
     scene.material_of_triangle = room.labels;
     scene.mesh = geometry::AnimatedMesh::fixed(room.mesh);
-    scene.sources = {{.name = "s", .node = -1, .position = source, .directivity = {}}};
-    scene.listeners = {{.name = "l", .node = -1, .position = listener, .directivity = {}}};
+    scene.sources = {{.name = "s", .node = -1, .position = source}};
+    scene.listeners = {{.name = "l", .node = -1, .position = listener}};
     return scene;
 }
 

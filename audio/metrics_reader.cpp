@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/audio/internal/metrics_reader.h"
+
+#include "earshot/base/math.h"
+
+#include <cmath>
+
+namespace earshot::audio {
+
+namespace {
+
+constexpr double kReferenceEnergy = 0.01;  // free field at 10 m, pressure 1 at 1 m
+constexpr double kLeastLateEnergy = 1e-6;  // of all: below it a clarity is that of the filter
+constexpr double kSpeechLimit = 0.05;      // seconds
+constexpr double kMusicLimit = 0.08;       // seconds
+constexpr double kLeastSpeechHz = 90.0;
+constexpr double kMostSpeechHz = 11000.0;
+
+std::string in_ms(double time) {
+    return std::to_string(std::lround(1000.0 * time)) + " ms";
+}
+
+// First moment of the energy about the onset, seconds.
+double centre_of(std::span<const double> squared, std::size_t onset, double sample_rate) {
+    double energy = 0.0;
+    double moment = 0.0;
+    for (std::size_t n = 0; n < squared.size(); ++n) {
+        energy += squared[n];
+        moment += squared[n] * (static_cast<double>(n) - static_cast<double>(onset));
+    }
+    return moment / energy / sample_rate;
+}
+
+}  // namespace
+
+std::string band_name(const Bands& bands, std::size_t band) {
+    std::string text = std::to_string(bands.nominal_hz()[band]);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') {
+        text.pop_back();
+    }
+    return text + " Hz";
+}
+
+void MetricsReader::note_extent(double after_onset) {
+    const std::string too_short = ": the response ends within ";
+    if (after_onset < kSpeechLimit) {
+        notes_.push_back("c50, d50" + too_short + in_ms(kSpeechLimit) + " of the direct sound");
+    }
+    if (after_onset < kMusicLimit) {
+        notes_.push_back("c80, ts, g" + too_short + in_ms(kMusicLimit) + " of the direct sound");
+    }
+}
+
+void MetricsReader::read_times(const DecayCurve& curve,
+                               const BandDecay& decay,
+                               std::size_t band,
+                               BandMetrics& out) {
+    const std::string name = band_name(bands_, band);
+    bool ends_early = false;
+    const auto time = [&](const DecayRange& range) -> std::optional<double> {
+        constexpr int kRoomDb = 10;
+        if (decay.noise.energy > 0.0 && decay.noise.depth_db < range.to_db + kRoomDb) {
+            notes_.push_back(std::string(range.name) + " at " + name + ": noise " +
+                             std::to_string(std::lround(decay.noise.depth_db)) +
+                             " dB below the decay's start, " +
+                             std::to_string(range.to_db + kRoomDb) + " dB needed");
+            return std::nullopt;
+        }
+        const DecayCurve::Reading reading = curve.read(range, decay.bandwidth_hz, decay.is_whole);
+        ends_early = ends_early || reading.ends_early;
+        if (!reading.time) {
+            notes_.push_back(std::string(range.name) + " at " + name + ": " + reading.why_not);
+        }
+        return reading.time;
+    };
+    out.early_decay_time = time(kEarlyDecay);
+    out.reverberation_time_t20 = time(kT20);
+    out.reverberation_time_t30 = time(kT30);
+    any_ends_early_ |= ends_early;
+    speech_ends_early_ |= ends_early && bands_.upper_edge_hz(band) > kLeastSpeechHz &&
+                          bands_.lower_edge_hz(band) < kMostSpeechHz;
+}
+
+// Ratio of the energy before and after the limit.
+std::optional<double> MetricsReader::clarity_db(const DecayCurve& curve,
+                                                double limit,
+                                                const std::string& name_and_band) {
+    const double late = curve.energy_from(limit);
+    if (late < kLeastLateEnergy * curve.energy()) {
+        notes_.push_back(name_and_band + ": no energy after " + in_ms(limit));
+        return std::nullopt;
+    }
+    return 10.0 * math::log10((curve.energy() - late) / late);
+}
+
+BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
+    const DecayCurve curve(decay.squared, decay.onset, decay.sample_rate, decay.noise.beyond);
+    const std::string at_band = " at " + band_name(bands_, band);
+    BandMetrics out;
+    read_times(curve, decay, band, out);
+    if (decay.after_onset >= kSpeechLimit) {
+        out.clarity_c50_db = clarity_db(curve, kSpeechLimit, "c50" + at_band);
+        out.definition_d50 = 1.0 - curve.energy_from(kSpeechLimit) / curve.energy();
+    }
+    if (decay.after_onset >= kMusicLimit) {
+        out.clarity_c80_db = clarity_db(curve, kMusicLimit, "c80" + at_band);
+        out.centre_time = centre_of(decay.squared, decay.onset, decay.sample_rate);
+        out.strength_db = 10.0 * math::log10(curve.energy() / (kReferenceEnergy * decay.reference));
+    }
+    return out;
+}
+
+bool MetricsReader::note_early_ends() {
+    if (any_ends_early_) {
+        notes_.emplace_back(
+            "c50, c80, d50, ts, g: of the response as it is, which ends before its decay does");
+    }
+    if (speech_ends_early_) {
+        notes_.emplace_back("sti: the response ends before its decay does");
+    }
+    return speech_ends_early_;
+}
+
+}  // namespace earshot::audio

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/emitter_options.h"
+
+#include "earshot/cli/values.h"
+#include "earshot/io/directivity_file.h"
+
+#include <algorithm>
+
+namespace earshot::cli {
+namespace {
+
+using propagation::Emitter;
+
+std::vector<NamedPoint> parse_points(const CLI::App& app,
+                                     const std::string& option,
+                                     const std::vector<std::string>& texts) {
+    std::vector<NamedPoint> points;
+    for (const std::string& text : texts) {
+        const auto point = parse_named_point(text);
+        if (!point) {
+            throw wrong_usage(app, option, "'" + text + "' is not of the form [NAME=]X,Y,Z");
+        }
+        points.push_back(*point);
+    }
+    return points;
+}
+
+geometry::Vec3 position_of(const NamedPoint& point) {
+    return {point.position[0], point.position[1], point.position[2]};
+}
+
+/// Points of the command line stand beside the scene's; one of the same name replaces it.
+void place(const std::vector<NamedPoint>& points,
+           const std::string& role,
+           std::vector<Emitter>& emitters) {
+    std::size_t unnamed = 0;
+    for (const NamedPoint& point : points) {
+        const Emitter emitter = {
+            .name = point.name.empty() ? role + std::to_string(++unnamed) : point.name,
+            .node = -1,
+            .position = position_of(point)};
+        const auto same = std::find_if(emitters.begin(), emitters.end(), [&](const Emitter& e) {
+            return e.name == emitter.name;
+        });
+        if (same != emitters.end()) {
+            *same = emitter;
+        } else {
+            emitters.push_back(emitter);
+        }
+    }
+}
+
+/// Calls `change` for the emitter of that name, for all if there is no name.
+template <class Change>
+void change_named(const std::string& name,
+                  const std::string& option,
+                  std::vector<Emitter>& emitters,
+                  const Change& change) {
+    bool found = false;
+    for (Emitter& emitter : emitters) {
+        if (name.empty() || emitter.name == name) {
+            change(emitter);
+            found = true;
+        }
+    }
+    if (!found) {
+        throw Error(option, "the scene has no \"" + name + "\"", "check the name");
+    }
+}
+
+void turn(const std::vector<NamedPoint>& points,
+          const std::string& option,
+          std::vector<Emitter>& emitters) {
+    for (const NamedPoint& point : points) {
+        change_named(point.name, option, emitters, [&](Emitter& emitter) {
+            emitter.looks_at = position_of(point);
+        });
+    }
+}
+
+void require(const std::vector<Emitter>& emitters,
+             const std::string& role,
+             const std::string& scene_file) {
+    if (emitters.empty()) {
+        throw Error(scene_file, "the scene has no " + role, "give one with --" + role + " X,Y,Z");
+    }
+}
+
+}  // namespace
+
+void EmitterOptions::add_to(CLI::App& app) {
+    add_repeatable(app, "--source", sources_, "a source at [NAME=]X,Y,Z in metres");
+    add_repeatable(app, "--listener", listeners_, "a listener at [NAME=]X,Y,Z in metres");
+    add_repeatable(app,
+                   "--directivity",
+                   directivities_,
+                   "[NAME=]PATTERN of a source (of all): omni, subcardioid, cardioid, "
+                   "supercardioid, hypercardioid, figure-of-eight or a .csv file of levels");
+    add_repeatable(
+        app, "--aim-at", aims_, "[NAME=]X,Y,Z: the point that a source (every source) faces");
+    add_repeatable(
+        app, "--look-at", looks_, "[NAME=]X,Y,Z: the point that a listener (every one) faces");
+}
+
+void EmitterOptions::apply(const CLI::App& app,
+                           const std::string& scene_file,
+                           propagation::Scene& scene) const {
+    const auto sources = parse_points(app, "--source", sources_);
+    const auto listeners = parse_points(app, "--listener", listeners_);
+    const auto aims = parse_points(app, "--aim-at", aims_);
+    const auto looks = parse_points(app, "--look-at", looks_);
+    place(sources, "source", scene.sources);
+    place(listeners, "listener", scene.listeners);
+    require(scene.sources, "source", scene_file);
+    require(scene.listeners, "listener", scene_file);
+    turn(aims, "--aim-at", scene.sources);
+    turn(looks, "--look-at", scene.listeners);
+    for (const std::string& text : directivities_) {
+        const std::size_t equals = text.find('=');
+        const bool is_named = equals != std::string::npos;
+        const auto directivity =
+            io::directivity_named(is_named ? text.substr(equals + 1) : text, "", "--directivity");
+        change_named(is_named ? text.substr(0, equals) : "",
+                     "--directivity",
+                     scene.sources,
+                     [&](Emitter& emitter) { emitter.directivity = directivity; });
+    }
+}
+
+}  // namespace earshot::cli
