@@ -24,6 +24,7 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kGoldenRatio = 1.618033988749895;
 
 // A ray is played for when it is this faint; the odds keep the mean.
+constexpr std::uint64_t kDice = 5;  // thrown at a bounce
 constexpr double kFaint = 1e-7;
 constexpr double kSurvival = 0.5;
 
@@ -259,7 +260,7 @@ bool RayTracer::reflect(const geometry::Hit& hit,
                         EnergyBalance& balance) const {
     const Surface& surface = surfaces_[scene_.material_of_triangle[hit.triangle]];
     const auto dice = [&](std::uint64_t k) {
-        return random(options_.seed, 4 * bounce + k + 1, path.id);
+        return random(options_.seed, kDice * bounce + k + 1, path.id);
     };
     const bool is_back = glm::dot(normals_[hit.triangle], ray.direction) > 0.0;
     const Vec3 normal = is_back ? -normals_[hit.triangle] : normals_[hit.triangle];
@@ -284,10 +285,12 @@ bool RayTracer::reflect(const geometry::Hit& hit,
         balance.absorbed[band] += surface.absorbed[band] * energy[band];
     }
     const Vec3 lifted = ray.origin + lift_ * normal;
-    if (scattered > 0.0) {
+    // Little that is scattered is heard seldom, and then as the more.
+    const double heard = std::sqrt(scattered / total);
+    if (dice(4) < heard) {
         rain.drops.push_back({lifted, normal, path.travelled});
         for (std::size_t band = 0; band < bands_; ++band) {
-            rain.energy.push_back(surface.scattered[band] * energy[band]);
+            rain.energy.push_back(surface.scattered[band] * energy[band] / heard);
         }
     }
     // The chances are the means'; a band that differs from them changes its weight.
