@@ -23,18 +23,6 @@ constexpr const char* kRemedy = "give azimuth,elevation,125,250,... and a line p
     throw Error(file.string() + ": " + lines.name(), what, kRemedy);
 }
 
-std::vector<std::string_view> cells_of(std::string_view line) {
-    std::vector<std::string_view> cells;
-    while (true) {
-        const std::size_t comma = line.find(',');
-        cells.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos) {
-            return cells;
-        }
-        line.remove_prefix(comma + 1);
-    }
-}
-
 std::vector<double> numbers_of(const std::vector<std::string_view>& cells,
                                std::size_t from,
                                const std::filesystem::path& file,

@@ -64,4 +64,16 @@ std::optional<std::int64_t> to_integer(std::string_view word) noexcept {
     return parse<std::int64_t>(word);
 }
 
+std::vector<std::string_view> cells_of(std::string_view line) {
+    std::vector<std::string_view> cells;
+    while (true) {
+        const std::size_t comma = line.find(',');
+        cells.push_back(trimmed(line.substr(0, comma)));
+        if (comma == std::string_view::npos) {
+            return cells;
+        }
+        line.remove_prefix(comma + 1);
+    }
+}
+
 }  // namespace earshot::io
