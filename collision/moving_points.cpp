@@ -171,12 +171,40 @@ double largest_share(const Holds& holds) {
     return least;
 }
 
+/// Closes in on a simple change of sign by Newton's method, and takes the place if its neighbours
+/// prove it. Nothing if they do not.
+std::optional<double> newton_change(const Bends<4>& volume, double narrow) {
+    const auto& b = volume.b;
+    const std::array<double, 3> slopes{
+        3.0 * (b[1] - b[0]), 3.0 * (b[2] - b[1]), 3.0 * (b[3] - b[2])};
+    double place = b[0] / (b[0] - b[3]);
+    double slope = 0.0;
+    for (int step = 0; step < 6; ++step) {
+        const double rest = 1.0 - place;
+        const double value = rest * rest * (rest * b[0] + 3.0 * place * b[1]) +
+                             place * place * (3.0 * rest * b[2] + place * b[3]);
+        slope = rest * (rest * slopes[0] + 2.0 * place * slopes[1]) + place * place * slopes[2];
+        place = std::clamp(place - value / slope, 0.0, 1.0);
+    }
+    const double room = std::min(narrow, 4.0 * volume.error / std::abs(slope) + 0x1p-46);
+    const double without = place - room;
+    const double until = place + room;
+    const int sign = volume.sign_at_begin();
+    // Comparisons that are false for what is not a number.
+    if (without >= 0.0 && until <= 1.0 && before(volume, without).sign() == sign &&
+        before(volume, until).sign_at_end() == -sign) {
+        return without;
+    }
+    return std::nullopt;
+}
+
 /// Not after the first change of sign, and before it by 2^-40 at most. Nothing if rounding hides
 /// where that is. Precondition: signs at the ends are certain and differ.
 std::optional<double> first_change(Bends<4> volume, double begin, double width) {
     constexpr double kTolerance = 0x1p-40;
-    // Halved until the sign in the middle is not certain.
-    while (width > 0.25 * kTolerance) {
+    // Halved a few times, or until the sign in the middle is not certain.
+    constexpr int kHalvings = 4;
+    for (int i = 0; i < kHalvings; ++i) {
         Bends<4> lower, upper;
         halve(volume, lower, upper);
         if (lower.sign() != 0) {
@@ -188,6 +216,9 @@ std::optional<double> first_change(Bends<4> volume, double begin, double width) 
             break;
         }
         width *= 0.5;
+    }
+    if (const auto without = newton_change(volume, 0.5 * kTolerance / width)) {
+        return std::max(begin, begin + *without * width - 0x1p-52);
     }
     const int sign = volume.sign_at_begin();
     const double without =

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/collision/world.h"
+
+#include "earshot/base/error.h"
+#include "earshot/collision/moving_points.h"
+
+#include <gtest/gtest.h>
+
+#include "support/dice.h"
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+namespace earshot::collision {
+namespace {
+
+using geometry::Triangle;
+using geometry::Vec3;
+using geometry::VertexId;
+using support::Dice;
+
+struct MovingMesh {
+    std::vector<Triangle> triangles;
+    std::vector<Vec3> begin, end;
+};
+
+/// A square of cloth, crumpled: every vertex is somewhere near its place, and moves.
+MovingMesh cloth(int side, double crumple, double height, Dice& dice) {
+    MovingMesh mesh;
+    const auto shaken = [&](const Vec3& p) {
+        return p + crumple * Vec3(dice.between(-1.0, 1.0),
+                                  dice.between(-1.0, 1.0),
+                                  dice.between(-1.0, 1.0));
+    };
+    for (int i = 0; i <= side; ++i) {
+        for (int k = 0; k <= side; ++k) {
+            const Vec3 place(i / double(side), height, k / double(side));
+            mesh.begin.push_back(shaken(place));
+            mesh.end.push_back(shaken(place));
+        }
+    }
+    for (int i = 0; i < side; ++i) {
+        for (int k = 0; k < side; ++k) {
+            const auto corner = static_cast<VertexId>(i * (side + 1) + k);
+            const auto next = corner + static_cast<VertexId>(side) + 1;
+            mesh.triangles.push_back({corner, next, next + 1});
+            mesh.triangles.push_back({corner, next + 1, corner + 1});
+        }
+    }
+    return mesh;
+}
+
+using Found = std::tuple<ContactKind, Element, Element, double>;
+
+Found found(const Contact& contact) {
+    return {contact.kind, contact.a, contact.b, contact.toi};
+}
+
+Element element(std::uint32_t mesh, std::vector<VertexId> vertices) {
+    std::sort(vertices.begin(), vertices.end());
+    Element element{.mesh = mesh, .size = static_cast<std::uint32_t>(vertices.size())};
+    std::copy(vertices.begin(), vertices.end(), element.vertices.begin());
+    return element;
+}
+
+/// Every vertex against every face and every edge against every edge, but for those of one mesh
+/// that share a vertex.
+std::set<Found> brute_force(const std::vector<MovingMesh>& meshes, bool between, bool within) {
+    std::set<Element> vertices, edges, faces;
+    for (std::uint32_t m = 0; m < meshes.size(); ++m) {
+        for (const Triangle& t : meshes[m].triangles) {
+            faces.insert(element(m, {t[0], t[1], t[2]}));
+            for (std::size_t k = 0; k < 3; ++k) {
+                vertices.insert(element(m, {t[k]}));
+                edges.insert(element(m, {t[k], t[(k + 1) % 3]}));
+            }
+        }
+    }
+    const auto test = [&](const Element& a, const Element& b) -> std::optional<double> {
+        if (a.mesh == b.mesh ? !within : !between) {
+            return std::nullopt;
+        }
+        MovingPoints points;
+        std::size_t n = 0;
+        for (const Element* x : {&a, &b}) {
+            for (std::size_t i = 0; i < x->size; ++i) {
+                if (a.mesh == b.mesh && x == &b &&
+                    std::count(a.vertices.begin(), a.vertices.begin() + a.size, b.vertices[i]) >
+                        0) {
+                    return std::nullopt;
+                }
+                points.begin[n] = meshes[x->mesh].begin[x->vertices[i]];
+                points.end[n++] = meshes[x->mesh].end[x->vertices[i]];
+            }
+        }
+        return a.size == 1 ? vertex_face_time(points) : edge_edge_time(points);
+    };
+    std::set<Found> result;
+    for (const Element& vertex : vertices) {
+        for (const Element& face : faces) {
+            if (const auto time = test(vertex, face)) {
+                result.insert({ContactKind::vertex_face, vertex, face, *time});
+            }
+        }
+    }
+    for (const Element& a : edges) {
+        for (const Element& b : edges) {
+            if (a < b) {
+                if (const auto time = test(a, b)) {
+                    result.insert({ContactKind::edge_edge, a, b, *time});
+                }
+            }
+        }
+    }
+    return result;
+}
+
+World world_of(const std::vector<MovingMesh>& meshes) {
+    World world;
+    for (const MovingMesh& mesh : meshes) {
+        world.update(world.add_mesh(mesh.triangles, mesh.begin.size()), mesh.begin, mesh.end);
+    }
+    return world;
+}
+
+TEST(World, FindsWhatAllPairsOfElementsFind) {
+    Dice dice(1);
+    for (const double crumple : {0.02, 0.1, 0.3}) {
+        std::vector<MovingMesh> meshes{cloth(7, crumple, 0.0, dice), cloth(5, crumple, 0.05, dice)};
+        // A triangle that stands twice, and one without area.
+        meshes[0].triangles.push_back(meshes[0].triangles[3]);
+        meshes[0].triangles.push_back({4, 4, 9});
+        for (const auto& [between, within] :
+             {std::pair(true, false), {false, true}, {true, true}}) {
+            World world = world_of(meshes);
+            const auto contacts =
+                world.contacts({.between_meshes = between, .within_meshes = within});
+            std::set<Found> set;
+            for (const Contact& contact : contacts) {
+                EXPECT_TRUE(set.insert(found(contact)).second);
+            }
+            EXPECT_EQ(set, brute_force(meshes, between, within)) << crumple;
+            EXPECT_TRUE(std::is_sorted(contacts.begin(), contacts.end()));
+        }
+    }
+}
+
+TEST(World, DoesNotDependOnThreadsAndStepsBefore) {
+    Dice dice(2);
+    std::vector<MovingMesh> meshes{cloth(12, 0.1, 0.0, dice), cloth(12, 0.1, 0.1, dice)};
+    World long_lived = world_of(meshes);
+    const ContactOptions options{.within_meshes = true};
+    for (int step = 0; step < 6; ++step) {
+        for (std::uint32_t m = 0; m < 2; ++m) {
+            meshes[m].begin = meshes[m].end;
+            meshes[m].end = cloth(12, 0.05 + 0.05 * step, 0.1 * m, dice).end;
+            long_lived.update(m, meshes[m].begin, meshes[m].end);
+        }
+        Executor executor(1 + step);
+        const auto contacts = long_lived.contacts(options, executor);
+        World fresh = world_of(meshes);
+        const auto expected = fresh.contacts(options);
+        ASSERT_EQ(contacts.size(), expected.size());
+        ASSERT_FALSE(contacts.empty());
+        for (std::size_t i = 0; i < contacts.size(); ++i) {
+            ASSERT_EQ(found(contacts[i]), found(expected[i]));
+            ASSERT_EQ(contacts[i].point, expected[i].point);
+            ASSERT_EQ(contacts[i].normal, expected[i].normal);
+        }
+    }
+}
+
+/// A triangle that falls onto a floor of two.
+std::vector<MovingMesh> falling_triangle() {
+    MovingMesh floor{{{0, 1, 2}, {0, 2, 3}}, {{-4, 0, -4}, {-4, 0, 4}, {4, 0, 4}, {4, 0, -4}}, {}};
+    floor.end = floor.begin;
+    MovingMesh triangle{{{0, 1, 2}}, {{0.5, 1, 2}, {1.5, 2, 2.5}, {0.5, 2, 3}}, {}};
+    triangle.end = triangle.begin;
+    for (Vec3& point : triangle.end) {
+        point.y -= 1.5;
+    }
+    return {floor, triangle};
+}
+
+TEST(World, SaysWhenAndWhereAndFromWhere) {
+    World world = world_of(falling_triangle());
+    const auto first = world.first_contact();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->kind, ContactKind::vertex_face);
+    EXPECT_EQ(first->a, element(1, {0}));
+    EXPECT_EQ(first->b, element(0, {0, 1, 2}));
+    EXPECT_LE(first->toi, 2.0 / 3.0);
+    EXPECT_NEAR(first->toi, 2.0 / 3.0, 1e-11);
+    EXPECT_NEAR(first->normal.y, 1.0, 1e-12);
+    EXPECT_NEAR(first->point.x, 0.5, 1e-12);
+    EXPECT_NEAR(first->point.y, 0.0, 1e-10);
+    EXPECT_FALSE(world.first_contact({.between_meshes = false, .within_meshes = true}));
+    EXPECT_FALSE(
+        world.first_contact({.filter = [](std::uint32_t, std::uint32_t) { return false; }}));
+    const auto near = world.first_contact({.least_separation = 0.15, .tolerance = 1e-3});
+    ASSERT_TRUE(near);
+    EXPECT_LE(near->toi, 0.85 / 1.5);
+    EXPECT_GT(near->toi, 0.8 / 1.5);
+}
+
+TEST(World, RefusesWhatIsNoMeshAndIsEmptyWithoutOne) {
+    World world;
+    EXPECT_TRUE(world.contacts().empty());
+    const std::vector<Triangle> triangles{{0, 1, 7}};
+    EXPECT_THROW(world.add_mesh(triangles, 3), Error);
+    const std::uint32_t mesh = world.add_mesh({}, 1);
+    const std::vector<Vec3> nowhere{Vec3(NAN)};
+    EXPECT_THROW(world.update(mesh, nowhere, nowhere), Error);
+    EXPECT_TRUE(world.contacts().empty());
+}
+
+}  // namespace
+}  // namespace earshot::collision
