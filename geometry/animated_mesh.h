@@ -71,6 +71,7 @@ public:
     static AnimatedMesh fixed(Mesh mesh);
 
     std::size_t vertex_count() const noexcept { return vertex_count_; }
+    const std::vector<Part>& parts() const noexcept { return parts_; }
     const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
     const std::vector<Node>& nodes() const noexcept { return nodes_; }
 
