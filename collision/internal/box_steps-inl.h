@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+//
+// One box against up to eight of another space, for kernels that are compiled once per instruction
+// set (see base/wide_float.h). All tests err to the side of contact.
+
+#include "earshot/base/wide_float.h"
+#include "earshot/bvh/tree.h"
+#include "earshot/collision/internal/relative_pose.h"
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#if defined(EARSHOT_COLLISION_BOX_STEPS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_COLLISION_BOX_STEPS_INL_H
+#undef EARSHOT_COLLISION_BOX_STEPS_INL_H
+#else
+#define EARSHOT_COLLISION_BOX_STEPS_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::collision::HWY_NAMESPACE {
+
+using namespace earshot::HWY_NAMESPACE;  // NOLINT: the wide types
+
+// Of each pair on the way down, through two trees, all children but one wait.
+inline constexpr std::size_t kMostWaiting = 2 * (BoxNode::kWidth - 1) * (bvh::kMaxDepth + 2) + 1;
+
+HWY_INLINE std::uint32_t child_of(std::span<const BoxNode> nodes, std::uint32_t place) {
+    return nodes[place / 8].child[place % 8];
+}
+
+/// One box of a node.
+struct Slot {
+    float centre[3], half[3];
+    std::uint32_t child;
+
+    HWY_INLINE Slot(std::span<const BoxNode> nodes, std::uint32_t place) {
+        const BoxNode& node = nodes[place / 8];
+        const std::uint32_t slot = place % 8;
+        for (std::size_t k = 0; k < 3; ++k) {
+            centre[k] = node.centre[k][slot];
+            half[k] = node.half[k][slot];
+        }
+        child = node.child[slot];
+    }
+    bool is_triangle() const { return (child & kTriangleFlag) != 0; }
+    float size() const { return half[0] + half[1] + half[2]; }
+};
+
+/// Whether of a pair a is opened: the larger, if it is no triangle.
+HWY_INLINE bool is_opened_first(const Slot& a, const Slot& b) {
+    return b.is_triangle() || (!a.is_triangle() && a.size() >= b.size());
+}
+
+template <typename Visit>
+HWY_INLINE void for_each_bit(std::uint32_t mask, Visit&& visit) {
+    for (; mask != 0; mask &= mask - 1) {
+        visit(static_cast<std::uint32_t>(std::countr_zero(mask)));
+    }
+}
+
+/// A box as guest of another space, and where it lies from each of a node's boxes.
+struct Guest {
+    Float8 apart[3];  // of centres, along the host's axes
+    Float8 half[3];   // of the hosts
+    float reach[3];   // of the guest along the host's axes, padded
+
+    HWY_INLINE Guest(const BoxNode& node, const Slot& guest, const GuestFrame& frame) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            float centre = frame.origin[k];
+            float sum = frame.padding;
+            for (std::size_t j = 0; j < 3; ++j) {
+                centre += frame.turn[k][j] * guest.centre[j];
+                sum += frame.magnitude[k][j] * guest.half[j];
+            }
+            reach[k] = sum;
+            apart[k] = set8(centre) - load8(node.centre[k]);
+            half[k] = load8(node.half[k]);
+        }
+    }
+
+    /// Component of the distance of centres along the guest's axis j.
+    HWY_INLINE Float8 along(const GuestFrame& frame, std::size_t j) const {
+        Float8 sum = apart[0] * set8(frame.turn[0][j]);
+        sum = multiply_add(apart[1], set8(frame.turn[1][j]), sum);
+        return magnitude(multiply_add(apart[2], set8(frame.turn[2][j]), sum));
+    }
+    /// How far hosts and guest together reach along it.
+    HWY_INLINE Float8 reach_along(const Slot& guest, const GuestFrame& frame, std::size_t j) const {
+        Float8 sum = set8(guest.half[j] + frame.padding);
+        for (std::size_t k = 0; k < 3; ++k) {
+            sum = multiply_add(half[k], set8(frame.magnitude[k][j]), sum);
+        }
+        return sum;
+    }
+};
+
+/// Which boxes of a node may overlap the guest: bit i stands for slot i. Gottschalk, Lin and
+/// Manocha 1996, section 5: the sides of both, then the products of their edges.
+HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
+                                     const Slot& slot,
+                                     const GuestFrame& frame,
+                                     bool is_aligned) {
+    const Guest guest(node, slot, frame);
+    Mask8 mask = first_lanes(node.count);
+    for (std::size_t k = 0; k < 3; ++k) {
+        mask = both(mask, at_most(magnitude(guest.apart[k]), guest.half[k] + set8(guest.reach[k])));
+    }
+    if (is_aligned || bits(mask) == 0) {
+        return bits(mask);
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        mask = both(mask, at_most(guest.along(frame, j), guest.reach_along(slot, frame, j)));
+    }
+    if (bits(mask) == 0) {
+        return 0;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t k1 = (k + 1) % 3;
+        const std::size_t k2 = (k + 2) % 3;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::size_t j1 = (j + 1) % 3;
+            const std::size_t j2 = (j + 2) % 3;
+            const float own = slot.half[j1] * frame.magnitude[k][j2] +
+                              slot.half[j2] * frame.magnitude[k][j1] + frame.padding;
+            const Float8 apart = subtract_product(guest.apart[k1],
+                                                  set8(frame.turn[k2][j]),
+                                                  guest.apart[k2] * set8(frame.turn[k1][j]));
+            const Float8 reach =
+                multiply_add(guest.half[k1],
+                             set8(frame.magnitude[k2][j]),
+                             multiply_add(guest.half[k2], set8(frame.magnitude[k1][j]), set8(own)));
+            mask = both(mask, at_most(magnitude(apart), reach));
+        }
+    }
+    return bits(mask);
+}
+
+/// Which boxes of a node may be within a distance of the guest, given its square, and lower bounds
+/// of their squared distances. The distance along the host's axes, and that along the guest's, is
+/// none above the true one.
+HWY_INLINE std::uint32_t within(const BoxNode& node,
+                                const Slot& slot,
+                                const GuestFrame& frame,
+                                float squared_bound,
+                                float* squares) {
+    const Guest guest(node, slot, frame);
+    const Float8 zero = set8(0.0F);
+    Float8 in_host = zero;
+    Float8 in_guest = zero;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Float8 gap =
+            maximum(zero, magnitude(guest.apart[k]) - (guest.half[k] + set8(guest.reach[k])));
+        in_host = multiply_add(gap, gap, in_host);
+        const Float8 own = maximum(zero, guest.along(frame, k) - guest.reach_along(slot, frame, k));
+        in_guest = multiply_add(own, own, in_guest);
+    }
+    // Takes away what rounding the squares and their sums may have added.
+    const Float8 least = maximum(in_host, in_guest) * set8(1.0F - 0x1p-20F);
+    store8(least, squares);
+    return bits(both(first_lanes(node.count), at_most(least, set8(squared_bound))));
+}
+
+}  // namespace earshot::collision::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
