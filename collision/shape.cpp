@@ -3,9 +3,12 @@
 
 #include "earshot/base/error.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace earshot::collision {
@@ -87,7 +90,83 @@ void set_slot(BoxNode& node, std::size_t slot, const Aabb& box) {
     }
 }
 
+/// Slabs of a hierarchy, from the leaves up.
+class Slabs {
+public:
+    Slabs(const geometry::MeshView& mesh, std::span<BoxNode> nodes) : mesh_(mesh), nodes_(nodes) {
+        triangles_.reserve(mesh.triangles.size());
+        normals_.reserve(mesh.triangles.size());
+    }
+
+    /// Fills the slots of a node and all below.
+    void fill(std::uint32_t index) {
+        BoxNode& node = nodes_[index];
+        for (std::size_t slot = 0; slot < node.count; ++slot) {
+            const std::size_t first = triangles_.size();
+            const std::uint32_t child = node.child[slot];
+            if ((child & kTriangleFlag) == 0) {
+                fill(child);
+            } else {
+                triangles_.push_back(child & ~kTriangleFlag);
+                const Corners t = corners(triangles_.back());
+                normals_.push_back(glm::cross(t[1] - t[0], t[2] - t[0]));
+            }
+            set_slot(node, slot, first);
+        }
+    }
+
+private:
+    using Corners = std::array<geometry::Vec3, 3>;
+
+    Corners corners(geometry::TriangleId id) const {
+        const auto& [a, b, c] = mesh_.triangles[id];
+        return {mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]};
+    }
+
+    /// The slab of all triangles from one on.
+    void set_slot(BoxNode& node, std::size_t slot, std::size_t first) const {
+        geometry::Vec3 sum(0.0);
+        for (std::size_t i = first; i < normals_.size(); ++i) {
+            sum += normals_[i];
+        }
+        const double length = glm::length(sum);
+        geometry::Vec3 normal(0.0);
+        geometry::Vec3 centre(0.0);
+        for (int k = 0; k < 3; ++k) {
+            const auto axis = static_cast<std::size_t>(k);
+            // Not a number, or of a length that underflows: no slab.
+            const double component = sum[k] / length;
+            node.normal[axis][slot] =
+                std::abs(component) <= 1.0 ? static_cast<float>(component) : 0.0F;
+            normal[k] = static_cast<double>(node.normal[axis][slot]);
+            centre[k] = static_cast<double>(node.centre[axis][slot]);
+        }
+        double low = std::numeric_limits<double>::infinity();
+        double high = -low;
+        for (std::size_t i = first; i < triangles_.size(); ++i) {
+            for (const geometry::Vec3& corner : corners(triangles_[i])) {
+                const double height = glm::dot(normal, corner - centre);
+                low = std::min(low, height);
+                high = std::max(high, height);
+            }
+        }
+        const auto middle = static_cast<float>(0.5 * (low + high));
+        node.slab_centre[slot] = middle;
+        node.slab_half[slot] = geometry::round_up(
+            std::max(high - static_cast<double>(middle), static_cast<double>(middle) - low));
+    }
+
+    const geometry::MeshView& mesh_;
+    std::span<BoxNode> nodes_;
+    std::vector<geometry::TriangleId> triangles_;  // in the order of the leaves, and theirs:
+    std::vector<geometry::Vec3> normals_;          // twice the areas long
+};
+
 }  // namespace
+
+void Shape::set_slabs() {
+    Slabs(mesh_, {nodes_.data(), nodes_.size()}).fill(0);
+}
 
 Shape Shape::build(const geometry::MeshView& mesh,
                    const bvh::BuildOptions& options,
@@ -100,6 +179,7 @@ Shape Shape::build(const geometry::MeshView& mesh,
     if (!tree.nodes().empty()) {
         Collapse(tree, shape.nodes_).place_all();
         shape.set_boxes();
+        shape.set_slabs();
     }
     return shape;
 }
@@ -108,6 +188,7 @@ void Shape::refit(const geometry::MeshView& mesh) {
     mesh_ = mesh;
     if (!nodes_.empty()) {
         set_boxes();
+        set_slabs();
     }
 }
 

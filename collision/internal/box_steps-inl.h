@@ -9,8 +9,10 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #if defined(EARSHOT_COLLISION_BOX_STEPS_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -35,6 +37,7 @@ HWY_INLINE std::uint32_t child_of(std::span<const BoxNode> nodes, std::uint32_t 
 /// One box of a node.
 struct Slot {
     float centre[3], half[3];
+    float normal[3], slab_centre, slab_half;
     std::uint32_t child;
 
     HWY_INLINE Slot(std::span<const BoxNode> nodes, std::uint32_t place) {
@@ -43,7 +46,10 @@ struct Slot {
         for (std::size_t k = 0; k < 3; ++k) {
             centre[k] = node.centre[k][slot];
             half[k] = node.half[k][slot];
+            normal[k] = node.normal[k][slot];
         }
+        slab_centre = node.slab_centre[slot];
+        slab_half = node.slab_half[slot];
         child = node.child[slot];
     }
     bool is_triangle() const { return (child & kTriangleFlag) != 0; }
@@ -86,7 +92,7 @@ struct Guest {
     HWY_INLINE Float8 along(const GuestFrame& frame, std::size_t j) const {
         Float8 sum = apart[0] * set8(frame.turn[0][j]);
         sum = multiply_add(apart[1], set8(frame.turn[1][j]), sum);
-        return magnitude(multiply_add(apart[2], set8(frame.turn[2][j]), sum));
+        return multiply_add(apart[2], set8(frame.turn[2][j]), sum);
     }
     /// How far hosts and guest together reach along it.
     HWY_INLINE Float8 reach_along(const Slot& guest, const GuestFrame& frame, std::size_t j) const {
@@ -97,6 +103,29 @@ struct Guest {
         return sum;
     }
 };
+
+/// Whether no slab parts its owner from the other's box.
+HWY_INLINE Mask8 slabs_overlap(const BoxNode& node,
+                               const Slot& slot,
+                               const Guest& guest,
+                               const GuestFrame& frame) {
+    Float8 on_host = set8(0.0F) - load8(node.slab_centre);
+    Float8 host_reach = load8(node.slab_half) + set8(frame.padding);
+    Float8 on_guest = set8(slot.slab_centre);
+    Float8 guest_reach = set8(slot.slab_half + frame.padding);
+    for (std::size_t k = 0; k < 3; ++k) {
+        on_host = multiply_add(guest.apart[k], load8(node.normal[k]), on_host);
+        const float normal = frame.turn[k][0] * slot.normal[0] +
+                             frame.turn[k][1] * slot.normal[1] + frame.turn[k][2] * slot.normal[2];
+        on_guest = multiply_add(guest.apart[k], set8(normal), on_guest);
+        guest_reach = multiply_add(guest.half[k], set8(std::abs(normal)), guest_reach);
+        Float8 along = load8(node.normal[0]) * set8(frame.turn[0][k]);
+        along = multiply_add(load8(node.normal[1]), set8(frame.turn[1][k]), along);
+        along = multiply_add(load8(node.normal[2]), set8(frame.turn[2][k]), along);
+        host_reach = multiply_add(magnitude(along), set8(slot.half[k]), host_reach);
+    }
+    return both(at_most(magnitude(on_host), host_reach), at_most(magnitude(on_guest), guest_reach));
+}
 
 /// Which boxes of a node may overlap the guest: bit i stands for slot i. Gottschalk, Lin and
 /// Manocha 1996, section 5: the sides of both, then the products of their edges.
@@ -113,8 +142,9 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
         return bits(mask);
     }
     for (std::size_t j = 0; j < 3; ++j) {
-        mask = both(mask, at_most(guest.along(frame, j), guest.reach_along(slot, frame, j)));
+        mask = both(mask, at_most(magnitude(guest.along(frame, j)), guest.reach_along(slot, frame, j)));
     }
+    mask = both(mask, slabs_overlap(node, slot, guest, frame));
     if (bits(mask) == 0) {
         return 0;
     }
@@ -139,9 +169,43 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
     return bits(mask);
 }
 
+/// The host's slab along a direction that differs for each: how far what is in it reaches that way
+/// from the centre of its box. The direction is taken apart into a multiple of the slab's normal and
+/// a rest, for which the box answers.
+HWY_INLINE Float8 reach_of_hosts(const BoxNode& node, const Guest& guest) {
+    const Float8 share = multiply_add(
+        guest.apart[0],
+        load8(node.normal[0]),
+        multiply_add(
+            guest.apart[1], load8(node.normal[1]), guest.apart[2] * load8(node.normal[2])));
+    Float8 reach = multiply_add(
+        share, load8(node.slab_centre), magnitude(share) * load8(node.slab_half));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Float8 rest = subtract_product(share, load8(node.normal[k]), guest.apart[k]);
+        reach = multiply_add(magnitude(rest), guest.half[k], reach);
+    }
+    return reach;
+}
+
+/// The guest's, the other way; `apart` are the components of the direction along its axes.
+HWY_INLINE Float8 reach_of_guest(const Slot& slot, const Float8 (&apart)[3]) {
+    const Float8 share = multiply_add(apart[0],
+                                      set8(slot.normal[0]),
+                                      multiply_add(apart[1],
+                                                   set8(slot.normal[1]),
+                                                   apart[2] * set8(slot.normal[2])));
+    Float8 reach =
+        subtract_product(share, set8(slot.slab_centre), magnitude(share) * set8(slot.slab_half));
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Float8 rest = subtract_product(share, set8(slot.normal[k]), apart[k]);
+        reach = multiply_add(magnitude(rest), set8(slot.half[k]), reach);
+    }
+    return reach;
+}
+
 /// Which boxes of a node may be within a distance of the guest, given its square, and lower bounds
-/// of their squared distances. The distance along the host's axes, and that along the guest's, is
-/// none above the true one.
+/// of their squared distances: the distance along the host's axes, that along the guest's, and the
+/// gap along the line of centres.
 HWY_INLINE std::uint32_t within(const BoxNode& node,
                                 const Slot& slot,
                                 const GuestFrame& frame,
@@ -151,15 +215,29 @@ HWY_INLINE std::uint32_t within(const BoxNode& node,
     const Float8 zero = set8(0.0F);
     Float8 in_host = zero;
     Float8 in_guest = zero;
+    Float8 length_squared = set8(std::numeric_limits<float>::min());
+    Float8 length_bound = zero;
+    Float8 turned[3];
     for (std::size_t k = 0; k < 3; ++k) {
         const Float8 gap =
             maximum(zero, magnitude(guest.apart[k]) - (guest.half[k] + set8(guest.reach[k])));
         in_host = multiply_add(gap, gap, in_host);
-        const Float8 own = maximum(zero, guest.along(frame, k) - guest.reach_along(slot, frame, k));
+        turned[k] = guest.along(frame, k);
+        const Float8 own =
+            maximum(zero, magnitude(turned[k]) - guest.reach_along(slot, frame, k));
         in_guest = multiply_add(own, own, in_guest);
+        length_squared = multiply_add(guest.apart[k], guest.apart[k], length_squared);
+        length_bound = length_bound + magnitude(guest.apart[k]);
     }
+    const Float8 reach = multiply_add(
+        length_bound,
+        set8(2.0F * frame.padding),
+        reach_of_hosts(node, guest) + reach_of_guest(slot, turned));
+    const Float8 gap = maximum(zero, length_squared - reach);
+    const Float8 between = gap * gap / length_squared;
     // Takes away what rounding the squares and their sums may have added.
-    const Float8 least = maximum(in_host, in_guest) * set8(1.0F - 0x1p-20F);
+    const Float8 least =
+        maximum(maximum(in_host, in_guest), between) * set8(1.0F - 0x1p-18F);
     store8(least, squares);
     return bits(both(first_lanes(node.count), at_most(least, set8(squared_bound))));
 }
