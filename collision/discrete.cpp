@@ -6,9 +6,16 @@
 #include "earshot/collision/internal/pair_search.h"
 #include "earshot/collision/triangle_distance.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
+#include <limits>
+#include <utility>
 
 namespace earshot::collision {
+
+using geometry::Vec3;
+
 namespace {
 
 bool is_empty(const Body& body) noexcept {
@@ -53,6 +60,38 @@ std::vector<BoxPair> tasks_of(const BoxPairs& trees) {
     return tasks;
 }
 
+/// Of length 1 within a rounding, or 0.
+Vec3 unit(const Vec3& v) noexcept {
+    const double length = glm::length(v);
+    return length > 0.0 ? v / length : Vec3(0.0);
+}
+
+Vec3 direction_between(const Corners& one, const Corners& other) noexcept {
+    return unit(((other[0] - one[0]) + (other[1] - one[1])) + (other[2] - one[2]));
+}
+
+/// Whether planes across a direction keep triangles more than a distance apart, and
+/// distance_apart() would say so.
+bool are_parted(const Corners& one,
+                const Corners& other,
+                const Vec3& direction,
+                double distance) noexcept {
+    double most = 0.0;
+    double least = std::numeric_limits<double>::infinity();
+    double size = 0.0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 own = one[i] - one[0];
+        const Vec3 apart = other[i] - one[0];
+        most = std::max(most, glm::dot(direction, own));
+        least = std::min(least, glm::dot(direction, apart));
+        size = std::max({size, glm::dot(own, own), glm::dot(apart, apart)});
+    }
+    // The gap is off by less than 2^-50 of the size, distances by less than 2^-42.
+    constexpr double kRounding = 0x1p-40;
+    const double gap = least - most;
+    return gap > distance && (gap - distance) * (gap - distance) > kRounding * kRounding * size;
+}
+
 }  // namespace
 
 bool ContactSearch::add(geometry::TriangleId a, geometry::TriangleId b) {
@@ -72,7 +111,15 @@ bool ContactSearch::add(geometry::TriangleId a, geometry::TriangleId b) {
 }
 
 void DistanceSearch::add(geometry::TriangleId a, geometry::TriangleId b) noexcept {
-    const TriangleDistance here = distance_apart(corners_of(a_, a), corners_of(b_, b));
+    const Corners one = corners_of(a_, a);
+    const Corners other = corners_of(b_, b);
+    // Near the best pair most others are parted by more than its distance in its direction, and
+    // elsewhere in that from one to the other.
+    if (are_parted(one, other, direction_, best.distance) ||
+        are_parted(one, other, direction_between(one, other), best.distance)) {
+        return;
+    }
+    const TriangleDistance here = distance_apart(one, other);
     const TrianglePair pair{a, b};
     if (here.distance < best.distance ||
         (here.distance == best.distance && pair < best.triangles)) {
@@ -81,6 +128,7 @@ void DistanceSearch::add(geometry::TriangleId a, geometry::TriangleId b) noexcep
         // this factor are more.
         constexpr double kGrow = 1.0 + 0x1p-20;
         squared_bound_ = geometry::round_up(kGrow * here.distance * here.distance);
+        direction_ = unit(here.on_other - here.on_one);
     }
 }
 

@@ -15,14 +15,14 @@
 namespace earshot::collision {
 
 /// Up to eight boxes side by side, so that a box meets them in one step. They are stored as centre
-/// and half sides, which is what tests between turned boxes work with. What is in a box also lies in
-/// a slab, whose normal is the mean of the triangles': of a patch of surface it is thin.
+/// and half sides, which is what tests between turned boxes work with. What is in a box also lies
+/// in a slab, whose normal is the mean of the triangles': of a patch of surface it is thin.
 struct alignas(64) BoxNode {
     static constexpr std::size_t kWidth = 8;
 
     float centre[3][kWidth];
     float half[3][kWidth];
-    float normal[3][kWidth];  ///< of the slab; any length up to 1, within a rounding
+    float normal[3][kWidth];    ///< of the slab; any length up to 1, within a rounding
     float slab_centre[kWidth];  ///< along the normal, from the box's centre
     float slab_half[kWidth];
     std::uint32_t child[kWidth];  ///< a node's index, or kTriangleFlag + TriangleId

@@ -115,8 +115,8 @@ HWY_INLINE Mask8 slabs_overlap(const BoxNode& node,
     Float8 guest_reach = set8(slot.slab_half + frame.padding);
     for (std::size_t k = 0; k < 3; ++k) {
         on_host = multiply_add(guest.apart[k], load8(node.normal[k]), on_host);
-        const float normal = frame.turn[k][0] * slot.normal[0] +
-                             frame.turn[k][1] * slot.normal[1] + frame.turn[k][2] * slot.normal[2];
+        const float normal = frame.turn[k][0] * slot.normal[0] + frame.turn[k][1] * slot.normal[1] +
+                             frame.turn[k][2] * slot.normal[2];
         on_guest = multiply_add(guest.apart[k], set8(normal), on_guest);
         guest_reach = multiply_add(guest.half[k], set8(std::abs(normal)), guest_reach);
         Float8 along = load8(node.normal[0]) * set8(frame.turn[0][k]);
@@ -142,7 +142,8 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
         return bits(mask);
     }
     for (std::size_t j = 0; j < 3; ++j) {
-        mask = both(mask, at_most(magnitude(guest.along(frame, j)), guest.reach_along(slot, frame, j)));
+        mask = both(mask,
+                    at_most(magnitude(guest.along(frame, j)), guest.reach_along(slot, frame, j)));
     }
     mask = both(mask, slabs_overlap(node, slot, guest, frame));
     if (bits(mask) == 0) {
@@ -170,16 +171,16 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
 }
 
 /// The host's slab along a direction that differs for each: how far what is in it reaches that way
-/// from the centre of its box. The direction is taken apart into a multiple of the slab's normal and
-/// a rest, for which the box answers.
+/// from the centre of its box. The direction is taken apart into a multiple of the slab's normal
+/// and a rest, for which the box answers.
 HWY_INLINE Float8 reach_of_hosts(const BoxNode& node, const Guest& guest) {
     const Float8 share = multiply_add(
         guest.apart[0],
         load8(node.normal[0]),
         multiply_add(
             guest.apart[1], load8(node.normal[1]), guest.apart[2] * load8(node.normal[2])));
-    Float8 reach = multiply_add(
-        share, load8(node.slab_centre), magnitude(share) * load8(node.slab_half));
+    Float8 reach =
+        multiply_add(share, load8(node.slab_centre), magnitude(share) * load8(node.slab_half));
     for (std::size_t k = 0; k < 3; ++k) {
         const Float8 rest = subtract_product(share, load8(node.normal[k]), guest.apart[k]);
         reach = multiply_add(magnitude(rest), guest.half[k], reach);
@@ -189,11 +190,10 @@ HWY_INLINE Float8 reach_of_hosts(const BoxNode& node, const Guest& guest) {
 
 /// The guest's, the other way; `apart` are the components of the direction along its axes.
 HWY_INLINE Float8 reach_of_guest(const Slot& slot, const Float8 (&apart)[3]) {
-    const Float8 share = multiply_add(apart[0],
-                                      set8(slot.normal[0]),
-                                      multiply_add(apart[1],
-                                                   set8(slot.normal[1]),
-                                                   apart[2] * set8(slot.normal[2])));
+    const Float8 share =
+        multiply_add(apart[0],
+                     set8(slot.normal[0]),
+                     multiply_add(apart[1], set8(slot.normal[1]), apart[2] * set8(slot.normal[2])));
     Float8 reach =
         subtract_product(share, set8(slot.slab_centre), magnitude(share) * set8(slot.slab_half));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -223,21 +223,18 @@ HWY_INLINE std::uint32_t within(const BoxNode& node,
             maximum(zero, magnitude(guest.apart[k]) - (guest.half[k] + set8(guest.reach[k])));
         in_host = multiply_add(gap, gap, in_host);
         turned[k] = guest.along(frame, k);
-        const Float8 own =
-            maximum(zero, magnitude(turned[k]) - guest.reach_along(slot, frame, k));
+        const Float8 own = maximum(zero, magnitude(turned[k]) - guest.reach_along(slot, frame, k));
         in_guest = multiply_add(own, own, in_guest);
         length_squared = multiply_add(guest.apart[k], guest.apart[k], length_squared);
         length_bound = length_bound + magnitude(guest.apart[k]);
     }
-    const Float8 reach = multiply_add(
-        length_bound,
-        set8(2.0F * frame.padding),
-        reach_of_hosts(node, guest) + reach_of_guest(slot, turned));
+    const Float8 reach = multiply_add(length_bound,
+                                      set8(2.0F * frame.padding),
+                                      reach_of_hosts(node, guest) + reach_of_guest(slot, turned));
     const Float8 gap = maximum(zero, length_squared - reach);
     const Float8 between = gap * gap / length_squared;
     // Takes away what rounding the squares and their sums may have added.
-    const Float8 least =
-        maximum(maximum(in_host, in_guest), between) * set8(1.0F - 0x1p-18F);
+    const Float8 least = maximum(maximum(in_host, in_guest), between) * set8(1.0F - 0x1p-18F);
     store8(least, squares);
     return bits(both(first_lanes(node.count), at_most(least, set8(squared_bound))));
 }

@@ -57,6 +57,7 @@ private:
     const Body& a_;
     const Body& b_;
     float squared_bound_ = std::numeric_limits<float>::infinity();
+    geometry::Vec3 direction_{0.0};  // from the best pair's one point to the other, length 1
 };
 
 }  // namespace earshot::collision
