@@ -11,19 +11,33 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::collision::HWY_NAMESPACE {
 
+/// Which slots of a node the guest may meet.
+HWY_INLINE std::uint32_t met(const BoxNode& node,
+                             const Slot& guest,
+                             const geometry::MeshView& guest_mesh,
+                             const GuestFrame& frame,
+                             bool is_aligned) {
+    return guest.is_triangle()
+               ? overlapping(node, GuestTriangle(guest, guest_mesh, frame), frame.padding)
+               : overlapping(node, guest, frame, is_aligned);
+}
+
 /// Lists the pairs that a pair is opened into. Precondition: it is not of two triangles.
 template <typename Visit>
 HWY_INLINE void open(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
     const Slot a(trees.a, pair.a);
     const Slot b(trees.b, pair.b);
+    const RelativePose& pose = trees.pose;
     if (is_opened_first(a, b)) {
-        const std::uint32_t mask =
-            overlapping(trees.a[a.child], b, trees.pose.b_in_a, trees.pose.is_aligned);
-        for_each_bit(mask, [&](std::uint32_t slot) { visit(BoxPair{a.child * 8 + slot, pair.b}); });
+        for_each_bit(met(trees.a[a.child], b, trees.b_mesh, pose.b_in_a, pose.is_aligned),
+                     [&](std::uint32_t slot) {
+                         visit(BoxPair{a.child * 8 + slot, pair.b});
+                     });
     } else {
-        const std::uint32_t mask =
-            overlapping(trees.b[b.child], a, trees.pose.a_in_b, trees.pose.is_aligned);
-        for_each_bit(mask, [&](std::uint32_t slot) { visit(BoxPair{pair.a, b.child * 8 + slot}); });
+        for_each_bit(met(trees.b[b.child], a, trees.a_mesh, pose.a_in_b, pose.is_aligned),
+                     [&](std::uint32_t slot) {
+                         visit(BoxPair{pair.a, b.child * 8 + slot});
+                     });
     }
 }
 

@@ -23,7 +23,7 @@ bool is_empty(const Body& body) noexcept {
 }
 
 BoxPairs trees_of(const Body& a, const Body& b, const RelativePose& pose) noexcept {
-    return {a.shape.nodes(), b.shape.nodes(), pose};
+    return {a.shape.nodes(), b.shape.nodes(), pose, a.shape.mesh(), b.shape.mesh()};
 }
 
 /// Runs search(item, found) over items in chunks; what they find, sorted.

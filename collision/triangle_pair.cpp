@@ -57,17 +57,6 @@ bool has_zero(const Sides& sides) noexcept {
     return sides[0] * sides[1] * sides[2] == 0;
 }
 
-bool boxes_meet(const Corners& one, const Corners& other) noexcept {
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto [least, most] = std::minmax({one[0][axis], one[1][axis], one[2][axis]});
-        const auto [low, high] = std::minmax({other[0][axis], other[1][axis], other[2][axis]});
-        if (least > high || low > most) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /// Two triangles each of which has corners strictly on both sides of the other's plane, brought
 /// into an order that tells how their cuts with the line of both planes lie (Guigue and Devillers
 /// 2003, section 3): corner 0 of each is alone on its side, the upper one, of the other's plane.
@@ -216,9 +205,6 @@ private:
 }  // namespace
 
 bool meet(const Corners& one, const Corners& other) noexcept {
-    if (!boxes_meet(one, other)) {
-        return false;
-    }
     const Sides one_sides = sides_of(other, one);
     if (is_one_sided(one_sides)) {
         return false;

@@ -21,6 +21,8 @@ struct BoxPair {
 struct BoxPairs {
     std::span<const BoxNode> a, b;
     const RelativePose& pose;
+    const geometry::MeshView& a_mesh;
+    const geometry::MeshView& b_mesh;
 };
 
 /// Adds all pairs of triangles below a pair whose boxes overlap, until the search has enough.

@@ -6,6 +6,7 @@
 #include "earshot/base/wide_float.h"
 #include "earshot/bvh/tree.h"
 #include "earshot/collision/internal/relative_pose.h"
+#include "earshot/geometry/mesh.h"
 
 #include <array>
 #include <bit>
@@ -168,6 +169,66 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
         }
     }
     return bits(mask);
+}
+
+/// A triangle as guest: its corners and its plane tell more than its box.
+struct GuestTriangle {
+    float corner[3][3];  // of each corner the coordinates along the host's axes
+    float normal[3];
+    float slack;  // of the corners about the plane
+
+    HWY_INLINE GuestTriangle(const Slot& slot,
+                             const geometry::MeshView& mesh,
+                             const GuestFrame& frame) {
+        const geometry::Triangle& triangle = mesh.triangles[slot.child & ~kTriangleFlag];
+        for (int k = 0; k < 3; ++k) {
+            const float* turn = frame.turn[k];
+            for (std::size_t i = 0; i < 3; ++i) {
+                const geometry::Vec3& p = mesh.positions[triangle[i]];
+                corner[i][k] = frame.origin[k] + (turn[0] * static_cast<float>(p.x) +
+                                                  turn[1] * static_cast<float>(p.y) +
+                                                  turn[2] * static_cast<float>(p.z));
+            }
+            normal[k] =
+                turn[0] * slot.normal[0] + turn[1] * slot.normal[1] + turn[2] * slot.normal[2];
+        }
+        slack = 2.0F * slot.slab_half + frame.padding;
+    }
+};
+
+/// Which boxes of a node may overlap the triangle, and so may what is in their slabs: the host's
+/// axes and slabs, the guest's plane.
+HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
+                                     const GuestTriangle& guest,
+                                     float padding) {
+    Mask8 mask = first_lanes(node.count);
+    Float8 on_guest = set8(0.0F);
+    Float8 guest_reach = set8(guest.slack);
+    Float8 height[3];
+    for (Float8& each : height) {
+        each = set8(0.0F) - load8(node.slab_centre);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Float8 centre = load8(node.centre[k]);
+        const Float8 half = load8(node.half[k]);
+        const Float8 normal = load8(node.normal[k]);
+        const Float8 p0 = set8(guest.corner[0][k]) - centre;
+        const Float8 p1 = set8(guest.corner[1][k]) - centre;
+        const Float8 p2 = set8(guest.corner[2][k]) - centre;
+        const Float8 reach = half + set8(padding);
+        mask = both(mask, at_most(minimum(minimum(p0, p1), p2), reach));
+        mask = both(mask, at_most(set8(0.0F) - reach, maximum(maximum(p0, p1), p2)));
+        height[0] = multiply_add(p0, normal, height[0]);
+        height[1] = multiply_add(p1, normal, height[1]);
+        height[2] = multiply_add(p2, normal, height[2]);
+        on_guest = multiply_add(p0, set8(guest.normal[k]), on_guest);
+        guest_reach = multiply_add(half, set8(std::abs(guest.normal[k])), guest_reach);
+    }
+    const Float8 reach = load8(node.slab_half) + set8(padding);
+    mask = both(mask, at_most(minimum(minimum(height[0], height[1]), height[2]), reach));
+    mask =
+        both(mask, at_most(set8(0.0F) - reach, maximum(maximum(height[0], height[1]), height[2])));
+    return bits(both(mask, at_most(magnitude(on_guest), guest_reach)));
 }
 
 /// The host's slab along a direction that differs for each: how far what is in it reaches that way
