@@ -138,7 +138,7 @@ bool intersects(const Body& a, const Body& b) {
         return false;
     }
     ContactSearch search(a, b, ContactSearch::Wanted::first);
-    find_touching(trees_of(a, b, pose), {}, search);
+    find_touching(trees_of(a, b, pose), {0, 0}, search);
     return !search.found.empty();
 }
 

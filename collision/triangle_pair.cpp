@@ -26,6 +26,10 @@ int sign(double value) noexcept {
     return (value > 0.0 ? 1 : 0) - (value < 0.0 ? 1 : 0);
 }
 
+Vec3 magnitude(const Vec3& v) noexcept {
+    return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
+}
+
 using Sides = std::array<int, 3>;
 
 /// On which side of a triangle's plane three points lie, with the signs of orient3d(). Exact.
@@ -38,12 +42,12 @@ Sides sides_of(const Corners& plane, const Corners& points) noexcept {
     const Vec3 forth(u.y * v.z, u.z * v.x, u.x * v.y);
     const Vec3 back(u.z * v.y, u.x * v.z, u.y * v.x);
     const Vec3 normal = forth - back;
-    const Vec3 permanent = glm::abs(forth) + glm::abs(back);
+    const Vec3 permanent = magnitude(forth) + magnitude(back);
     Sides sides{};
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3 w = points[i] - plane[0];
         const double height = glm::dot(normal, w);
-        const bool is_certain = std::abs(height) > kBound * glm::dot(permanent, glm::abs(w));
+        const bool is_certain = std::abs(height) > kBound * glm::dot(permanent, magnitude(w));
         sides[i] = is_certain ? -sign(height) : orient3d(plane[0], plane[1], plane[2], points[i]);
     }
     return sides;

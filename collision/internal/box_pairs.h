@@ -12,9 +12,9 @@ namespace earshot::collision {
 // Walks over pairs of boxes of two hierarchies, compiled for every instruction set. They cull with
 // boxes in single precision, padded, so that no pair of triangles is lost.
 
-/// A box of each of two shapes: eight times the node's index plus the slot.
+/// A box of each of two shapes: eight times the node's index plus the slot. The roots are {0, 0}.
 struct BoxPair {
-    std::uint32_t a = 0, b = 0;
+    std::uint32_t a, b;
 };
 
 /// Both hierarchies and how they lie. The bodies' shapes are not empty.
