@@ -43,17 +43,21 @@ HWY_INLINE void open(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
 
 void touching(const BoxPairs& trees, BoxPair from, ContactSearch& search) {
     std::array<BoxPair, kMostWaiting> waiting;
-    std::size_t count = 1;
-    waiting[0] = from;
-    while (count > 0) {
-        const BoxPair pair = waiting[--count];
+    std::size_t count = 0;
+    bool goes_on = true;
+    // Triangles are decided at once, while what they were found by is still at hand.
+    const auto take = [&](BoxPair pair) {
         const std::uint32_t a = child_of(trees.a, pair.a);
         const std::uint32_t b = child_of(trees.b, pair.b);
         if ((a & b & kTriangleFlag) == 0) {
-            open(trees, pair, [&](BoxPair child) { waiting[count++] = child; });
-        } else if (!search.add(a & ~kTriangleFlag, b & ~kTriangleFlag)) {
-            return;
+            waiting[count++] = pair;
+        } else {
+            goes_on = goes_on && search.add(a & ~kTriangleFlag, b & ~kTriangleFlag);
         }
+    };
+    take(from);
+    while (goes_on && count > 0) {
+        open(trees, waiting[--count], take);
     }
 }
 

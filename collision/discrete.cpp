@@ -95,11 +95,10 @@ bool are_parted(const Corners& one,
 }  // namespace
 
 bool ContactSearch::add(geometry::TriangleId a, geometry::TriangleId b) {
-    const Corners one = corners_of(a_, a);
-    const Corners other = corners_of(b_, b);
+    const Corners& one = a_.corners(a);
+    const Corners& other = b_.corners(b);
     if (wanted_ == Wanted::all_of_one_mesh) {
-        const auto& triangles = a_.shape.mesh().triangles;
-        if (meet_beyond_shared(triangles[a], one, triangles[b], other)) {
+        if (meet_beyond_shared(triangles_[a], one, triangles_[b], other)) {
             found.push_back(a < b ? TrianglePair{a, b} : TrianglePair{b, a});
         }
         return true;
@@ -111,8 +110,8 @@ bool ContactSearch::add(geometry::TriangleId a, geometry::TriangleId b) {
 }
 
 void DistanceSearch::add(geometry::TriangleId a, geometry::TriangleId b) noexcept {
-    const Corners one = corners_of(a_, a);
-    const Corners other = corners_of(b_, b);
+    const Corners& one = a_.corners(a);
+    const Corners& other = b_.corners(b);
     // Near the best pair most others are parted by more than its distance in its direction, and
     // elsewhere in that from one to the other.
     if (are_parted(one, other, direction_, best.distance) ||

@@ -94,7 +94,7 @@ void set_slot(BoxNode& node, std::size_t slot, const Aabb& box) {
 class Slabs {
 public:
     Slabs(const geometry::MeshView& mesh, std::span<BoxNode> nodes) : mesh_(mesh), nodes_(nodes) {
-        triangles_.reserve(mesh.triangles.size());
+        corners_.reserve(mesh.triangles.size());
         normals_.reserve(mesh.triangles.size());
     }
 
@@ -102,13 +102,14 @@ public:
     void fill(std::uint32_t index) {
         BoxNode& node = nodes_[index];
         for (std::size_t slot = 0; slot < node.count; ++slot) {
-            const std::size_t first = triangles_.size();
+            const std::size_t first = corners_.size();
             const std::uint32_t child = node.child[slot];
             if ((child & kTriangleFlag) == 0) {
                 fill(child);
             } else {
-                triangles_.push_back(child & ~kTriangleFlag);
-                const Corners t = corners(triangles_.back());
+                const auto& [a, b, c] = mesh_.triangles[child & ~kTriangleFlag];
+                corners_.push_back({mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]});
+                const auto& t = corners_.back();
                 normals_.push_back(glm::cross(t[1] - t[0], t[2] - t[0]));
             }
             set_slot(node, slot, first);
@@ -116,13 +117,6 @@ public:
     }
 
 private:
-    using Corners = std::array<geometry::Vec3, 3>;
-
-    Corners corners(geometry::TriangleId id) const {
-        const auto& [a, b, c] = mesh_.triangles[id];
-        return {mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]};
-    }
-
     /// The slab of all triangles from one on.
     void set_slot(BoxNode& node, std::size_t slot, std::size_t first) const {
         geometry::Vec3 sum(0.0);
@@ -143,8 +137,8 @@ private:
         }
         double low = std::numeric_limits<double>::infinity();
         double high = -low;
-        for (std::size_t i = first; i < triangles_.size(); ++i) {
-            for (const geometry::Vec3& corner : corners(triangles_[i])) {
+        for (std::size_t i = first; i < corners_.size(); ++i) {
+            for (const geometry::Vec3& corner : corners_[i]) {
                 const double height = glm::dot(normal, corner - centre);
                 low = std::min(low, height);
                 high = std::max(high, height);
@@ -158,8 +152,9 @@ private:
 
     const geometry::MeshView& mesh_;
     std::span<BoxNode> nodes_;
-    std::vector<geometry::TriangleId> triangles_;  // in the order of the leaves, and theirs:
-    std::vector<geometry::Vec3> normals_;          // twice the areas long
+    // Of the triangles in the order of the leaves; normals are twice the areas long.
+    std::vector<std::array<geometry::Vec3, 3>> corners_;
+    std::vector<geometry::Vec3> normals_;
 };
 
 }  // namespace

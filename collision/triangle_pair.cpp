@@ -224,13 +224,17 @@ bool meet(const Corners& one, const Corners& other) noexcept {
 }
 
 std::optional<Segment> intersection(const Corners& one, const Corners& other) noexcept {
-    if (!meet(one, other)) {
-        return std::nullopt;
-    }
     const Sides one_sides = sides_of(other, one);
     const Sides other_sides = sides_of(one, other);
+    if (is_one_sided(one_sides) || is_one_sided(other_sides)) {
+        return std::nullopt;
+    }
     if (!has_zero(one_sides) && !has_zero(other_sides)) {
-        return cut_of(Crossing(one, one_sides, other, other_sides));
+        const Crossing crossing(one, one_sides, other, other_sides);
+        return crossing.meet() ? std::optional(cut_of(crossing)) : std::nullopt;
+    }
+    if (!TriangleRegion(one[0], one[1], one[2]).touches(other[0], other[1], other[2])) {
+        return std::nullopt;
     }
     SharedPoints shared;
     shared.add_all_of(one, other);

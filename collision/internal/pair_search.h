@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace earshot::collision {
@@ -22,13 +23,32 @@ inline Corners corners_of(const Body& body, geometry::TriangleId id) noexcept {
             body.pose.place(mesh.positions[triangle[2]])};
 }
 
+/// The corners of the triangle that was asked for last: searches ask for one several times on end.
+class LastTriangle {
+public:
+    explicit LastTriangle(const Body& body) noexcept : body_(body) {}
+
+    const Corners& corners(geometry::TriangleId id) noexcept {
+        if (id != id_) {
+            id_ = id;
+            corners_ = corners_of(body_, id);
+        }
+        return corners_;
+    }
+
+private:
+    const Body& body_;
+    geometry::TriangleId id_ = std::numeric_limits<geometry::TriangleId>::max();
+    Corners corners_{};
+};
+
 /// Collects the pairs that meet.
 class ContactSearch {
 public:
     enum class Wanted { first, all, all_of_one_mesh };
 
     ContactSearch(const Body& a, const Body& b, Wanted wanted) noexcept
-        : a_(a), b_(b), wanted_(wanted) {}
+        : triangles_(a.shape.mesh().triangles), a_(a), b_(b), wanted_(wanted) {}
 
     /// Returns whether the search goes on.
     bool add(geometry::TriangleId a, geometry::TriangleId b);
@@ -36,8 +56,9 @@ public:
     std::vector<TrianglePair> found;
 
 private:
-    const Body& a_;
-    const Body& b_;
+    const std::span<const geometry::Triangle> triangles_;
+    LastTriangle a_;
+    LastTriangle b_;
     Wanted wanted_;
 };
 
@@ -54,8 +75,8 @@ public:
     MeshDistance best{};
 
 private:
-    const Body& a_;
-    const Body& b_;
+    LastTriangle a_;
+    LastTriangle b_;
     float squared_bound_ = std::numeric_limits<float>::infinity();
     geometry::Vec3 direction_{0.0};  // from the best pair's one point to the other, length 1
 };
