@@ -147,7 +147,8 @@ std::vector<TrianglePair> find_contacts(const Body& a, const Body& b, Executor& 
         return {};
     }
     const BoxPairs trees = trees_of(a, b, pose);
-    const std::vector<BoxPair> tasks = tasks_of(trees);
+    // Sorted in the end, contacts are the same however the search is split.
+    const auto tasks = executor.threads() > 1 ? tasks_of(trees) : std::vector<BoxPair>{{0, 0}};
     return collect(tasks.size(), 8, executor, [&](std::size_t begin, std::size_t end) {
         ContactSearch search(a, b, ContactSearch::Wanted::all);
         for (std::size_t i = begin; i < end; ++i) {

@@ -19,10 +19,16 @@ using geometry::Aabb;
 namespace {
 
 /// Turns a binary tree with single triangles in its leaves into wide nodes: the largest child is
-/// opened until there are eight.
+/// opened until there are eight, but what fits into one node stays together.
 class Collapse {
 public:
-    Collapse(const bvh::Tree& tree, LargeArray<BoxNode>& nodes) : tree_(tree), nodes_(nodes) {}
+    Collapse(const bvh::Tree& tree, LargeArray<BoxNode>& nodes)
+        : tree_(tree), nodes_(nodes), counts_(tree.nodes().size()) {
+        for (std::size_t i = counts_.size(); i-- > 0;) {
+            const Node& node = tree.nodes()[i];
+            counts_[i] = node.is_leaf() ? 1 : counts_[node.first] + counts_[node.first + 1];
+        }
+    }
 
     void place_all() {
         nodes_.reserve(tree_.nodes().size() / 3 + 2);
@@ -44,8 +50,9 @@ private:
         nodes_.push_back(BoxNode{});
         std::array<std::uint32_t, BoxNode::kWidth> slots{node.first, node.first + 1};
         std::uint32_t count = 2;
+        const std::uint32_t fitting = counts_[index] <= BoxNode::kWidth ? 1 : BoxNode::kWidth;
         while (count < BoxNode::kWidth) {
-            const std::size_t largest = largest_inner({slots.data(), count});
+            const std::size_t largest = largest_above(fitting, {slots.data(), count});
             if (largest == count) {
                 break;
             }
@@ -61,13 +68,13 @@ private:
         return place;
     }
 
-    /// slots.size() if there is none.
-    std::size_t largest_inner(std::span<const std::uint32_t> slots) const {
+    /// The largest slot of more triangles than that, or slots.size().
+    std::size_t largest_above(std::uint32_t fitting, std::span<const std::uint32_t> slots) const {
         std::size_t largest = slots.size();
         double most = -1.0;
         for (std::size_t i = 0; i < slots.size(); ++i) {
             const Node& node = tree_.nodes()[slots[i]];
-            if (!node.is_leaf() && node.box.half_area() > most) {
+            if (counts_[slots[i]] > fitting && node.box.half_area() > most) {
                 most = node.box.half_area();
                 largest = i;
             }
@@ -77,6 +84,7 @@ private:
 
     const bvh::Tree& tree_;
     LargeArray<BoxNode>& nodes_;
+    std::vector<std::uint32_t> counts_;  // of the triangles below
 };
 
 void set_slot(BoxNode& node, std::size_t slot, const Aabb& box) {

@@ -129,7 +129,7 @@ HWY_INLINE Mask8 slabs_overlap(const BoxNode& node,
 }
 
 /// Which boxes of a node may overlap the guest: bit i stands for slot i. Gottschalk, Lin and
-/// Manocha 1996, section 5: the sides of both, then the products of their edges.
+/// Manocha 1996, section 5, but for the products of edges, which cull little after the slabs.
 HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
                                      const Slot& slot,
                                      const GuestFrame& frame,
@@ -147,27 +147,6 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
                     at_most(magnitude(guest.along(frame, j)), guest.reach_along(slot, frame, j)));
     }
     mask = both(mask, slabs_overlap(node, slot, guest, frame));
-    if (bits(mask) == 0) {
-        return 0;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t k1 = (k + 1) % 3;
-        const std::size_t k2 = (k + 2) % 3;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const std::size_t j1 = (j + 1) % 3;
-            const std::size_t j2 = (j + 2) % 3;
-            const float own = slot.half[j1] * frame.magnitude[k][j2] +
-                              slot.half[j2] * frame.magnitude[k][j1] + frame.padding;
-            const Float8 apart = subtract_product(guest.apart[k1],
-                                                  set8(frame.turn[k2][j]),
-                                                  guest.apart[k2] * set8(frame.turn[k1][j]));
-            const Float8 reach =
-                multiply_add(guest.half[k1],
-                             set8(frame.magnitude[k2][j]),
-                             multiply_add(guest.half[k2], set8(frame.magnitude[k1][j]), set8(own)));
-            mask = both(mask, at_most(magnitude(apart), reach));
-        }
-    }
     return bits(mask);
 }
 
