@@ -124,9 +124,9 @@ void DistanceSearch::add(geometry::TriangleId a, geometry::TriangleId b) noexcep
         (here.distance == best.distance && pair < best.triangles)) {
         best = {here.distance, pair, here.on_one, here.on_other};
         // Triangles' distances may lie below the true ones by a rounding; the boxes' padding and
-        // this factor are more.
+        // this factor are more. The summand stands for squares that underflow.
         constexpr double kGrow = 1.0 + 0x1p-20;
-        squared_bound_ = geometry::round_up(kGrow * here.distance * here.distance);
+        squared_bound_ = geometry::round_up(kGrow * here.distance * here.distance + 0x1p-120);
         direction_ = unit(here.on_other - here.on_one);
     }
 }

@@ -255,7 +255,7 @@ HWY_INLINE std::uint32_t within(const BoxNode& node,
     const Float8 zero = set8(0.0F);
     Float8 in_host = zero;
     Float8 in_guest = zero;
-    Float8 length_squared = set8(std::numeric_limits<float>::min());
+    Float8 length_squared = zero;
     Float8 length_bound = zero;
     Float8 turned[3];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -268,11 +268,14 @@ HWY_INLINE std::uint32_t within(const BoxNode& node,
         length_squared = multiply_add(guest.apart[k], guest.apart[k], length_squared);
         length_bound = length_bound + magnitude(guest.apart[k]);
     }
+    // Far above what underflow takes from the sums, so that they are 0 instead.
+    constexpr float kNothing = 0x1p-100F;
     const Float8 reach = multiply_add(length_bound,
                                       set8(2.0F * frame.padding),
                                       reach_of_hosts(node, guest) + reach_of_guest(slot, turned));
-    const Float8 gap = maximum(zero, length_squared - reach);
-    const Float8 between = gap * gap / length_squared;
+    const Float8 gap = maximum(zero, length_squared - (reach + set8(kNothing)));
+    // In this order nothing overflows.
+    const Float8 between = gap / maximum(length_squared, set8(kNothing)) * gap;
     // Takes away what rounding the squares and their sums may have added.
     const Float8 least = maximum(maximum(in_host, in_guest), between) * set8(1.0F - 0x1p-18F);
     store8(least, squares);

@@ -81,7 +81,7 @@ Scene random_scene(std::uint64_t i) {
             i % 2 == 0 ? 1.0 : 1.25, 0.25 * static_cast<double>(i % 6), 0.5};
         return scene;
     }
-    const double scale = std::ldexp(1.0, static_cast<int>(i * 13 % 81) - 40);
+    const double scale = std::ldexp(1.0, static_cast<int>(i * 13 % 151) - 96);
     for (Mesh* mesh : {&scene.a, &scene.b}) {
         for (Vec3& position : mesh->positions) {
             position *= scale;
