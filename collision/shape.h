@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/large_array.h"
+#include "earshot/base/parallel.h"
+#include "earshot/bvh/tree.h"
+#include "earshot/geometry/mesh.h"
+
+#include <glm/mat3x3.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace earshot::collision {
+
+/// Up to eight boxes side by side, so that a box meets them in one step. They are stored as centre
+/// and half sides, which is what tests between turned boxes work with. What is in a box also lies
+/// in a slab, whose normal is the mean of the triangles': of a patch of surface it is thin.
+struct alignas(64) BoxNode {
+    static constexpr std::size_t kWidth = 8;
+
+    float centre[3][kWidth];
+    float half[3][kWidth];
+    float normal[3][kWidth];    ///< of the slab; any length up to 1, within a rounding
+    float slab_centre[kWidth];  ///< along the normal, from the box's centre
+    float slab_half[kWidth];
+    std::uint32_t child[kWidth];  ///< a node's index, or kTriangleFlag + TriangleId
+    std::uint32_t count;          ///< of the children, which fill the first slots
+};
+
+static_assert(sizeof(BoxNode) == 448);
+
+inline constexpr std::uint32_t kTriangleFlag = 0x80000000U;
+
+/// A mesh prepared for collision queries: a hierarchy of eight-wide nodes whose leaves are single
+/// triangles. It keeps a view of the mesh.
+class Shape {
+public:
+    Shape() = default;
+
+    /// The hierarchy is that of bvh::Tree::build() over the triangles' boxes, one triangle to a
+    /// leaf (options.leaf_size is not looked at), collapsed. Answers do not depend on it. Throws
+    /// Error as bvh::Tree::build(), and if a coordinate is beyond kReachLimit. Preconditions: those
+    /// of MeshView; the mesh's arrays stay where they are as long as the shape is used.
+    static Shape build(const geometry::MeshView& mesh,
+                       const bvh::BuildOptions& options = {},
+                       Executor& executor = Executor::serial());
+
+    /// Moves the hierarchy to where the mesh's vertices are now, keeping the topology. O(n). Throws
+    /// and requires what build() does. Precondition: the mesh has the triangles of build().
+    void refit(const geometry::MeshView& mesh);
+
+    const geometry::MeshView& mesh() const noexcept { return mesh_; }
+
+    /// The root first, parents before children; none if there are no triangles. The root's own box
+    /// stands in slot 0 of the first node, which has that one child.
+    std::span<const BoxNode> nodes() const noexcept { return nodes_; }
+
+    /// The largest absolute coordinate of a triangle, rounded up; 0 without triangles.
+    double reach() const noexcept { return reach_; }
+
+    /// Metres. Squares of what lies within are finite in single precision.
+    static constexpr double kReachLimit = 0x1p60;
+
+private:
+    void set_boxes();
+    void set_slabs();
+
+    geometry::MeshView mesh_;
+    LargeArray<BoxNode> nodes_;
+    double reach_ = 0.0;
+};
+
+/// Where a mesh stands: a point p of it at rotation * p + translation.
+struct Pose {
+    glm::dmat3 rotation{1.0};
+    geometry::Vec3 translation{0.0};
+
+    /// Rounded to doubles; with the default pose p itself. What is asked about meshes in a pose is
+    /// asked, exactly, about vertices at these points.
+    geometry::Vec3 place(const geometry::Vec3& p) const noexcept {
+        geometry::Vec3 placed;
+        for (int k = 0; k < 3; ++k) {
+            placed[k] =
+                rotation[0][k] * p.x + rotation[1][k] * p.y + rotation[2][k] * p.z + translation[k];
+        }
+        return placed;
+    }
+};
+
+/// A shape in the world.
+struct Body {
+    const Shape& shape;
+    Pose pose{};
+};
+
+}  // namespace earshot::collision
