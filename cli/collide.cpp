@@ -69,6 +69,10 @@ public:
                          "in a second");
         app().add_option(
             "--animation", animation_, "name or number of the animation; default: the first");
+        app().add_flag("--discrete",
+                       discrete_,
+                       "pairs of triangles that meet at each instant, instead of what touches "
+                       "between them");
         app().add_flag("--self", within_, "meshes are tested against themselves too");
         add_number(app(),
                    "--min-separation",
@@ -184,10 +188,13 @@ private:
                            motion.first_vertex[mesh + 1] - motion.first_vertex[mesh]);
         }
         const auto start = std::chrono::steady_clock::now();
+        // A discrete search is at instants, the last included.
+        const std::size_t count_of_steps = motion.times.size() - (discrete_ ? 0 : 1);
         std::vector<Vec3> begin, end = motion.positions(0);
-        for (std::size_t i = 0; i + 1 < motion.times.size(); ++i) {
+        for (std::size_t i = 0; i < count_of_steps; ++i) {
+            const std::size_t next = std::min(i + 1, motion.times.size() - 1);
             begin = std::move(end);
-            end = motion.positions(i + 1);
+            end = motion.positions(next);
             for (std::uint32_t mesh = 0; mesh < motion.triangles.size(); ++mesh) {
                 const std::size_t first = motion.first_vertex[mesh];
                 const std::size_t count = motion.first_vertex[mesh + 1] - first;
@@ -196,14 +203,15 @@ private:
                              std::span(end).subspan(first, count));
             }
             steps.push_back({.t0 = motion.times[i],
-                             .t1 = motion.times[i + 1],
-                             .contacts = world.contacts(options_, executor)});
+                             .t1 = motion.times[discrete_ ? i : next],
+                             .contacts = discrete_ ? world.contacts_at_begin(options_, executor)
+                                                   : world.contacts(options_, executor)});
             ++totals.steps;
             totals.contacts += steps.back().contacts.size();
             totals.statistics.box_tests += world.statistics().box_tests;
             totals.statistics.triangle_pairs += world.statistics().triangle_pairs;
             totals.statistics.elementary_tests += world.statistics().elementary_tests;
-            progress.report("steps", i + 1, motion.times.size() - 1);
+            progress.report("steps", i + 1, count_of_steps);
         }
         totals.seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -246,7 +254,7 @@ private:
 
     std::vector<std::string> files_;
     std::string output_, frames_, animation_;
-    bool within_ = false;
+    bool within_ = false, discrete_ = false;
     collision::ContactOptions options_;
 };
 

@@ -6,7 +6,15 @@
 namespace earshot::collision {
 
 std::string_view name_of(ContactKind kind) noexcept {
-    return kind == ContactKind::vertex_face ? "vertex_face" : "edge_edge";
+    switch (kind) {
+        case ContactKind::vertex_face:
+            return "vertex_face";
+        case ContactKind::edge_edge:
+            return "edge_edge";
+        case ContactKind::triangle_triangle:
+            break;
+    }
+    return "triangle_triangle";
 }
 
 bool operator<(const Contact& x, const Contact& y) noexcept {

@@ -10,7 +10,7 @@
 
 namespace earshot::collision {
 
-enum class ContactKind { vertex_face, edge_edge };
+enum class ContactKind { vertex_face, edge_edge, triangle_triangle };
 
 /// The name of a kind in contacts.json.
 std::string_view name_of(ContactKind kind) noexcept;
@@ -24,14 +24,16 @@ struct Element {
     friend auto operator<=>(const Element&, const Element&) = default;
 };
 
-/// Two elements that touch during a step: a vertex and a face, or two edges with a < b.
+/// Two elements that touch: a vertex and a face or two edges (a < b) during a step, or two faces (a
+/// < b) at its beginning.
 struct Contact {
     ContactKind kind = ContactKind::vertex_face;
     Element a, b;
     double toi = 0.0;  ///< within the step, 0 ... 1, never later than the true time of impact
-    geometry::Vec3 point{0.0};  ///< where, on a, at that time; metres
-    /// Unit vector at right angles to b's face, or to both edges, from b to where a comes from;
-    /// zero where there is none.
+    /// Where, on a, at that time, metres; of two faces the middle of where they meet.
+    geometry::Vec3 point{0.0};
+    /// Unit vector at right angles to b's face, or to both edges, from b to where a comes from (of
+    /// two faces: to a's middle); zero where there is none.
     geometry::Vec3 normal{0.0};
 };
 

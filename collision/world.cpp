@@ -5,11 +5,13 @@
 #include "earshot/base/error.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/bvh/tree.h"
+#include "earshot/collision/discrete.h"
 #include "earshot/collision/internal/elements.h"
 #include "earshot/collision/internal/motion_slabs.h"
 #include "earshot/collision/internal/swept_pairs.h"
 #include "earshot/collision/moving_points.h"
 #include "earshot/collision/separation.h"
+#include "earshot/collision/triangle_pair.h"
 
 #include <glm/geometric.hpp>
 
@@ -63,8 +65,11 @@ struct World::State {
     bvh::Tree tree;
     double cost_when_built = 0.0;
     bool has_new_meshes = false;
+    std::vector<std::size_t> first_triangle;  // of each mesh
     WorldStatistics statistics;
 
+    geometry::MeshView mesh_at_begin(std::uint32_t mesh) const;
+    Contact contact_at_begin(std::uint32_t mesh_a, std::uint32_t mesh_b, TrianglePair pair) const;
     void update_tree(double margin, Executor& executor);
     bool is_wanted(std::uint32_t a, std::uint32_t b, const ContactOptions& options) const;
     MovingPoints points_of(const std::array<VertexId, 4>& vertices) const;
@@ -256,6 +261,32 @@ void World::State::complete(const std::array<VertexId, 4>& vertices, Contact& co
     }
 }
 
+geometry::MeshView World::State::mesh_at_begin(std::uint32_t mesh) const {
+    const std::size_t from = first_triangle[mesh];
+    const std::size_t to =
+        mesh + 1 < first_triangle.size() ? first_triangle[mesh + 1] : triangles.size();
+    return {begin, std::span(triangles).subspan(from, to - from)};
+}
+
+Contact World::State::contact_at_begin(std::uint32_t mesh_a,
+                                       std::uint32_t mesh_b,
+                                       TrianglePair pair) const {
+    const Triangle& a = triangles[first_triangle[mesh_a] + pair.a];
+    const Triangle& b = triangles[first_triangle[mesh_b] + pair.b];
+    const Corners one{begin[a[0]], begin[a[1]], begin[a[2]]};
+    const Corners other{begin[b[0]], begin[b[1]], begin[b[2]]};
+    Contact contact{
+        .kind = ContactKind::triangle_triangle, .a = element(mesh_a, a), .b = element(mesh_b, b)};
+    if (const auto segment = intersection(one, other)) {
+        contact.point = 0.5 * (segment->from + segment->to);
+    }
+    contact.normal = unit(glm::cross(other[1] - other[0], other[2] - other[0]));
+    if (glm::dot(contact.normal, (one[0] + one[1] + one[2]) / 3.0 - other[0]) < 0.0) {
+        contact.normal = -contact.normal;
+    }
+    return contact;
+}
+
 World::World() : state_(std::make_unique<State>()) {}
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -282,6 +313,7 @@ std::uint32_t World::add_mesh(std::span<const Triangle> triangles, std::size_t v
     state.own.insert(state.own.end(), own.begin(), own.end());
     state.mesh_of_triangle.resize(state.triangles.size(), mesh);
     state.first_vertex.push_back(first);
+    state.first_triangle.push_back(state.triangles.size() - triangles.size());
     state.begin.resize(first + vertices, Vec3(0.0));
     state.end.resize(first + vertices, Vec3(0.0));
     state.has_new_meshes = true;
@@ -337,6 +369,34 @@ std::vector<Contact> World::contacts(const ContactOptions& options, Executor& ex
             return x.kind == y.kind && x.a == y.a && x.b == y.b;
         });
     contacts.erase(last, contacts.end());
+    return contacts;
+}
+
+std::vector<Contact> World::contacts_at_begin(const ContactOptions& options,
+                                              Executor& executor) const {
+    const State& state = *state_;
+    const auto meshes = static_cast<std::uint32_t>(state.first_vertex.size());
+    std::vector<Shape> shapes;
+    for (std::uint32_t mesh = 0; mesh < meshes; ++mesh) {
+        shapes.push_back(Shape::build(state.mesh_at_begin(mesh), {}, executor));
+    }
+    std::vector<Contact> contacts;
+    for (std::uint32_t a = 0; a < meshes; ++a) {
+        for (std::uint32_t b = a; b < meshes; ++b) {
+            if (!state.is_wanted(a, b, options)) {
+                continue;
+            }
+            const auto pairs = a == b ? find_self_contacts({shapes[a]}, executor)
+                                      : find_contacts({shapes[a]}, {shapes[b]}, executor);
+            for (const TrianglePair& pair : pairs) {
+                contacts.push_back(state.contact_at_begin(a, b, pair));
+                if (contacts.back().b < contacts.back().a) {
+                    std::swap(contacts.back().a, contacts.back().b);
+                }
+            }
+        }
+    }
+    std::sort(contacts.begin(), contacts.end());
     return contacts;
 }
 

@@ -59,6 +59,12 @@ public:
     std::vector<Contact> contacts(const ContactOptions& options = {},
                                   Executor& executor = Executor::serial());
 
+    /// All pairs of triangles that meet at the beginning of the step, as find_contacts() and
+    /// find_self_contacts() say of the meshes there; sorted, each once, times 0. No separation is
+    /// looked at.
+    std::vector<Contact> contacts_at_begin(const ContactOptions& options = {},
+                                           Executor& executor = Executor::serial()) const;
+
     /// The first of contacts(), if there is one.
     std::optional<Contact> first_contact(const ContactOptions& options = {},
                                          Executor& executor = Executor::serial());

@@ -77,6 +77,25 @@ TEST_F(Collide, TablesHoldTheSame) {
     EXPECT_NE(text.find("0.0,1.0,vertex_face,0,3,0,0 1 2,0.66666"), std::string::npos) << text;
 }
 
+TEST_F(Collide, DiscreteContactsAreAtInstants) {
+    ASSERT_EQ(run_earshot({"collide",
+                           pose("a.off", 1.0),
+                           pose("b.off", -0.5),
+                           "--discrete",
+                           "-o",
+                           path("contacts.json")})
+                  .status,
+              0);
+    const Json json = Json::parse(read_file(folder_ / "contacts.json"));
+    ASSERT_EQ(json["steps"].size(), 2U);
+    EXPECT_TRUE(json["steps"][0]["contacts"].empty());
+    const Json& step = json["steps"][1];
+    EXPECT_EQ(step["t0"], step["t1"]);
+    ASSERT_EQ(step["contacts"].size(), 1U);
+    EXPECT_EQ(step["contacts"][0]["kind"], "triangle_triangle");
+    EXPECT_EQ(step["contacts"][0]["b"]["element"], Json({3, 4, 5}));
+}
+
 TEST_F(Collide, AnAnimationIsTheSameForAnyNumberOfThreads) {
     const std::string scene = EARSHOT_SOURCE_DIR "/scenes/curtain.gltf";
     std::vector<std::string> texts;

@@ -204,6 +204,20 @@ TEST(World, SaysWhenAndWhereAndFromWhere) {
     EXPECT_GT(near->toi, 0.8 / 1.5);
 }
 
+TEST(World, SaysWhatMeetsAtTheBeginning) {
+    auto meshes = falling_triangle();
+    EXPECT_TRUE(world_of(meshes).contacts_at_begin().empty());
+    for (Vec3& point : meshes[1].begin) {
+        point.y -= 1.5;
+    }
+    const auto contacts = world_of(meshes).contacts_at_begin();
+    ASSERT_EQ(contacts.size(), 1U);
+    EXPECT_EQ(contacts[0].kind, ContactKind::triangle_triangle);
+    EXPECT_EQ(contacts[0].a, element(0, {0, 1, 2}));
+    EXPECT_EQ(contacts[0].b, element(1, {0, 1, 2}));
+    EXPECT_NEAR(contacts[0].point.y, 0.0, 1e-12);
+}
+
 TEST(World, RefusesWhatIsNoMeshAndIsEmptyWithoutOne) {
     World world;
     EXPECT_TRUE(world.contacts().empty());
