@@ -304,6 +304,57 @@ bool are_apart(const MovingPoints& points, std::size_t count) {
     return false;
 }
 
+/// The same along any direction, with room for rounding: a place is within 8 roundings of the
+/// largest product. Places count from the last point.
+bool are_apart_along(const MovingPoints& points, std::size_t count, const Vec3& direction) {
+    const double length = magnitude(direction, direction);
+    int side = 0;
+    for (const auto* at : {&points.begin, &points.end}) {
+        std::array<double, 4> place{};
+        double largest = 0.0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3 way = (*at)[i] - (*at)[3];
+            place[i] = glm::dot(way, direction);
+            largest = std::max(largest, magnitude(way, way));
+        }
+        const double error = 8.0 * kRounding * (3.0 * largest * length);
+        const auto split = place.begin() + static_cast<std::ptrdiff_t>(count);
+        const auto [least, most] = std::minmax_element(place.begin(), split);
+        const auto [other_least, other_most] = std::minmax_element(split, place.end());
+        const int here = *other_least - *most > 2.0 * error   ? 1
+                         : *least - *other_most > 2.0 * error ? -1
+                                                              : 0;
+        if (here == 0 || here == -side) {
+            return false;
+        }
+        side = here;
+    }
+    return true;
+}
+
+/// Directions that keep apart what lies in one plane, or on parallel lines: across the edges and
+/// the way between the features, half-way through the step.
+bool are_apart_across(const MovingPoints& points, std::size_t count) {
+    std::array<Vec3, 4> x;
+    for (std::size_t i = 0; i < 4; ++i) {
+        x[i] = 0.5 * (points.begin[i] + points.end[i]);
+    }
+    const Vec3 way = x[count] - x[0];
+    const Vec3 one = count == 2 ? x[1] - x[0] : x[2] - x[1];
+    const Vec3 two = x[3] - x[2];
+    const std::array<Vec3, 5> directions{
+        way,
+        glm::cross(one, two),
+        glm::cross(glm::cross(one, way), one),
+        glm::cross(glm::cross(two, way), two),
+        count == 2 ? way : glm::cross(glm::cross(x[3] - x[1], way), x[3] - x[1])};
+    return std::any_of(directions.begin(), directions.end(), [&](const Vec3& direction) {
+        const double length = magnitude(direction, direction);
+        return length > 1e-100 && length < 1e100 &&
+               are_apart_along(points, count, direction / length);
+    });
+}
+
 }  // namespace
 
 std::optional<double> vertex_face_time(const MovingPoints& points) {
@@ -328,6 +379,9 @@ std::optional<double> vertex_face_time(const MovingPoints& points) {
         if (answer.verdict != Verdict::unknown) {
             return answer.verdict == Verdict::contact ? std::optional(answer.time) : std::nullopt;
         }
+    }
+    if (are_apart_across(points, 1)) {
+        return std::nullopt;
     }
     return exact_vertex_face_time(integers_of(points));
 }
@@ -354,6 +408,9 @@ std::optional<double> edge_edge_time(const MovingPoints& points) {
         if (answer.verdict != Verdict::unknown) {
             return answer.verdict == Verdict::contact ? std::optional(answer.time) : std::nullopt;
         }
+    }
+    if (are_apart_across(points, 2)) {
+        return std::nullopt;
     }
     return exact_edge_edge_time(integers_of(points));
 }

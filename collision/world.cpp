@@ -18,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace earshot::collision {
 
@@ -72,6 +73,7 @@ struct World::State {
     Contact contact_at_begin(std::uint32_t mesh_a, std::uint32_t mesh_b, TrianglePair pair) const;
     void update_tree(double margin, Executor& executor);
     bool is_wanted(std::uint32_t a, std::uint32_t b, const ContactOptions& options) const;
+    MovingCorners corners_of(std::uint32_t triangle) const;
     MovingPoints points_of(const std::array<VertexId, 4>& vertices) const;
     Element element(std::uint32_t mesh, std::span<const VertexId> vertices) const;
     void complete(const std::array<VertexId, 4>& vertices, Contact& contact) const;
@@ -102,6 +104,20 @@ public:
         if (are_apart(state_.slabs[a], state_.slabs[b])) {
             return;
         }
+        // Neighbours touch where they meet: no plane is between them.
+        if (!share_a_vertex(state_.triangles[a], state_.triangles[b])) {
+            const MovingCorners one = state_.corners_of(a);
+            const MovingCorners other = state_.corners_of(b);
+            if (are_apart_along_normal(one, other, options_.margin()) ||
+                are_apart_along_normal(other, one, options_.margin())) {
+                return;
+            }
+        }
+        test_elements(a, b);
+    }
+
+private:
+    void test_elements(std::uint32_t a, std::uint32_t b) {
         test_corners(a, b);
         test_corners(b, a);
         for (unsigned i = 0; i < 3; ++i) {
@@ -113,7 +129,6 @@ public:
         }
     }
 
-private:
     void test_corners(std::uint32_t of, std::uint32_t face) {
         const Triangle& corners = state_.triangles[face];
         for (unsigned i = 0; i < 3; ++i) {
@@ -150,22 +165,24 @@ private:
             return;
         }
         ++findings_.statistics.elementary_tests;
-        Element first = state_.element(state_.mesh_of_triangle[a], std::span(vertices).first(2));
-        Element second = state_.element(state_.mesh_of_triangle[b], std::span(vertices).last(2));
-        // The points in the order of the elements, so that the time does not depend on the
-        // triangles.
-        if (second < first) {
-            std::swap(first, second);
-            std::rotate(vertices.begin(), vertices.begin() + 2, vertices.end());
-        }
+        // In the order of the elements, so that the time does not depend on the triangles: vertices
+        // of later meshes come later.
         std::sort(vertices.begin(), vertices.begin() + 2);
         std::sort(vertices.begin() + 2, vertices.end());
+        if (std::pair(vertices[2], vertices[3]) < std::pair(vertices[0], vertices[1])) {
+            std::rotate(vertices.begin(), vertices.begin() + 2, vertices.end());
+            std::swap(a, b);
+        }
         const MovingPoints points = state_.points_of(vertices);
         const auto time = options_.least_separation > 0.0
                               ? edge_edge_time_within(points, separation())
                               : edge_edge_time(points);
         if (time) {
-            Contact contact{.kind = ContactKind::edge_edge, .a = first, .b = second, .toi = *time};
+            Contact contact{
+                .kind = ContactKind::edge_edge,
+                .a = state_.element(state_.mesh_of_triangle[a], std::span(vertices).first(2)),
+                .b = state_.element(state_.mesh_of_triangle[b], std::span(vertices).last(2)),
+                .toi = *time};
             state_.complete(vertices, contact);
             findings_.contacts.push_back(contact);
         }
@@ -187,10 +204,8 @@ void World::State::update_tree(double margin, Executor& executor) {
     slabs.resize(triangles.size());
     executor.for_each(triangles.size(), 4096, [&](std::size_t from, std::size_t to) {
         for (std::size_t i = from; i < to; ++i) {
-            const Triangle& t = triangles[i];
-            const std::array<Vec3, 3> at_begin{begin[t[0]], begin[t[1]], begin[t[2]]};
-            const std::array<Vec3, 3> at_end{end[t[0]], end[t[1]], end[t[2]]};
-            slabs[i] = MotionSlabs(at_begin, at_end, margin);
+            const MovingCorners corners = corners_of(static_cast<std::uint32_t>(i));
+            slabs[i] = MotionSlabs(corners.begin, corners.end, margin);
             boxes[i] = swept_box(slabs[i]);
         }
     });
@@ -210,6 +225,11 @@ bool World::State::is_wanted(std::uint32_t a,
                              const ContactOptions& options) const {
     return (a == b ? options.within_meshes : options.between_meshes) &&
            (!options.filter || options.filter(std::min(a, b), std::max(a, b)));
+}
+
+MovingCorners World::State::corners_of(std::uint32_t triangle) const {
+    const Triangle& t = triangles[triangle];
+    return {{begin[t[0]], begin[t[1]], begin[t[2]]}, {end[t[0]], end[t[1]], end[t[2]]}};
 }
 
 MovingPoints World::State::points_of(const std::array<VertexId, 4>& vertices) const {
@@ -342,10 +362,7 @@ std::vector<Contact> World::contacts(const ContactOptions& options, Executor& ex
     if (state.triangles.empty()) {
         return {};
     }
-    // Boxes are rounded outward; the tolerance and rounding of a separation are small beside it.
-    const double margin =
-        options.least_separation > 0.0 ? options.least_separation + 2.0 * options.tolerance : 0.0;
-    state.update_tree(margin, executor);
+    state.update_tree(options.margin(), executor);
     const PairSearch search(state.tree, state.boxes);
     std::vector<Findings> findings(search.parts());
     executor.for_each(search.parts(), 1, [&](std::size_t from, std::size_t to) {

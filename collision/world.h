@@ -23,6 +23,11 @@ struct ContactOptions {
     /// Elements as near as this along every axis are in contact, metres; 0: exact contact.
     double least_separation = 0.0;
     double tolerance = 1e-6;  ///< metres, with least_separation
+
+    /// What boxes grow by so that no contact is left out, metres.
+    double margin() const noexcept {
+        return least_separation > 0.0 ? least_separation + 2.0 * tolerance : 0.0;
+    }
 };
 
 /// What the last search did.

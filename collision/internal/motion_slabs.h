@@ -33,4 +33,13 @@ inline bool are_apart(const MotionSlabs& a, const MotionSlabs& b) noexcept {
     return apart != 0;
 }
 
+/// The corners of a triangle at both ends of a step.
+struct MovingCorners {
+    std::array<geometry::Vec3, 3> begin, end;
+};
+
+/// The same along the normal that `a` has half-way: tells apart layers that lie close. `margin` as
+/// above.
+bool are_apart_along_normal(const MovingCorners& a, const MovingCorners& b, double margin) noexcept;
+
 }  // namespace earshot::collision
