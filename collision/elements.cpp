@@ -40,4 +40,17 @@ std::vector<std::uint8_t> own_elements(std::span<const geometry::Triangle> trian
     return own;
 }
 
+std::vector<std::uint8_t> all_elements(std::span<const geometry::Triangle> triangles) {
+    std::vector<std::uint8_t> all;
+    all.reserve(triangles.size());
+    for (const geometry::Triangle& triangle : triangles) {
+        unsigned bits = 7;
+        for (unsigned k = 0; k < 3; ++k) {
+            bits |= triangle[k] != triangle[(k + 1) % 3] ? 1U << (3 + k) : 0U;
+        }
+        all.push_back(static_cast<std::uint8_t>(bits));
+    }
+    return all;
+}
+
 }  // namespace earshot::collision

@@ -16,42 +16,48 @@ using geometry::Vec3;
 
 namespace {
 
-/// Places along the directions, each the sum of up to three coordinates.
-std::array<double, MotionSlabs::kSlabs> places(const Vec3& p) {
-    return {p.x,
-            p.y,
-            p.z,
-            p.x + p.y,
-            p.x - p.y,
-            p.y + p.z,
-            p.y - p.z,
-            p.z + p.x,
-            p.z - p.x,
-            p.x + p.y + p.z,
-            p.x + p.y - p.z,
-            p.x - p.y + p.z,
-            p.x - p.y - p.z,
-            p.x,
-            p.y,
-            p.z};
+void place(const Vec3& p, std::array<float, kSlabs>& places) {
+    const std::array<double, kSlabs> exact{p.x,
+                                           p.y,
+                                           p.z,
+                                           p.x + p.y,
+                                           p.x - p.y,
+                                           p.y + p.z,
+                                           p.y - p.z,
+                                           p.z + p.x,
+                                           p.z - p.x,
+                                           p.x + p.y + p.z,
+                                           p.x + p.y - p.z,
+                                           p.x - p.y + p.z,
+                                           p.x - p.y - p.z,
+                                           p.x,
+                                           p.y,
+                                           p.z};
+    for (std::size_t i = 0; i < kSlabs; ++i) {
+        places[i] = static_cast<float>(exact[i]);
+    }
 }
 
-void cover(std::span<const Vec3, 3> points,
-           double margin,
-           std::array<float, MotionSlabs::kSlabs>& lower,
-           std::array<float, MotionSlabs::kSlabs>& upper) {
-    double largest = 0.0;
-    for (const Vec3& point : points) {
-        largest = std::max({largest, std::abs(point.x), std::abs(point.y), std::abs(point.z)});
+void cover(const std::array<float, kSlabs>& a,
+           const std::array<float, kSlabs>& b,
+           const std::array<float, kSlabs>& c,
+           float margin,
+           std::array<float, kSlabs>& lower,
+           std::array<float, kSlabs>& upper) noexcept {
+    for (std::size_t i = 0; i < kSlabs; ++i) {
+        lower[i] = std::min(a[i], std::min(b[i], c[i]));
+        upper[i] = std::max(a[i], std::max(b[i], c[i]));
     }
-    // Sums of three are rounded twice; a margin counts once per axis.
-    const double room = 3.0 * margin + 0x1p-49 * largest;
-    const auto a = places(points[0]);
-    const auto b = places(points[1]);
-    const auto c = places(points[2]);
-    for (std::size_t i = 0; i < lower.size(); ++i) {
-        lower[i] = geometry::round_down(std::min({a[i], b[i], c[i]}) - room);
-        upper[i] = geometry::round_up(std::max({a[i], b[i], c[i]}) + room);
+    float largest = 0.0F;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        largest = std::max(largest, std::max(-lower[axis], upper[axis]));
+    }
+    // A sum is at most three times the largest; it is rounded when it is taken and when the room is
+    // added.
+    const float room = margin + 0x1p-21F * largest + 0x1p-140F;
+    for (std::size_t i = 0; i < kSlabs; ++i) {
+        lower[i] -= room;
+        upper[i] += room;
     }
 }
 
@@ -90,11 +96,19 @@ bool are_apart_along_normal(const MovingCorners& a,
     return true;
 }
 
-MotionSlabs::MotionSlabs(std::span<const Vec3, 3> begin,
-                         std::span<const Vec3, 3> end,
-                         double margin) {
-    cover(begin, margin, lower_begin, upper_begin);
-    cover(end, margin, lower_end, upper_end);
+MotionPlaces::MotionPlaces(const Vec3& from, const Vec3& to) {
+    place(from, begin);
+    place(to, end);
+}
+
+MotionSlabs::MotionSlabs(const MotionPlaces& a,
+                         const MotionPlaces& b,
+                         const MotionPlaces& c,
+                         double margin) noexcept {
+    // It counts once per axis.
+    const float room = geometry::round_up(3.0 * margin * (1.0 + 0x1p-20));
+    cover(a.begin, b.begin, c.begin, room, lower_begin, upper_begin);
+    cover(a.end, b.end, c.end, room, lower_end, upper_end);
 }
 
 }  // namespace earshot::collision

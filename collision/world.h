@@ -5,6 +5,7 @@
 #include "earshot/collision/contact.h"
 #include "earshot/geometry/mesh.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -24,6 +25,22 @@ struct ContactOptions {
     double least_separation = 0.0;
     double tolerance = 1e-6;  ///< metres, with least_separation
 
+    // What saves work; contacts are the same without.
+
+    /// A search begins where the one before ended.
+    bool keeps_front = true;
+    /// Patches that face one way and whose border does not meet itself are not searched within;
+    /// only without a separation.
+    bool leaves_out_smooth_patches = true;
+    /// Every vertex and edge is tested as part of one triangle only.
+    bool assigns_elements = true;
+
+    /// Whether anything of two meshes is looked at.
+    bool is_wanted(std::uint32_t a, std::uint32_t b) const {
+        return (a == b ? within_meshes : between_meshes) &&
+               (!filter || filter(std::min(a, b), std::max(a, b)));
+    }
+
     /// What boxes grow by so that no contact is left out, metres.
     double margin() const noexcept {
         return least_separation > 0.0 ? least_separation + 2.0 * tolerance : 0.0;
@@ -32,9 +49,11 @@ struct ContactOptions {
 
 /// What the last search did.
 struct WorldStatistics {
-    std::uint64_t box_tests = 0;       ///< of pairs of nodes and of triangles
+    std::uint64_t box_tests = 0;       ///< of pairs of nodes and of triangles, and patches
     std::uint64_t triangle_pairs = 0;  ///< whose swept boxes meet
     std::uint64_t elementary_tests = 0;
+
+    WorldStatistics& operator+=(const WorldStatistics& other) noexcept;
 };
 
 /// Meshes that move, rest or deform, and when what of them touches. A step moves every vertex on a

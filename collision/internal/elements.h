@@ -16,4 +16,7 @@ namespace earshot::collision {
 /// owns nothing twice.
 std::vector<std::uint8_t> own_elements(std::span<const geometry::Triangle> triangles);
 
+/// All corners, and all edges between two vertices: elements come as often as triangles have them.
+std::vector<std::uint8_t> all_elements(std::span<const geometry::Triangle> triangles);
+
 }  // namespace earshot::collision

@@ -5,28 +5,37 @@
 
 #include <array>
 #include <cstddef>
-#include <span>
 
 namespace earshot::collision {
 
-/// What a moving triangle covers along thirteen directions (the axes and the diagonals of faces and
-/// of the cube; the rest repeat one), at the beginning and at the end of a step, rounded outward.
+/// Thirteen directions (the axes and the diagonals of faces and of the cube; the rest repeat one).
+inline constexpr std::size_t kSlabs = 16;
+
+/// Where a vertex is along them at the beginning and at the end of a step, rounded.
+struct MotionPlaces {
+    alignas(64) std::array<float, kSlabs> begin, end;
+
+    MotionPlaces() = default;
+    MotionPlaces(const geometry::Vec3& from, const geometry::Vec3& to);
+};
+
+/// What a moving triangle covers along them, rounded outward.
 struct MotionSlabs {
-    static constexpr std::size_t kSlabs = 16;
     alignas(64) std::array<float, kSlabs> lower_begin, upper_begin, lower_end, upper_end;
 
     MotionSlabs() = default;
     /// `margin` is added along every axis.
-    MotionSlabs(std::span<const geometry::Vec3, 3> begin,
-                std::span<const geometry::Vec3, 3> end,
-                double margin);
+    MotionSlabs(const MotionPlaces& a,
+                const MotionPlaces& b,
+                const MotionPlaces& c,
+                double margin) noexcept;
 };
 
 /// True only if the triangles never meet: along one direction the same lies beyond the other at
 /// both ends, and so throughout, because places along a direction are linear in time.
 inline bool are_apart(const MotionSlabs& a, const MotionSlabs& b) noexcept {
     int apart = 0;
-    for (std::size_t i = 0; i < MotionSlabs::kSlabs; ++i) {
+    for (std::size_t i = 0; i < kSlabs; ++i) {
         apart |= ((a.lower_begin[i] > b.upper_begin[i]) & (a.lower_end[i] > b.upper_end[i])) |
                  ((b.lower_begin[i] > a.upper_begin[i]) & (b.lower_end[i] > a.upper_end[i]));
     }

@@ -2,15 +2,14 @@
 #include "earshot/collision/world.h"
 
 #include "earshot/base/error.h"
-#include "earshot/collision/moving_points.h"
 
 #include <gtest/gtest.h>
 
 #include "support/dice.h"
+#include "support/moving_meshes.h"
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <tuple>
 
 namespace earshot::collision {
 namespace {
@@ -19,11 +18,6 @@ using geometry::Triangle;
 using geometry::Vec3;
 using geometry::VertexId;
 using support::Dice;
-
-struct MovingMesh {
-    std::vector<Triangle> triangles;
-    std::vector<Vec3> begin, end;
-};
 
 /// A square of cloth, crumpled: every vertex is somewhere near its place, and moves.
 MovingMesh cloth(int side, double crumple, double height, Dice& dice) {
@@ -49,79 +43,6 @@ MovingMesh cloth(int side, double crumple, double height, Dice& dice) {
         }
     }
     return mesh;
-}
-
-using Found = std::tuple<ContactKind, Element, Element, double>;
-
-Found found(const Contact& contact) {
-    return {contact.kind, contact.a, contact.b, contact.toi};
-}
-
-Element element(std::uint32_t mesh, std::vector<VertexId> vertices) {
-    std::sort(vertices.begin(), vertices.end());
-    Element element{.mesh = mesh, .size = static_cast<std::uint32_t>(vertices.size())};
-    std::copy(vertices.begin(), vertices.end(), element.vertices.begin());
-    return element;
-}
-
-/// Every vertex against every face and every edge against every edge, but for those of one mesh
-/// that share a vertex.
-std::set<Found> brute_force(const std::vector<MovingMesh>& meshes, bool between, bool within) {
-    std::set<Element> vertices, edges, faces;
-    for (std::uint32_t m = 0; m < meshes.size(); ++m) {
-        for (const Triangle& t : meshes[m].triangles) {
-            faces.insert(element(m, {t[0], t[1], t[2]}));
-            for (std::size_t k = 0; k < 3; ++k) {
-                vertices.insert(element(m, {t[k]}));
-                edges.insert(element(m, {t[k], t[(k + 1) % 3]}));
-            }
-        }
-    }
-    const auto test = [&](const Element& a, const Element& b) -> std::optional<double> {
-        if (a.mesh == b.mesh ? !within : !between) {
-            return std::nullopt;
-        }
-        MovingPoints points;
-        std::size_t n = 0;
-        for (const Element* x : {&a, &b}) {
-            for (std::size_t i = 0; i < x->size; ++i) {
-                if (a.mesh == b.mesh && x == &b &&
-                    std::count(a.vertices.begin(), a.vertices.begin() + a.size, b.vertices[i]) >
-                        0) {
-                    return std::nullopt;
-                }
-                points.begin[n] = meshes[x->mesh].begin[x->vertices[i]];
-                points.end[n++] = meshes[x->mesh].end[x->vertices[i]];
-            }
-        }
-        return a.size == 1 ? vertex_face_time(points) : edge_edge_time(points);
-    };
-    std::set<Found> result;
-    for (const Element& vertex : vertices) {
-        for (const Element& face : faces) {
-            if (const auto time = test(vertex, face)) {
-                result.insert({ContactKind::vertex_face, vertex, face, *time});
-            }
-        }
-    }
-    for (const Element& a : edges) {
-        for (const Element& b : edges) {
-            if (a < b) {
-                if (const auto time = test(a, b)) {
-                    result.insert({ContactKind::edge_edge, a, b, *time});
-                }
-            }
-        }
-    }
-    return result;
-}
-
-World world_of(const std::vector<MovingMesh>& meshes) {
-    World world;
-    for (const MovingMesh& mesh : meshes) {
-        world.update(world.add_mesh(mesh.triangles, mesh.begin.size()), mesh.begin, mesh.end);
-    }
-    return world;
 }
 
 TEST(World, FindsWhatAllPairsOfElementsFind) {

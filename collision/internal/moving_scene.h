@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/collision/contact.h"
+#include "earshot/collision/internal/motion_slabs.h"
+#include "earshot/collision/moving_points.h"
+#include "earshot/geometry/mesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace earshot::collision {
+
+/// The meshes of a World, their vertices one after the other and their triangles likewise.
+struct MovingScene {
+    std::vector<geometry::Vec3> begin, end;
+    std::vector<geometry::Triangle> triangles;
+    std::vector<std::uint32_t> mesh_of_triangle;
+    std::vector<geometry::VertexId> first_vertex{0};  ///< of each mesh, and one beyond
+    std::vector<std::size_t> first_triangle{0};       ///< likewise
+
+    std::uint32_t meshes() const noexcept {
+        return static_cast<std::uint32_t>(first_vertex.size() - 1);
+    }
+
+    /// Throws Error if a triangle names a vertex that is not there.
+    void add(std::span<const geometry::Triangle> mesh, std::size_t vertices);
+
+    std::span<const geometry::Triangle> triangles_of(std::uint32_t mesh) const noexcept;
+    MovingCorners corners_of(const geometry::Triangle& triangle) const noexcept;
+    MovingPoints points_of(const std::array<geometry::VertexId, 4>& vertices) const noexcept;
+    Element element(std::uint32_t mesh, std::span<const geometry::VertexId> vertices) const;
+    /// Sets point and normal of a contact between these vertices, from its kind and time.
+    void complete(const std::array<geometry::VertexId, 4>& vertices, Contact& contact) const;
+};
+
+/// v / |v|, or 0 where that has no direction.
+geometry::Vec3 unit_or_zero(const geometry::Vec3& v);
+
+}  // namespace earshot::collision

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/collision/internal/moving_scene.h"
+
+#include "earshot/base/error.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace earshot::collision {
+
+using geometry::Triangle;
+using geometry::Vec3;
+using geometry::VertexId;
+
+void MovingScene::add(std::span<const Triangle> mesh, std::size_t vertices) {
+    for (const Triangle& triangle : mesh) {
+        for (const VertexId vertex : triangle) {
+            if (vertex >= vertices) {
+                throw Error("mesh " + std::to_string(meshes()),
+                            "a triangle names vertex " + std::to_string(vertex) + " of " +
+                                std::to_string(vertices),
+                            "check the indices");
+            }
+        }
+    }
+    const VertexId first = first_vertex.back();
+    for (const Triangle& triangle : mesh) {
+        triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
+    }
+    mesh_of_triangle.resize(triangles.size(), meshes());
+    first_vertex.push_back(first + static_cast<VertexId>(vertices));
+    first_triangle.push_back(triangles.size());
+    begin.resize(first_vertex.back(), Vec3(0.0));
+    end.resize(first_vertex.back(), Vec3(0.0));
+}
+
+std::span<const Triangle> MovingScene::triangles_of(std::uint32_t mesh) const noexcept {
+    return std::span(triangles).subspan(first_triangle[mesh],
+                                        first_triangle[mesh + 1] - first_triangle[mesh]);
+}
+
+MovingCorners MovingScene::corners_of(const Triangle& t) const noexcept {
+    return {{begin[t[0]], begin[t[1]], begin[t[2]]}, {end[t[0]], end[t[1]], end[t[2]]}};
+}
+
+MovingPoints MovingScene::points_of(const std::array<VertexId, 4>& vertices) const noexcept {
+    MovingPoints points;
+    for (std::size_t i = 0; i < 4; ++i) {
+        points.begin[i] = begin[vertices[i]];
+        points.end[i] = end[vertices[i]];
+    }
+    return points;
+}
+
+Element MovingScene::element(std::uint32_t mesh, std::span<const VertexId> vertices) const {
+    Element element{.mesh = mesh, .size = static_cast<std::uint32_t>(vertices.size())};
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        element.vertices[i] = vertices[i] - first_vertex[mesh];
+    }
+    std::sort(element.vertices.begin(),
+              element.vertices.begin() + static_cast<std::ptrdiff_t>(vertices.size()));
+    return element;
+}
+
+void MovingScene::complete(const std::array<VertexId, 4>& vertices, Contact& contact) const {
+    std::array<Vec3, 4> x;
+    for (std::size_t i = 0; i < 4; ++i) {
+        x[i] = begin[vertices[i]] + contact.toi * (end[vertices[i]] - begin[vertices[i]]);
+    }
+    Vec3 from_b;  // to a, at the beginning
+    if (contact.kind == ContactKind::vertex_face) {
+        contact.point = x[0];
+        contact.normal = unit_or_zero(glm::cross(x[2] - x[1], x[3] - x[1]));
+        from_b = begin[vertices[0]] - begin[vertices[1]];
+    } else {
+        const Vec3 along = x[1] - x[0];
+        const Vec3 normal = glm::cross(along, x[3] - x[2]);
+        contact.normal = unit_or_zero(normal);
+        // a + u (b - a) on the plane of the other edge and the normal.
+        const double area = glm::dot(normal, normal);
+        const double share =
+            area > 0.0 ? glm::dot(glm::cross(x[2] - x[0], x[3] - x[2]), normal) / area : 0.5;
+        contact.point = x[0] + std::clamp(share, 0.0, 1.0) * along;
+        from_b = begin[vertices[0]] - begin[vertices[2]];
+    }
+    if (glm::dot(contact.normal, from_b) < 0.0) {
+        contact.normal = -contact.normal;
+    }
+}
+
+Vec3 unit_or_zero(const Vec3& v) {
+    const double length = glm::length(v);
+    return length > 0.0 && std::isfinite(length) ? v / length : Vec3(0.0);
+}
+
+}  // namespace earshot::collision
