@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "made_queries.h"
 #include "support/dice.h"
 #include <algorithm>
 #include <cmath>
@@ -25,71 +26,6 @@ Vec3 random_point(Dice& dice) {
     return {dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0)};
 }
 
-/// A contact made to measure: at time t the first point lies at (u, v) of the triangle, or the
-/// segments cross at u and v. Coordinates are multiples of 2^-20, t of 2^-4, u and v of 2^-2, so
-/// that everything is exact.
-struct MadeContact {
-    MovingPoints points;
-    double time;
-};
-
-double coarse(double value, double step) {
-    return std::round(value / step) * step;
-}
-
-Vec3 coarse_point(Dice& dice) {
-    const Vec3 p = random_point(dice);
-    constexpr double kStep = 0x1p-12;
-    return {coarse(p.x, kStep), coarse(p.y, kStep), coarse(p.z, kStep)};
-}
-
-/// Point 0 passes `meeting` at `time` with a random velocity.
-void pass(const Vec3& meeting, double time, Dice& dice, Vec3& begin, Vec3& end) {
-    const Vec3 velocity = coarse_point(dice);
-    begin = meeting - time * velocity;
-    end = meeting + (1.0 - time) * velocity;
-}
-
-MadeContact made_contact(Dice& dice, bool is_face) {
-    MadeContact made;
-    made.time = dice.below(17) / 16.0;
-    const double u = dice.below(5) / 4.0;
-    const double v =
-        is_face ? dice.below(static_cast<int>(4.0 * (1.0 - u)) + 1) / 4.0 : dice.below(5) / 4.0;
-    for (std::size_t i = 1; i < 4; ++i) {
-        made.points.begin[i] = coarse_point(dice);
-        made.points.end[i] = coarse_point(dice);
-    }
-    const auto at = [&](std::size_t i) {
-        return made.points.begin[i] + made.time * (made.points.end[i] - made.points.begin[i]);
-    };
-    if (is_face) {
-        pass(at(1) + u * (at(2) - at(1)) + v * (at(3) - at(1)),
-             made.time,
-             dice,
-             made.points.begin[0],
-             made.points.end[0]);
-    } else {
-        // a + u (b - a) = m: a = (m - u b) / (1 - u), or b = m if u is 1.
-        const Vec3 meeting = at(2) + v * (at(3) - at(2));
-        if (u < 1.0) {
-            const double one_minus = 1.0 - u;
-            const double rest = one_minus == 0.75 ? 0.5 : one_minus;  // keeps the division exact
-            const double share = 1.0 - rest;
-            pass((meeting - share * at(1)) / rest,
-                 made.time,
-                 dice,
-                 made.points.begin[0],
-                 made.points.end[0]);
-        } else {
-            pass(meeting, made.time, dice, made.points.begin[1], made.points.end[1]);
-            made.points.begin[0] = coarse_point(dice);
-            made.points.end[0] = coarse_point(dice);
-        }
-    }
-    return made;
-}
-
 std::optional<double> time_of(const MovingPoints& points, bool is_face) {
     return is_face ? vertex_face_time(points) : edge_edge_time(points);
 }
@@ -99,22 +35,37 @@ std::optional<double> exact_time_of(const MovingPoints& points, bool is_face) {
     return is_face ? exact_vertex_face_time(integers) : exact_edge_edge_time(integers);
 }
 
-TEST(MovingPoints, NoContactMadeToMeasureIsMissedOrLate) {
-    Dice dice(1);
-    for (int i = 0; i < 40000; ++i) {
+void expect_neither_missed_nor_late(std::uint64_t seed, int count) {
+    Dice dice(seed);
+    for (int i = 0; i < count; ++i) {
         const bool is_face = i % 2 == 0;
-        MadeContact made = made_contact(dice, is_face);
-        const double scale = std::ldexp(1.0, dice.below(5) * 40 - 80);
-        for (auto* at : {&made.points.begin, &made.points.end}) {
-            for (Vec3& point : *at) {
-                point *= scale;
-            }
-        }
+        const MadeContact made = hard_contact(dice, is_face);
         const auto found = time_of(made.points, is_face);
         ASSERT_TRUE(found) << i;
         ASSERT_LE(*found, made.time) << i;
         ASSERT_GE(*found, 0.0) << i;
     }
+}
+
+void expect_none_made_up(std::uint64_t seed, int count) {
+    Dice dice(seed);
+    for (int i = 0; i < count; ++i) {
+        const bool is_face = i % 2 == 0;
+        ASSERT_FALSE(time_of(near_miss(dice, is_face), is_face)) << i;
+    }
+}
+
+TEST(MovingPoints, NoContactMadeToMeasureIsMissedOrLate) {
+    expect_neither_missed_nor_late(1, 40000);
+}
+
+TEST(MovingPoints, NoContactIsMadeUpWhereAPlaneKeepsApart) {
+    expect_none_made_up(6, 40000);
+}
+
+TEST(SlowMovingPoints, TenMillionHardQueries) {
+    expect_neither_missed_nor_late(7, 6000000);
+    expect_none_made_up(8, 4000000);
 }
 
 /// Distance of the features at a time, by dense sampling: an upper bound of the true one.
