@@ -23,7 +23,9 @@ double reach_of(const Vec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-void check(const Pose& pose) {
+}  // namespace
+
+void require_rigid(const Pose& pose) {
     const glm::dmat3 product = glm::transpose(pose.rotation) * pose.rotation;
     double deviation = 0.0;
     for (int i = 0; i < 3; ++i) {
@@ -32,12 +34,15 @@ void check(const Pose& pose) {
             deviation = wrong <= deviation ? deviation : wrong;
         }
     }
-    if (!(deviation <= kRigidTolerance) || !(reach_of(pose.translation) <= Shape::kReachLimit)) {
+    if (!(deviation <= kRigidTolerance) || glm::determinant(pose.rotation) < 0.0 ||
+        !(reach_of(pose.translation) <= Shape::kReachLimit)) {
         throw Error("pose",
                     "is not a rotation, or a translation within 2^60 m",
                     "orthonormalise the rotation");
     }
 }
+
+namespace {
 
 GuestFrame frame_of(const glm::dmat3& turn, const Vec3& origin, double padding) noexcept {
     GuestFrame frame{};
@@ -55,8 +60,8 @@ GuestFrame frame_of(const glm::dmat3& turn, const Vec3& origin, double padding) 
 }  // namespace
 
 RelativePose::RelativePose(const Body& a, const Body& b) {
-    check(a.pose);
-    check(b.pose);
+    require_rigid(a.pose);
+    require_rigid(b.pose);
     const glm::dmat3 a_back = glm::transpose(a.pose.rotation);
     const glm::dmat3 b_back = glm::transpose(b.pose.rotation);
     const glm::dmat3 turn = a_back * b.pose.rotation;

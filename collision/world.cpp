@@ -3,7 +3,6 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-#include "earshot/collision/discrete.h"
 #include "earshot/collision/internal/element_tester.h"
 #include "earshot/collision/internal/elements.h"
 #include "earshot/collision/internal/leaf_plates.h"
@@ -26,6 +25,8 @@ using geometry::Triangle;
 using geometry::Vec3;
 using geometry::VertexId;
 
+enum class ShapeAge : std::uint8_t { none, outdated, current };
+
 struct World::State {
     MovingScene scene;
     SweptForest forest;
@@ -34,11 +35,13 @@ struct World::State {
     bool has_patches = false;  // of this tree
     PairFront front;
     std::vector<std::uint8_t> own, all;  // see elements.h
+    std::vector<Shape> shapes;           // of the meshes at the beginning, where asked for
+    std::vector<ShapeAge> shape_ages;
     WorldStatistics statistics;
 
     void follow(const ContactOptions& options, Executor& executor);
     const SmoothPatches* patches_for(const ContactOptions& options, Executor& executor);
-    geometry::MeshView mesh_at_begin(std::uint32_t mesh) const;
+    const Shape& shape_at_begin(std::uint32_t mesh, Executor& executor);
     Contact contact_at_begin(std::uint32_t mesh_a, std::uint32_t mesh_b, TrianglePair pair) const;
 };
 
@@ -69,8 +72,15 @@ const SmoothPatches* World::State::patches_for(const ContactOptions& options, Ex
     return &patches;
 }
 
-geometry::MeshView World::State::mesh_at_begin(std::uint32_t mesh) const {
-    return {scene.begin, scene.triangles_of(mesh)};
+const Shape& World::State::shape_at_begin(std::uint32_t mesh, Executor& executor) {
+    const geometry::MeshView view{scene.begin, scene.triangles_of(mesh)};
+    if (shape_ages[mesh] == ShapeAge::none) {
+        shapes[mesh] = Shape::build(view, {}, executor);
+    } else if (shape_ages[mesh] == ShapeAge::outdated) {
+        shapes[mesh].refit(view);
+    }
+    shape_ages[mesh] = ShapeAge::current;
+    return shapes[mesh];
 }
 
 Contact World::State::contact_at_begin(std::uint32_t mesh_a,
@@ -107,8 +117,12 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 std::uint32_t World::add_mesh(std::span<const Triangle> triangles, std::size_t vertices) {
-    state_->scene.add(triangles, vertices);
-    return state_->scene.meshes() - 1;
+    State& state = *state_;
+    state.scene.add(triangles, vertices);
+    // Shapes look at arrays that may have been moved.
+    state.shapes.assign(state.scene.meshes(), {});
+    state.shape_ages.assign(state.scene.meshes(), ShapeAge::none);
+    return state.scene.meshes() - 1;
 }
 
 void World::update(std::uint32_t mesh, std::span<const Vec3> begin, std::span<const Vec3> end) {
@@ -126,6 +140,8 @@ void World::update(std::uint32_t mesh, std::span<const Vec3> begin, std::span<co
     EARSHOT_ASSERT(first + begin.size() == scene.first_vertex[mesh + 1]);
     std::copy(begin.begin(), begin.end(), scene.begin.begin() + first);
     std::copy(end.begin(), end.end(), scene.end.begin() + first);
+    ShapeAge& age = state_->shape_ages[mesh];
+    age = age == ShapeAge::none ? age : ShapeAge::outdated;
 }
 
 std::vector<Contact> World::contacts(const ContactOptions& options, Executor& executor) {
@@ -172,22 +188,19 @@ std::vector<Contact> World::contacts(const ContactOptions& options, Executor& ex
     return contacts;
 }
 
-std::vector<Contact> World::contacts_at_begin(const ContactOptions& options,
-                                              Executor& executor) const {
-    const State& state = *state_;
+std::vector<Contact> World::contacts_at_begin(const ContactOptions& options, Executor& executor) {
+    State& state = *state_;
     const std::uint32_t meshes = state.scene.meshes();
-    std::vector<Shape> shapes;
-    for (std::uint32_t mesh = 0; mesh < meshes; ++mesh) {
-        shapes.push_back(Shape::build(state.mesh_at_begin(mesh), {}, executor));
-    }
     std::vector<Contact> contacts;
     for (std::uint32_t a = 0; a < meshes; ++a) {
         for (std::uint32_t b = a; b < meshes; ++b) {
             if (!options.is_wanted(a, b)) {
                 continue;
             }
-            const auto pairs = a == b ? find_self_contacts({shapes[a]}, executor)
-                                      : find_contacts({shapes[a]}, {shapes[b]}, executor);
+            const Shape& one = state.shape_at_begin(a, executor);
+            const Shape& other = state.shape_at_begin(b, executor);
+            const auto pairs = a == b ? find_self_contacts({one}, executor)
+                                      : find_contacts({one}, {other}, executor);
             for (const TrianglePair& pair : pairs) {
                 contacts.push_back(state.contact_at_begin(a, b, pair));
                 if (contacts.back().b < contacts.back().a) {
@@ -198,6 +211,12 @@ std::vector<Contact> World::contacts_at_begin(const ContactOptions& options,
     }
     std::sort(contacts.begin(), contacts.end());
     return contacts;
+}
+
+MeshDistance World::distance_at_begin(std::uint32_t a, std::uint32_t b, Executor& executor) {
+    State& state = *state_;
+    EARSHOT_ASSERT(a < state.scene.meshes() && b < state.scene.meshes());
+    return distance({state.shape_at_begin(a, executor)}, {state.shape_at_begin(b, executor)});
 }
 
 std::optional<Contact> World::first_contact(const ContactOptions& options, Executor& executor) {

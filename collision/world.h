@@ -3,6 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/collision/contact.h"
+#include "earshot/collision/discrete.h"
 #include "earshot/geometry/mesh.h"
 
 #include <algorithm>
@@ -87,7 +88,13 @@ public:
     /// find_self_contacts() say of the meshes there; sorted, each once, times 0. No separation is
     /// looked at.
     std::vector<Contact> contacts_at_begin(const ContactOptions& options = {},
-                                           Executor& executor = Executor::serial()) const;
+                                           Executor& executor = Executor::serial());
+
+    /// distance() of two meshes at the beginning of the step; b may be a, which is 0. Triangles are
+    /// counted in their mesh. Hierarchies are kept, and refitted after update().
+    MeshDistance distance_at_begin(std::uint32_t a,
+                                   std::uint32_t b,
+                                   Executor& executor = Executor::serial());
 
     /// The first of contacts(), if there is one.
     std::optional<Contact> first_contact(const ContactOptions& options = {},

@@ -14,12 +14,15 @@ struct GuestFrame {
     float padding;
 };
 
+/// Throws Error if a pose turns by no rotation or is beyond Shape::kReachLimit.
+void require_rigid(const Pose& pose);
+
 /// Two bodies' spaces as seen from each other.
 struct RelativePose {
     GuestFrame b_in_a, a_in_b;
     bool is_aligned;  // neither is turned against the other
 
-    /// Throws Error if a pose is not rigid.
+    /// Throws as require_rigid().
     RelativePose(const Body& a, const Body& b);
 };
 

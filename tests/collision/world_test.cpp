@@ -139,6 +139,19 @@ TEST(World, SaysWhatMeetsAtTheBeginning) {
     EXPECT_NEAR(contacts[0].point.y, 0.0, 1e-12);
 }
 
+TEST(World, SaysHowFarApartMeshesAreAtTheBeginning) {
+    auto meshes = falling_triangle();
+    World world = world_of(meshes);
+    EXPECT_EQ(world.distance_at_begin(0, 1).distance, 1.0);
+    EXPECT_EQ(world.distance_at_begin(0, 0).distance, 0.0);
+    world.update(1, meshes[1].end, meshes[1].end);
+    EXPECT_EQ(world.distance_at_begin(1, 0).distance, 0.0);
+    std::swap(meshes[1].begin, meshes[1].end);
+    EXPECT_EQ(world_of(meshes).contacts_at_begin().size(), world.contacts_at_begin().size());
+    world.update(1, meshes[1].end, meshes[1].end);
+    EXPECT_EQ(world.distance_at_begin(1, 0).distance, 1.0);
+}
+
 TEST(World, RefusesWhatIsNoMeshAndIsEmptyWithoutOne) {
     World world;
     EXPECT_TRUE(world.contacts().empty());
