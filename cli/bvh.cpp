@@ -4,8 +4,7 @@
 #include "earshot/cli/commands.h"
 #include "earshot/cli/hierarchy_report.h"
 #include "earshot/cli/output.h"
-#include "earshot/cli/values.h"
-#include "earshot/io/scene_file.h"
+#include "earshot/cli/scene_choice.h"
 #include "earshot/io/whole_file.h"
 
 #include <algorithm>
@@ -44,16 +43,7 @@ class BvhCommand : public Command {
 public:
     explicit BvhCommand(CLI::App& program)
         : Command(program, "bvh", "Build the hierarchy of a scene, refit it, and report on it") {
-        app()
-            .add_option("SCENE", scene_file_, "a .gltf, .glb, .obj, .ply, .stl or .off file")
-            ->required();
-        CLI::Option* time =
-            add_number(app(), "--time", time_, {}, "instant of the scene's animation, seconds");
-        app()
-            .add_option("--frames", frames_, "instants A:B:STEP in seconds, a line for each")
-            ->excludes(time);
-        app().add_option(
-            "--animation", animation_, "name or number of the animation; default: the first");
+        scene_.add_to(app(), "a line for each");
         CLI::Option* frames = app().get_option("--frames");
         add_number(app(),
                    "--rays",
@@ -70,10 +60,10 @@ public:
     }
 
     void run() override {
-        const std::vector<double> instants = times();
+        const std::vector<double> instants = scene_.times(app());
         const HierarchyOptions options = {.build = {.builder = builder()}, .rays_per_frame = rays_};
         use_simd_target(common().simd);
-        const io::LoadedScene loaded = io::load_scene(scene_file_, {.animation = animation_});
+        const io::LoadedScene loaded = scene_.load();
         Executor executor(static_cast<int>(common().threads));
         const HierarchyReport report = measure_hierarchy(loaded.scene, instants, options, executor);
         if (!plot_file_.empty() && !report.frames.empty()) {
@@ -87,18 +77,6 @@ public:
     }
 
 private:
-    std::vector<double> times() {
-        if (frames_.empty()) {
-            return {time_};
-        }
-        const auto instants = parse_frames(frames_);
-        if (!instants) {
-            throw wrong_usage(
-                app(), "--frames", "'" + frames_ + "' is not of the form A:B:STEP in seconds");
-        }
-        return *instants;
-    }
-
     bvh::Builder builder() {
         const auto named = bvh::builder_named(builder_);
         if (!named) {
@@ -109,9 +87,8 @@ private:
 
     double rays_ = 1e6;
     std::string plot_file_;
-    std::string scene_file_, frames_, animation_;
+    SceneChoice scene_;
     std::string builder_{bvh::named_builders().front().name};
-    double time_ = 0.0;
 };
 
 }  // namespace

@@ -14,6 +14,7 @@ std::unique_ptr<Command> make_bvh_command(CLI::App& program);
 std::unique_ptr<Command> make_ccd_command(CLI::App& program);
 std::unique_ptr<Command> make_collide_command(CLI::App& program);
 std::unique_ptr<Command> make_ir_command(CLI::App& program);
+std::unique_ptr<Command> make_los_command(CLI::App& program);
 std::unique_ptr<Command> make_materials_command(CLI::App& program);
 std::unique_ptr<Command> make_metrics_command(CLI::App& program);
 

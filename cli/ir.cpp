@@ -7,6 +7,7 @@
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/response_job.h"
 #include "earshot/cli/response_summary.h"
+#include "earshot/cli/scene_choice.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/io/sofa.h"
@@ -38,9 +39,7 @@ class IrCommand : public Command {
 public:
     explicit IrCommand(CLI::App& program)
         : Command(program, "ir", "Impulse responses for every source and listener of a scene") {
-        app()
-            .add_option("SCENE", scene_file_, "a .gltf, .glb, .obj, .ply, .stl or .off file")
-            ->required();
+        scene_.add_to(app(), "a response for each");
         app()
             .add_option("-o,--output", directory_, "folder for the results; made if missing")
             ->required();
@@ -50,17 +49,16 @@ public:
         add_late_options();
         add_format_options();
         add_sound_options();
-        add_time_options();
         app().footer(kFooter);
     }
 
     void run() override {
-        const std::vector<double> instants = times();
+        const std::vector<double> instants = scene_.times(app());
         const Listening hearing = listening();
         use_simd_target(common().simd);
 
-        io::LoadedScene loaded = io::load_scene(scene_file_, {.animation = animation_});
-        emitters_.apply(app(), scene_file_, loaded.scene);
+        io::LoadedScene loaded = scene_.load();
+        emitters_.apply(app(), scene_.file(), loaded.scene);
         const ResponseJob job = {
             .scene = loaded.scene,
             .simulation = simulation_options(),
@@ -68,7 +66,7 @@ public:
             .listening = hearing,
             .writes_sofa = writes_sofa_,
             .times = instants,
-            .is_sequence = !frames_.empty(),
+            .is_sequence = scene_.is_sequence(),
             .directory = directory_};
         Executor executor(static_cast<int>(common().threads));
         ResponseSummary summary;
@@ -161,16 +159,6 @@ private:
             "--no-air-absorption", no_air_absorption_, "let air carry sound without loss");
     }
 
-    void add_time_options() {
-        CLI::Option* time =
-            add_number(app(), "--time", time_, {}, "instant of the scene's animation, seconds");
-        app()
-            .add_option("--frames", frames_, "instants A:B:STEP in seconds, a response for each")
-            ->excludes(time);
-        app().add_option(
-            "--animation", animation_, "name or number of the animation; default: the first");
-    }
-
     propagation::Options simulation_options() const {
         return {
             .specular_order = static_cast<int>(order_),
@@ -185,20 +173,8 @@ private:
             .seed = static_cast<std::uint64_t>(common().seed),
             .late_length = length_,
             .late_directions = format_ != "mono",
-            .keeps_traces = !frames_.empty(),
+            .keeps_traces = scene_.is_sequence(),
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
-    }
-
-    std::vector<double> times() {
-        if (frames_.empty()) {
-            return {time_};
-        }
-        const auto instants = parse_frames(frames_);
-        if (!instants) {
-            throw wrong_usage(
-                app(), "--frames", "'" + frames_ + "' is not of the form A:B:STEP in seconds");
-        }
-        return *instants;
     }
 
     /// How listeners hear, head responses included.
@@ -236,7 +212,8 @@ private:
         print_warnings(shown);
     }
 
-    std::string scene_file_, directory_, mode_ = "complete", bands_ = "octave", frames_, animation_;
+    SceneChoice scene_;
+    std::string directory_, mode_ = "complete", bands_ = "octave";
     std::string format_ = "mono", head_file_;
     EmitterOptions emitters_;
     bool writes_sofa_ = false;
@@ -248,7 +225,6 @@ private:
     std::int64_t resolution_ = 0;
     std::int64_t sample_rate_hz_ = 48000;
     double length_ = 0.0;
-    double time_ = 0.0;
     propagation::Air air_;
     bool no_air_absorption_ = false;
 };

@@ -2,6 +2,7 @@
 #include "earshot/cli/response_job.h"
 
 #include "earshot/base/random.h"
+#include "earshot/cli/scene_choice.h"
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
 #include "earshot/io/wav.h"
@@ -55,12 +56,6 @@ std::vector<std::string> file_names(const std::vector<propagation::Emitter>& emi
         names.push_back(unique);
     }
     return names;
-}
-
-std::string frame_suffix(std::size_t frame) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "__%04zu", frame);
-    return text.data();
 }
 
 /// One job under way.

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/simd.h"
+#include "earshot/bvh/moving_tree.h"
+#include "earshot/cli/commands.h"
+#include "earshot/cli/output.h"
+#include "earshot/cli/progress_bar.h"
+#include "earshot/cli/scene_choice.h"
+#include "earshot/cli/values.h"
+#include "earshot/io/points.h"
+#include "earshot/io/sight_table.h"
+#include "earshot/io/whole_file.h"
+#include "earshot/visibility/coherent_sight.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+using geometry::TriangleId;
+using geometry::Vec3;
+using visibility::SightPoints;
+
+constexpr const char* kFooter =
+    "POINTS is X,Y,Z or a CSV file of three columns. Two points see each other unless a triangle\n"
+    "touches the segment between them, its ends and the triangle's edges included. The file has a\n"
+    "row per point of --from and a column per point of --to; JSON holds the points beside.\n\n"
+    "Examples:\n"
+    "  earshot los scenes/classroom.gltf --from 2,1.5,3 --to seats.csv -o sight.csv\n"
+    "      which seats a speaker sees\n"
+    "  earshot los scenes/door.gltf --from 1,1.5,1 --to 8,1.2,2 --frames 0:2:0.1 -o sight.json\n"
+    "      when a door that opens lets through";
+
+constexpr std::size_t kMostPairs = std::size_t{1} << 30U;
+
+/// What is remembered from one instant to the next takes five bytes a pair.
+constexpr std::size_t kMostKeptPairs = std::size_t{1} << 27U;
+
+class LosCommand : public Command {
+public:
+    explicit LosCommand(CLI::App& program)
+        : Command(program, "los", "Line of sight between sets of points") {
+        scene_.add_to(app(), "a matrix for each");
+        app().add_option("--from", from_option_, "points that look")->required();
+        app().add_option("--to", to_option_, "points that are looked at")->required();
+        app().add_option("-o,--output", output_, "the file to write: .csv, or .json")->required();
+        add_repeatable(
+            app(), "--ignore", ignored_, "a material that is looked through; may be repeated");
+        app().add_flag(
+            "--blockers", with_blockers_, "the triangle that blocks first instead of 1 and 0");
+        app().footer(kFooter);
+    }
+
+    void run() override {
+        use_simd_target(common().simd);
+        Executor executor(static_cast<int>(common().threads));
+        const std::vector<double> times = scene_.times(app());
+        const io::LoadedScene loaded = scene_.load();
+        const std::vector<Vec3> from = points_of("--from", from_option_);
+        const std::vector<Vec3> to = points_of("--to", to_option_);
+        if (from.size() > kMostPairs / to.size()) {
+            throw Error("points",
+                        std::to_string(from.size()) + " x " + std::to_string(to.size()) +
+                            " pairs are more than 2^30",
+                        "ask for fewer at a time");
+        }
+        const auto start = std::chrono::steady_clock::now();
+        {
+            ProgressBar progress(common().quiet);
+            write(loaded.scene, times, {from, to}, executor, progress);
+        }
+        seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        if (!common().quiet) {
+            print_warnings(loaded.warnings);
+        }
+        if (common().json || !common().quiet) {
+            write_output(summary({from, to}, times.size()));
+        }
+    }
+
+private:
+    std::vector<Vec3> points_of(const std::string& option, const std::string& text) const {
+        if (const auto point = parse_named_point(text); point && point->name.empty()) {
+            return {{point->position[0], point->position[1], point->position[2]}};
+        }
+        if (text.find(',') != std::string::npos && !std::filesystem::exists(text)) {
+            throw Error(option, "'" + text + "' is not of the form X,Y,Z", "give metres or a file");
+        }
+        return io::read_points(text);
+    }
+
+    void write(const propagation::Scene& scene,
+               const std::vector<double>& times,
+               const SightPoints& points,
+               Executor& executor,
+               Progress& progress) {
+        const bool is_json = output_.ends_with(".json");
+        io::SightJson json(scene.name, points);
+        const visibility::Ignored ignored = ignored_of(scene);
+        std::optional<bvh::MovingTree> tree;
+        std::optional<visibility::CoherentSight> coherent;
+        for (std::size_t frame = 0; frame < times.size(); ++frame) {
+            const std::vector<Vec3> positions = scene.mesh.positions_at(times[frame]);
+            const geometry::MeshView mesh{positions, scene.mesh.triangles()};
+            io::SightCsv csv;
+            const auto take = [&](auto row) {
+                free_ += static_cast<std::size_t>(std::count_if(
+                    row.begin(), row.end(), [&](auto cell) { return is_free(cell); }));
+                is_json ? json.add_row(row) : csv.add_row(row);
+            };
+            json.begin_frame(times[frame], with_blockers_);
+            const std::size_t pairs = points.from.size() * points.to.size();
+            // Finding out what has moved pays if enough is asked.
+            if (!with_blockers_ && times.size() > 1 && pairs >= mesh.triangles.size() &&
+                pairs <= kMostKeptPairs) {
+                if (!coherent) {
+                    coherent.emplace(mesh, ignored, bvh::UpdateOptions{}, executor);
+                }
+                const std::vector<std::uint8_t>& seen = coherent->matrix(mesh, points, executor);
+                for (std::size_t row = 0; row < points.from.size(); ++row) {
+                    take(std::span(seen).subspan(row * points.to.size(), points.to.size()));
+                }
+            } else {
+                if (tree) {
+                    tree->update(mesh, executor);
+                } else {
+                    tree.emplace(mesh, bvh::UpdateOptions{}, executor);
+                }
+                if (with_blockers_) {
+                    blocker_matrix(tree->tree(), mesh, points, ignored, executor, take);
+                } else {
+                    sight_matrix(tree->tree(), mesh, points, ignored, executor, take);
+                }
+            }
+            json.end_frame();
+            if (!is_json) {
+                io::write_whole_file(scene_.file_of_frame(output_, frame), csv.text());
+            }
+            progress.report("instants", frame + 1, times.size());
+        }
+        if (is_json) {
+            io::write_whole_file(output_, json.finish());
+        }
+    }
+
+    static bool is_free(std::uint8_t seen) noexcept { return seen != 0; }
+    static bool is_free(TriangleId blocker) noexcept { return blocker == visibility::kNoBlocker; }
+
+    visibility::Ignored ignored_of(const propagation::Scene& scene) const {
+        std::vector<std::uint32_t> materials;
+        for (const std::string& name : ignored_) {
+            materials.push_back(material_named(scene, name));
+        }
+        return visibility::Ignored::materials(scene.material_of_triangle, materials);
+    }
+
+    std::string summary(const SightPoints& points, std::size_t instants) const {
+        const std::size_t pairs = points.from.size() * points.to.size() * instants;
+        if (common().json) {
+            const nlohmann::ordered_json json = {{"version", 1},
+                                                 {"from", points.from.size()},
+                                                 {"to", points.to.size()},
+                                                 {"instants", instants},
+                                                 {"visible", free_},
+                                                 {"seconds", seconds_},
+                                                 {"file", output_}};
+            return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+        }
+        std::array<char, 64> time{};
+        std::snprintf(time.data(), time.size(), "time       %.3f s\n", seconds_);
+        return "pairs      " + std::to_string(pairs) + ", " + std::to_string(free_) +
+               " see each other\n" + time.data() + "file       " + output_ + "\n";
+    }
+
+    SceneChoice scene_;
+    std::string from_option_, to_option_, output_;
+    std::vector<std::string> ignored_;
+    bool with_blockers_ = false;
+    std::size_t free_ = 0;
+    double seconds_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_los_command(CLI::App& program) {
+    return std::make_unique<LosCommand>(program);
+}
+
+}  // namespace earshot::cli

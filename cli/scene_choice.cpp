@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/scene_choice.h"
+
+#include "earshot/cli/spelling.h"
+#include "earshot/cli/values.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+
+namespace earshot::cli {
+
+void SceneChoice::add_to(CLI::App& app, const std::string& of_each_frame) {
+    app.add_option("SCENE", file_, "a .gltf, .glb, .obj, .ply, .stl or .off file")->required();
+    CLI::Option* time =
+        add_number(app, "--time", time_, {}, "instant of the scene's animation, seconds");
+    if (!of_each_frame.empty()) {
+        app.add_option("--frames", frames_, "instants A:B:STEP in seconds, " + of_each_frame)
+            ->excludes(time);
+    }
+    app.add_option(
+        "--animation", animation_, "name or number of the animation; default: the first");
+}
+
+io::LoadedScene SceneChoice::load() const {
+    return io::load_scene(file_, {.animation = animation_});
+}
+
+std::vector<double> SceneChoice::times(const CLI::App& app) const {
+    if (frames_.empty()) {
+        return {time_};
+    }
+    const auto instants = parse_frames(frames_);
+    if (!instants) {
+        throw wrong_usage(
+            app, "--frames", "'" + frames_ + "' is not of the form A:B:STEP in seconds");
+    }
+    return *instants;
+}
+
+std::string SceneChoice::file_of_frame(const std::string& output, std::size_t frame) const {
+    if (!is_sequence()) {
+        return output;
+    }
+    const std::filesystem::path path(output);
+    return (path.parent_path() /
+            (path.stem().string() + frame_suffix(frame) + path.extension().string()))
+        .string();
+}
+
+std::string frame_suffix(std::size_t frame) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "__%04zu", frame);
+    return text.data();
+}
+
+std::uint32_t material_named(const propagation::Scene& scene, const std::string& name) {
+    std::vector<std::string> names;
+    for (const propagation::Material& material : scene.materials) {
+        names.push_back(material.name);
+    }
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+        const std::string nearest = nearest_word(name, names);
+        throw Error(
+            name,
+            "the scene has no such material",
+            nearest.empty() ? "see the scene's materials" : "did you mean " + nearest + "?");
+    }
+    return static_cast<std::uint32_t>(found - names.begin());
+}
+
+}  // namespace earshot::cli

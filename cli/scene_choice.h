@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/cli/arguments.h"
+#include "earshot/io/scene_file.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+
+/// The options that name a scene and instants of its animation.
+class SceneChoice {
+public:
+    /// Must outlive the parsing of the command line. `with_frames`: what comes of each instant;
+    /// without it there is only one.
+    void add_to(CLI::App& app, const std::string& of_each_frame = "");
+
+    const std::string& file() const noexcept { return file_; }
+
+    /// Throws Error as io::load_scene().
+    io::LoadedScene load() const;
+
+    bool is_sequence() const noexcept { return !frames_.empty(); }
+
+    /// Instants in seconds, at least one. Throws UsageError if --frames is not of its form.
+    std::vector<double> times(const CLI::App& app) const;
+
+    /// Where what belongs to an instant is written: `output` itself unless there are several, then
+    /// with __0000, __0001, ... before the suffix.
+    std::string file_of_frame(const std::string& output, std::size_t frame) const;
+
+private:
+    std::string file_, frames_, animation_;
+    double time_ = 0.0;
+};
+
+/// "__0000", "__0001", ...
+std::string frame_suffix(std::size_t frame);
+
+/// The index of a scene's material. Throws Error, with the nearest name, if there is none.
+std::uint32_t material_named(const propagation::Scene& scene, const std::string& name);
+
+}  // namespace earshot::cli

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/geometry/types.h"
+#include "earshot/visibility/sight_matrix.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace earshot::io {
+
+/// Writes who sees whom as a table without a header: a line per `from` point, a cell per `to`
+/// point, 1 where they see each other and 0 where not.
+class SightCsv {
+public:
+    void add_row(std::span<const std::uint8_t> seen);
+    /// With blockers a cell holds the triangle that blocks first, and is empty where none does.
+    void add_row(std::span<const geometry::TriangleId> blockers);
+    const std::string& text() const noexcept { return text_; }
+
+private:
+    std::string text_;
+};
+
+/// Writes the same as JSON, for one instant or several: the points, and per instant the rows, as
+/// `visible`, or as `blockers` with null where two see each other.
+class SightJson {
+public:
+    SightJson(std::string_view scene, const visibility::SightPoints& points);
+
+    void begin_frame(double time, bool with_blockers);
+    void add_row(std::span<const std::uint8_t> seen);
+    void add_row(std::span<const geometry::TriangleId> blockers);
+    void end_frame();
+    /// To be called once, after the last instant.
+    std::string finish();
+
+private:
+    std::string text_;
+    bool is_first_frame_ = true, is_first_row_ = true;
+};
+
+}  // namespace earshot::io

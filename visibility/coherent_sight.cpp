@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/coherent_sight.h"
+
+#include "earshot/bvh/wide_ray.h"
+#include "earshot/visibility/internal/segment_walk.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace earshot::visibility {
+
+using geometry::MeshView;
+using geometry::Segment;
+using geometry::Triangle;
+using geometry::TriangleId;
+using geometry::Vec3;
+
+namespace {
+
+constexpr std::size_t kGrain = 512;
+
+/// A pair that has not been asked about.
+constexpr TriangleId kUnknown = kNoBlocker - 1;
+
+bool is_same(const Segment& a, const Segment& b) noexcept {
+    return a.from == b.from && a.to == b.to;
+}
+
+/// Flags of the points that are not where they were.
+std::vector<std::uint8_t> moved_points(std::span<const Vec3> before, std::span<const Vec3> now) {
+    std::vector<std::uint8_t> moved(now.size(), 1);
+    for (std::size_t i = 0; i < std::min(before.size(), now.size()); ++i) {
+        moved[i] = before[i] != now[i] ? 1 : 0;
+    }
+    return moved;
+}
+
+}  // namespace
+
+CoherentSight::CoherentSight(const MeshView& mesh,
+                             Ignored ignored,
+                             const bvh::UpdateOptions& options,
+                             Executor& executor)
+    : ignored_(std::move(ignored)),
+      tree_(mesh, options, executor),
+      positions_(mesh.positions.begin(), mesh.positions.end()),
+      moved_(mesh.triangles.size()) {}
+
+void CoherentSight::follow(const MeshView& mesh, Executor& executor) {
+    const std::vector<std::uint8_t> is_moved = moved_points(positions_, mesh.positions);
+    executor.for_each(mesh.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Triangle& triangle = mesh.triangles[i];
+            moved_[i] = static_cast<std::uint8_t>(is_moved[triangle[0]] | is_moved[triangle[1]] |
+                                                  is_moved[triangle[2]]);
+        }
+    });
+    if (std::find(is_moved.begin(), is_moved.end(), 1) != is_moved.end()) {
+        tree_.update(mesh, executor);
+        positions_.assign(mesh.positions.begin(), mesh.positions.end());
+    }
+    moved_box_ = {};
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+        if (moved_[i] != 0) {
+            const Triangle& triangle = mesh.triangles[i];
+            moved_box_.include(geometry::triangle_box(mesh.positions[triangle[0]],
+                                                      mesh.positions[triangle[1]],
+                                                      mesh.positions[triangle[2]]));
+        }
+    }
+    mark_slots();
+}
+
+bool CoherentSight::may_meet_moved(const Segment& segment) const noexcept {
+    const geometry::Slabs slabs(segment.from, segment.to - segment.from, tree_.tree().reach());
+    return !moved_box_.is_empty() && !slabs.passage(moved_box_, 1.0).is_empty();
+}
+
+void CoherentSight::mark_slots() {
+    const bvh::WideTree& tree = tree_.tree();
+    moved_slots_.assign(tree.nodes().size(), 0);
+    // Parents stand before their children.
+    for (std::size_t index = moved_slots_.size(); index-- > 0;) {
+        for (std::size_t slot = 0; slot < bvh::WideNode::kWidth; ++slot) {
+            const std::uint32_t child = tree.nodes()[index].child[slot];
+            bool has_moved = false;
+            if (bvh::is_leaf(child)) {
+                const auto triangles = tree.leaf_triangles(child);
+                has_moved = std::any_of(triangles.begin(), triangles.end(), [&](TriangleId id) {
+                    return moved_[id] != 0;
+                });
+            } else if (child != bvh::kNoChild) {
+                has_moved = moved_slots_[child] != 0;
+            }
+            moved_slots_[index] |= static_cast<std::uint8_t>((has_moved ? 1U : 0U) << slot);
+        }
+    }
+}
+
+void CoherentSight::expect_pairs(std::size_t count) {
+    if (states_.size() != count) {
+        states_.assign(count, kUnknown);
+        seen_.resize(count);
+    }
+}
+
+TriangleId CoherentSight::state_of(const MeshView& mesh,
+                                   const Segment& segment,
+                                   TriangleId last,
+                                   bool has_moved,
+                                   SightCounts& counts) const noexcept {
+    const auto blocks = [&](TriangleId id) {
+        ++counts.triangles;
+        return touches(segment, mesh, id);
+    };
+    if (last < kUnknown && ((!has_moved && moved_[last] == 0) || blocks(last))) {
+        ++counts.kept;
+        return last;
+    }
+    // Of a pair that saw each other and stayed, only what has moved can have come in between.
+    const bool is_free_of_resting = last == kNoBlocker && !has_moved;
+    if (is_free_of_resting && !may_meet_moved(segment)) {
+        ++counts.kept;
+        return last;
+    }
+    // Wide kernels tell sooner that nothing blocks, but not what does.
+    if (!is_counted_ && !bvh::occluded(tree_.tree(), mesh, segment)) {
+        return kNoBlocker;
+    }
+    TriangleId blocker = kNoBlocker;
+    counts.nodes += walk(
+        tree_.tree(),
+        segment,
+        1.0,
+        [&](std::uint32_t node, std::size_t slot) {
+            return !is_free_of_resting || (moved_slots_[node] >> slot & 1U) != 0;
+        },
+        [&](TriangleId id) {
+            if ((is_free_of_resting && moved_[id] == 0) || ignored_.contains(id) || !blocks(id)) {
+                return true;
+            }
+            blocker = id;
+            return false;
+        });
+    return blocker;
+}
+
+template <typename SegmentOf, typename HasMoved>
+void CoherentSight::answer(const MeshView& mesh,
+                           const SegmentOf& segment_of,
+                           const HasMoved& has_moved,
+                           Executor& executor) {
+    std::vector<SightCounts> counts(chunk_count(states_.size(), kGrain));
+    executor.for_each(states_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        SightCounts& of_chunk = counts[begin / kGrain];
+        for (std::size_t i = begin; i < end; ++i) {
+            states_[i] = state_of(mesh, segment_of(i), states_[i], has_moved(i), of_chunk);
+            seen_[i] = states_[i] == kNoBlocker ? 1 : 0;
+        }
+    });
+    counts_ = {};
+    for (const SightCounts& of_chunk : counts) {
+        counts_.nodes += of_chunk.nodes;
+        counts_.triangles += of_chunk.triangles;
+        counts_.kept += of_chunk.kept;
+    }
+}
+
+const std::vector<std::uint8_t>& CoherentSight::sees(const MeshView& mesh,
+                                                     std::span<const Segment> segments,
+                                                     Executor& executor) {
+    follow(mesh, executor);
+    expect_pairs(segments.size());
+    const auto has_moved = [&](std::size_t i) {
+        return i >= segments_.size() || !is_same(segments_[i], segments[i]);
+    };
+    answer(
+        mesh, [&](std::size_t i) { return segments[i]; }, has_moved, executor);
+    segments_.assign(segments.begin(), segments.end());
+    from_.clear();
+    to_.clear();
+    return seen_;
+}
+
+const std::vector<std::uint8_t>& CoherentSight::matrix(const MeshView& mesh,
+                                                       const SightPoints& points,
+                                                       Executor& executor) {
+    follow(mesh, executor);
+    const std::size_t columns = points.to.size();
+    // The same number of pairs in another shape is another question.
+    if (from_.size() != points.from.size() || to_.size() != columns) {
+        states_.clear();
+    }
+    expect_pairs(points.from.size() * columns);
+    const std::vector<std::uint8_t> from_moved = moved_points(from_, points.from);
+    const std::vector<std::uint8_t> to_moved = moved_points(to_, points.to);
+    answer(
+        mesh,
+        [&](std::size_t i) {
+            return Segment{points.from[i / columns], points.to[i % columns]};
+        },
+        [&](std::size_t i) { return (from_moved[i / columns] | to_moved[i % columns]) != 0; },
+        executor);
+    from_.assign(points.from.begin(), points.from.end());
+    to_.assign(points.to.begin(), points.to.end());
+    segments_.clear();
+    return seen_;
+}
+
+}  // namespace earshot::visibility

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/ignored.h"
+
+#include <algorithm>
+
+namespace earshot::visibility {
+
+Ignored Ignored::materials(std::span<const std::uint32_t> material_of_triangle,
+                           std::span<const std::uint32_t> materials) {
+    Ignored ignored;
+    for (std::size_t i = 0; i < material_of_triangle.size(); ++i) {
+        if (std::find(materials.begin(), materials.end(), material_of_triangle[i]) !=
+            materials.end()) {
+            ignored.add(static_cast<geometry::TriangleId>(i));
+        }
+    }
+    return ignored;
+}
+
+void Ignored::add(geometry::TriangleId triangle) {
+    const std::size_t word = triangle / kWordBits;
+    if (word >= bits_.size()) {
+        bits_.resize(word + 1);
+    }
+    bits_[word] |= std::uint64_t{1} << triangle % kWordBits;
+}
+
+}  // namespace earshot::visibility

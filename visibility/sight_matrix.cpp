@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/sight_matrix.h"
+
+#include "earshot/visibility/internal/ask.h"
+#include "earshot/visibility/internal/coherent_order.h"
+
+#include <algorithm>
+
+namespace earshot::visibility {
+
+using bvh::WideTree;
+using geometry::MeshView;
+using geometry::Segment;
+using geometry::TriangleId;
+
+namespace {
+
+std::uint8_t cell_of(std::uint8_t seen) noexcept {
+    return seen;
+}
+TriangleId cell_of(const std::optional<Blocker>& blocker) noexcept {
+    return blocker ? blocker->triangle : kNoBlocker;
+}
+
+/// A matrix of cells that are made from answers. The points of a row are asked for along a curve,
+/// so that neighbouring segments, which start together, end together too.
+template <typename Answer, typename Cell>
+void make_matrix(const WideTree& tree,
+                 const MeshView& mesh,
+                 const SightPoints& points,
+                 const Ignored& ignored,
+                 Executor& executor,
+                 const std::function<void(std::span<const Cell>)>& take_row) {
+    const std::size_t columns = points.to.size();
+    const std::vector<std::uint32_t> order = coherent_order(points.to, executor);
+    const std::size_t rows_at_a_time =
+        std::max<std::size_t>(1, kBatch / std::max<std::size_t>(1, columns));
+    const std::size_t most_rows = std::min(rows_at_a_time, points.from.size());
+    std::vector<Cell> cells(most_rows * columns);
+    std::vector<Segment> segments;
+    std::vector<Answer> answers;
+    for (std::size_t row = 0; row < points.from.size(); row += rows_at_a_time) {
+        const std::size_t rows = std::min(rows_at_a_time, points.from.size() - row);
+        for (std::size_t begin = 0; begin < rows * columns; begin += kBatch) {
+            const std::size_t count = std::min(kBatch, rows * columns - begin);
+            segments.resize(count);
+            answers.resize(count);
+            for (std::size_t i = 0; i < count; ++i) {
+                const std::size_t pair = begin + i;
+                segments[i] = {points.from[row + pair / columns], points.to[order[pair % columns]]};
+            }
+            ask(tree, mesh, segments, ignored, std::span<Answer>(answers), executor);
+            for (std::size_t i = 0; i < count; ++i) {
+                const std::size_t pair = begin + i;
+                cells[pair / columns * columns + order[pair % columns]] = cell_of(answers[i]);
+            }
+        }
+        for (std::size_t i = 0; i < rows; ++i) {
+            take_row(std::span<const Cell>(cells).subspan(i * columns, columns));
+        }
+    }
+}
+
+}  // namespace
+
+void sight_matrix(const WideTree& tree,
+                  const MeshView& mesh,
+                  const SightPoints& points,
+                  const Ignored& ignored,
+                  Executor& executor,
+                  const std::function<void(std::span<const std::uint8_t>)>& take_row) {
+    make_matrix<std::uint8_t, std::uint8_t>(tree, mesh, points, ignored, executor, take_row);
+}
+
+void blocker_matrix(const WideTree& tree,
+                    const MeshView& mesh,
+                    const SightPoints& points,
+                    const Ignored& ignored,
+                    Executor& executor,
+                    const std::function<void(std::span<const TriangleId>)>& take_row) {
+    make_matrix<std::optional<Blocker>, TriangleId>(
+        tree, mesh, points, ignored, executor, take_row);
+}
+
+}  // namespace earshot::visibility
