@@ -10,7 +10,8 @@ std::vector<SceneDraft> make_all() {
             make_classroom(),
             make_concert_hall(),
             make_door(),
-            make_curtain()};
+            make_curtain(),
+            make_city()};
 }
 
 }  // namespace earshot::scenes

@@ -56,6 +56,7 @@ public:
         add_rooms();
         add_concert_hall();
         add_moving();
+        add_outdoors();
     }
 
     int run(int argc, char** argv) {
@@ -161,6 +162,10 @@ private:
                   [this] { return make_curtain(curtain_); })
             ->add_option("--folds", curtain_.folds, "folds of the curtain")
             ->check(CLI::Range(1, 100));
+    }
+
+    void add_outdoors() {
+        add_scene("city", "Streets between 143 buildings", [] { return make_city(); });
     }
 
     CLI::App app_{"Writes the scenes of earshot as glTF", "earshot_scenes"};

@@ -52,6 +52,9 @@ struct CurtainOptions {
 /// A small hall whose curtain sways and is drawn aside.
 SceneDraft make_curtain(const CurtainOptions& options = {});
 
+/// Streets between 143 buildings of many storeys, and a square.
+SceneDraft make_city();
+
 /// All scenes with their default options, in the order of scenes/README.md.
 std::vector<SceneDraft> make_all();
 

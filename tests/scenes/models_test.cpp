@@ -36,7 +36,8 @@ TEST(Models, HaveTheStatedNumbersOfTriangles) {
                                                          {"classroom", 1336},
                                                          {"concert_hall", 9684},
                                                          {"door", 56},
-                                                         {"curtain", 628}};
+                                                         {"curtain", 628},
+                                                         {"city", 16404}};
     for (const SceneDraft& draft : make_all()) {
         EXPECT_EQ(triangles_of(draft), expected.at(draft.name)) << draft.name;
     }

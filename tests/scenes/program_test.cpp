@@ -22,6 +22,7 @@ TEST(ScenesProgram, HelpNamesEveryScene) {
                              "concert_hall",
                              "door",
                              "curtain",
+                             "city",
                              "all",
                              "--tessellation"}) {
         EXPECT_NE(result.out.find(word), std::string::npos) << word;
