@@ -31,8 +31,8 @@ Box building(int i, int k) {
 
 }  // namespace
 
-// Twelve by twelve buildings, but for one in the middle where a square is, under a sky that lets all
-// sound go. Every facade is divided into storeys and two halves.
+// Twelve by twelve buildings, but for one in the middle where a square is, under a sky that lets
+// all sound go. Every facade is divided into storeys and two halves.
 SceneDraft make_city() {
     SceneDraft draft;
     draft.name = "city";
