@@ -5,24 +5,23 @@
 
 namespace earshot::visibility {
 
-Passage passage(const geometry::Segment& segment, const Region& region) noexcept {
-    constexpr Passage kNone = {1.0, 0.0};
-    Passage inside;
+Passage passage(const geometry::Vec3& origin,
+                const geometry::Vec3& step,
+                const Region& region,
+                Passage within) noexcept {
     for (int axis = 0; axis < 3; ++axis) {
-        const double from = segment.from[axis];
-        const double step = segment.to[axis] - from;
-        if (step == 0.0) {
-            if (from < region.lower[axis] || from > region.upper[axis]) {
-                return kNone;
+        if (step[axis] == 0.0) {
+            if (origin[axis] < region.lower[axis] || origin[axis] > region.upper[axis]) {
+                return {1.0, 0.0};
             }
             continue;
         }
-        const double lower = (region.lower[axis] - from) / step;
-        const double upper = (region.upper[axis] - from) / step;
-        inside.begin = std::max(inside.begin, std::min(lower, upper));
-        inside.end = std::min(inside.end, std::max(lower, upper));
+        const double lower = (region.lower[axis] - origin[axis]) / step[axis];
+        const double upper = (region.upper[axis] - origin[axis]) / step[axis];
+        within.begin = std::max(within.begin, std::min(lower, upper));
+        within.end = std::min(within.end, std::max(lower, upper));
     }
-    return inside;
+    return within;
 }
 
 }  // namespace earshot::visibility

@@ -23,14 +23,23 @@ struct Region {
     friend bool operator==(const Region&, const Region&) = default;
 };
 
-/// The part of a segment that lies in a region, as parameters from 0 at `from` to 1 at `to`.
+/// The part of a line that lies in a region, as parameters: of a segment from 0 at `from` to 1 at
+/// `to`.
 struct Passage {
     double begin = 0.0;
     double end = 1.0;
     bool is_empty() const noexcept { return begin > end; }
 };
 
-/// Of a segment through a region. A segment within a border lies in the region.
-Passage passage(const geometry::Segment& segment, const Region& region) noexcept;
+/// Of a line, origin + s * step, the part of `within` that lies in a region, borders included.
+Passage passage(const geometry::Vec3& origin,
+                const geometry::Vec3& step,
+                const Region& region,
+                Passage within) noexcept;
+
+/// The same of a segment.
+inline Passage passage(const geometry::Segment& segment, const Region& region) noexcept {
+    return passage(segment.from, segment.to - segment.from, region, {});
+}
 
 }  // namespace earshot::visibility

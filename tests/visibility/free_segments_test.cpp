@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/meshes.h"
+#include "visibility/screens.h"
 
 namespace earshot::visibility {
 namespace {
@@ -16,10 +17,6 @@ using geometry::Vec3;
 
 constexpr std::uint64_t kSeed = 11;
 
-bvh::WideTree tree_of(const geometry::Mesh& mesh) {
-    return bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
-}
-
 TEST(FreeSegments, EndAtTheFirstTriangleBothWays) {
     const geometry::Mesh mesh = test::triangle_soup(kSeed, 500);
     const Region region = {Vec3(-2.0), Vec3(2.0)};
@@ -27,7 +24,7 @@ TEST(FreeSegments, EndAtTheFirstTriangleBothWays) {
     for (std::uint64_t i = 0; i < 2000; ++i) {
         rays.push_back({test::random_point(kSeed, 2 * i), test::random_point(kSeed, 2 * i + 1)});
     }
-    const auto segments = cast_both_ways(tree_of(mesh), mesh.view(), rays, region);
+    const auto segments = cast_both_ways(test::tree_of(mesh), mesh.view(), rays, region);
     ASSERT_EQ(segments.size(), rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const auto ahead = bvh::brute_force::closest_hit(mesh.view(), rays[i]);

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+namespace earshot {
+
+/// Element `index` of the low-discrepancy sequence of a base, in [0, 1): the digits of the index
+/// mirrored at the point (Halton 1960). Coordinates of one point take the first primes as bases.
+/// Precondition: base > 1.
+double radical_inverse(std::uint64_t index, std::uint32_t base) noexcept;
+
+/// The same turned by a share of the way round, so that seeds give other points of one evenness.
+/// Precondition: shift in [0, 1).
+double shifted_radical_inverse(std::uint64_t index, std::uint32_t base, double shift) noexcept;
+
+}  // namespace earshot

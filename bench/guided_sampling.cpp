@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+//
+// bench_guided_sampling [SCENE [X,Y,Z X,Y,Z [MILLION_RANDOM [MILLION_LONG]]]]: what a region sees,
+// by guided sampling and by random rays, against the number of rays; how many random rays find as
+// much; and what a guided run of a million rays misses of a much longer one.
+
+#include "earshot/visibility/guided_sampling.h"
+
+#include "earshot/base/error.h"
+#include "earshot/io/scene_file.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
+
+namespace {
+
+using namespace earshot;
+using geometry::TriangleId;
+using geometry::Vec3;
+using visibility::GuidedOptions;
+using visibility::Region;
+using visibility::RegionView;
+
+struct Setting {
+    const bvh::WideTree& tree;
+    geometry::MeshView mesh;
+    Region region;
+    Executor& executor;
+};
+
+RegionView sample(const Setting& setting, GuidedOptions options) {
+    options.fewest_new = 0;  // only the number of rays ends it
+    return visibility::sample_region(
+        setting.tree, setting.mesh, setting.region, options, setting.executor);
+}
+
+/// Of a curve, the triangles after so many rays.
+std::uint64_t found_after(const RegionView& view, std::uint64_t rays) {
+    const auto after = std::upper_bound(
+        view.curve.begin(), view.curve.end(), rays, [](std::uint64_t value, const auto& point) {
+            return value < point.rays;
+        });
+    return after == view.curve.begin() ? 0 : std::prev(after)->triangles;
+}
+
+/// Of a curve, the rays until so many triangles; 0 if never.
+std::uint64_t rays_until(const RegionView& view, std::uint64_t triangles) {
+    const auto place = std::find_if(view.curve.begin(), view.curve.end(), [&](const auto& point) {
+        return point.triangles >= triangles;
+    });
+    return place == view.curve.end() ? 0 : place->rays;
+}
+
+void print_curves(const RegionView& guided, const RegionView& no_reverse, const RegionView& plain) {
+    std::printf("| rays | guided | without reverse | random | random rays for as many | times |\n");
+    std::printf("| ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    for (std::uint64_t rays = 1000; rays <= guided.rays; rays *= 10) {
+        for (const std::uint64_t at : {rays, 3 * rays}) {
+            if (at > guided.rays) {
+                break;
+            }
+            const std::uint64_t found = found_after(guided, at);
+            const std::uint64_t until = rays_until(plain, found);
+            std::printf(
+                "| %llu | %llu | %llu | %llu | %s%llu | %.0f |\n",
+                static_cast<unsigned long long>(at),
+                static_cast<unsigned long long>(found),
+                static_cast<unsigned long long>(found_after(no_reverse, at)),
+                static_cast<unsigned long long>(found_after(plain, at)),
+                until > 0 ? "" : "over ",
+                static_cast<unsigned long long>(until > 0 ? until : plain.rays),
+                static_cast<double>(until > 0 ? until : plain.rays) / static_cast<double>(at));
+        }
+    }
+}
+
+std::size_t missing(const RegionView& view, const RegionView& other) {
+    std::vector<TriangleId> lacks;
+    std::set_difference(other.triangles.begin(),
+                        other.triangles.end(),
+                        view.triangles.begin(),
+                        view.triangles.end(),
+                        std::back_inserter(lacks));
+    return lacks.size();
+}
+
+Vec3 point_of(const char* text) {
+    Vec3 point;
+    if (std::sscanf(text, "%lf,%lf,%lf", &point.x, &point.y, &point.z) != 3) {
+        throw Error(text, "is not of the form X,Y,Z", "give metres");
+    }
+    return point;
+}
+
+int run(int argc, char** argv) {
+    const auto scene = io::load_scene(argc > 1 ? argv[1] : "scenes/city.gltf").scene;
+    Region region = {{126.0, 1.0, 126.0}, {130.0, 3.0, 130.0}};
+    if (argc > 3) {
+        region = {point_of(argv[2]), point_of(argv[3])};
+    }
+    const auto million = [&](int k, double standard) {
+        return static_cast<std::uint64_t>(1e6 * (argc > k ? std::atof(argv[k]) : standard));
+    };
+    Executor executor;
+    const std::vector<Vec3> positions = scene.mesh.positions_at(0.0);
+    const geometry::MeshView mesh = {positions, scene.mesh.triangles()};
+    const auto tree =
+        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh)), mesh, executor);
+    const Setting setting = {tree, mesh, region, executor};
+    const RegionView guided = sample(setting, {.most_rays = 1'000'000});
+    const RegionView no_reverse = sample(setting, {.most_rays = 1'000'000, .reverse = false});
+    const RegionView plain = sample(setting, {.most_rays = million(4, 100.0), .guided = false});
+    const RegionView longer = sample(setting, {.most_rays = million(5, 100.0)});
+
+    std::printf("%zu triangles\n\n", mesh.triangles.size());
+    print_curves(guided, no_reverse, plain);
+    std::printf(
+        "\n%zu after a million rays, %zu after %.0f million, of which the first lack %.2f %%;\n",
+        guided.triangles.size(),
+        longer.triangles.size(),
+        1e-6 * static_cast<double>(longer.rays),
+        100.0 * static_cast<double>(missing(guided, longer)) /
+            static_cast<double>(longer.triangles.size()));
+    std::printf("%zu by %.0f million random rays, of which both lack %zu and %zu\n",
+                plain.triangles.size(),
+                1e-6 * static_cast<double>(plain.rays),
+                missing(guided, plain),
+                missing(longer, plain));
+    std::printf("share of random rays that met something new: %.2g\n", guided.missed_share);
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const Error& error) {
+        std::fprintf(stderr, "bench_guided_sampling: %s\n", error.line().c_str());
+        return 1;
+    }
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/internal/mutation_store.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace earshot::visibility {
+namespace {
+
+std::vector<ObjectId> taken(MutationStore& store, int count) {
+    std::vector<ObjectId> objects;
+    for (int i = 0; i < count; ++i) {
+        objects.push_back(store.take()->object);
+    }
+    return objects;
+}
+
+TEST(MutationStore, GivesWhatWasVariedTheLeastOftenFirst) {
+    MutationStore store;
+    EXPECT_FALSE(store.take());
+    store.add({.object = 1});
+    store.add({.object = 2});
+    EXPECT_EQ(taken(store, 3), (std::vector<ObjectId>{1, 2, 1}));
+    store.add({.object = 3});
+    EXPECT_EQ(taken(store, 5), (std::vector<ObjectId>{3, 2, 3, 1, 2}));
+}
+
+TEST(MutationStore, LetsGoWhatWasVariedTheMostOften) {
+    MutationStore store(2);
+    store.add({.object = 1});
+    EXPECT_EQ(taken(store, 2), (std::vector<ObjectId>{1, 1}));
+    store.add({.object = 2});
+    store.add({.object = 3});
+    EXPECT_EQ(store.size(), 2U);
+    EXPECT_EQ(taken(store, 4), (std::vector<ObjectId>{2, 3, 2, 3}));
+}
+
+}  // namespace
+}  // namespace earshot::visibility

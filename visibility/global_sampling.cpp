@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/global_sampling.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/base/error.h"
+#include "earshot/visibility/internal/global_sampler.h"
+
+#include <algorithm>
+#include <string>
+
+namespace earshot::visibility {
+
+namespace {
+
+constexpr std::size_t kMostBits = std::size_t{1} << 35U;
+
+}  // namespace
+
+GlobalView sample_cells(const bvh::WideTree& tree,
+                        const geometry::MeshView& mesh,
+                        const Objects& objects,
+                        const ViewCells& cells,
+                        const GlobalOptions& options,
+                        Executor& executor) {
+    EARSHOT_ASSERT(objects.object_of_triangle().size() == mesh.triangles.size());
+    if (objects.size() > kMostBits / cells.size()) {
+        throw Error("visible sets",
+                    std::to_string(cells.size()) + " cells of " + std::to_string(objects.size()) +
+                        " objects take more than 4 GiB",
+                    "choose fewer cells or larger objects");
+    }
+    if (std::none_of(
+            options.kinds.begin(), options.kinds.end(), [](bool is_on) { return is_on; })) {
+        throw Error("visible sets", "no kind of sample may be drawn", "allow one");
+    }
+    return GlobalSampler(tree, mesh, objects, cells, options, executor).run();
+}
+
+}  // namespace earshot::visibility

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/guided_sampling.h"
+
+#include "earshot/base/error.h"
+#include "earshot/geometry/overlap.h"
+#include "earshot/visibility/internal/guided_sampler.h"
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+
+namespace earshot::visibility {
+
+using geometry::TriangleId;
+
+namespace {
+
+void check(const Region& region) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(region.size()[axis]) || !(region.size()[axis] >= 0.0)) {
+            throw Error("region",
+                        "its corners are not finite, or not in order",
+                        "give the lower corner first, in metres");
+        }
+    }
+}
+
+}  // namespace
+
+RegionView sample_region(const bvh::WideTree& tree,
+                         const geometry::MeshView& mesh,
+                         const Region& region,
+                         const GuidedOptions& options,
+                         Executor& executor) {
+    check(region);
+    GuidedSampler sampler(tree, mesh, region, options, executor);
+    RegionView view = sampler.run();
+    const geometry::BoxRegion box(region.lower, region.upper);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const auto id = static_cast<TriangleId>(i);
+        const geometry::Triangle& corners = mesh.triangles[i];
+        const bool is_inside = box.touches(
+            mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]);
+        if (sampler.is_known(id) || is_inside) {
+            view.triangles.push_back(id);
+            view.witnesses.push_back(sampler.is_known(id)
+                                         ? sampler.witness_of(id)
+                                         : geometry::Ray{region.lower, {0.0, 0.0, -1.0}, 0.0});
+        }
+    }
+    return view;
+}
+
+}  // namespace earshot::visibility
