@@ -2,71 +2,12 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/visibility/objects.h"
-#include "earshot/visibility/view_cells.h"
+#include "earshot/visibility/merge_history.h"
 
-#include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace earshot::visibility {
-
-/// Two groups of leaves become one. Groups 0, 1, ... are the leaves, and merge k makes group
-/// leaves + k.
-struct CellMerge {
-    std::uint32_t first = 0, second = 0;  ///< first < second
-    double cost = 0.0;                    ///< average render cost of the partition after it
-    std::uint64_t entries = 0;            ///< objects in the group's set
-    friend bool operator==(const CellMerge&, const CellMerge&) = default;
-};
-
-/// How the leaves of a partition become one cell, step by step, each step the one that costs least
-/// (GameTools 2007). What is in between can be had without any further work: as many cells as
-/// wanted, or as few as memory or cost allow.
-class MergeHistory {
-public:
-    /// Of steps made elsewhere; `leaf_entries` holds the size of every leaf's set. Throws Error if
-    /// they do not make one group out of all leaves, or costs fall.
-    MergeHistory(double leaf_cost,
-                 std::vector<std::uint64_t> leaf_entries,
-                 std::vector<CellMerge> merges);
-
-    std::size_t leaves() const noexcept { return leaf_entries_.size(); }
-    double leaf_cost() const noexcept { return leaf_cost_; }  ///< of the unmerged leaves
-    std::span<const std::uint64_t> leaf_entries() const noexcept { return leaf_entries_; }
-    std::span<const CellMerge> merges() const noexcept { return merges_; }
-
-    // Each of the following returns a number of cells.
-
-    /// The fewest whose average cost is at most `ratio` times the leaves'. Throws Error if ratio is
-    /// below 1.
-    std::size_t cells_by_cost(double ratio) const;
-    /// The most whose sets fit: bytes per entry times entries and bytes per cell times cells.
-    /// Throws Error if one cell does not.
-    struct Memory {
-        std::uint64_t bytes = 0;
-        std::uint64_t bytes_per_entry = sizeof(ObjectId);
-        std::uint64_t bytes_per_cell = 32;
-    };
-    std::size_t cells_by_memory(const Memory& memory) const;
-
-    /// The average cost and the number of entries of a partition into so many cells. Precondition:
-    /// 1 <= cells <= leaves().
-    double cost_of(std::size_t cells) const noexcept;
-    std::uint64_t entries_of(std::size_t cells) const noexcept;
-
-    /// Each leaf's cell in a partition into so many cells, or all leaves if there are fewer: for
-    /// ViewCells::merged(). Cells are numbered by their lowest leaf. Precondition: cells > 0.
-    std::vector<CellId> extract(std::size_t cells) const;
-
-    friend bool operator==(const MergeHistory&, const MergeHistory&) = default;
-
-private:
-    double leaf_cost_ = 0.0;
-    std::vector<std::uint64_t> leaf_entries_;
-    std::vector<CellMerge> merges_;
-};
 
 /// Merges neighbouring leaves, always the two whose merging adds least to the average render cost,
 /// of equals the lowest numbers, until one is left; parts of the region that are no neighbours are

@@ -5,7 +5,6 @@
 
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace earshot::visibility {
@@ -22,6 +21,7 @@ struct CellFace {
 class CellShape {
 public:
     explicit CellShape(const Region& region);
+    static CellShape empty() { return {}; }
 
     std::span<const geometry::Vec3> corners() const noexcept { return corners_; }
     std::span<const CellFace> faces() const noexcept { return faces_; }
@@ -56,15 +56,5 @@ double plane_slack(const Region& region) noexcept;
 
 /// Of every leaf. A leaf that is thinner than the slack has no faces.
 std::vector<CellShape> leaf_shapes(const ViewCells& cells);
-
-/// Two leaves with a common patch of face.
-struct LeafContact {
-    LeafId first = 0, second = 0;  ///< first < second
-    double area = 0.0;             ///< square metres
-    friend bool operator==(const LeafContact&, const LeafContact&) = default;
-};
-
-/// Every pair once, ascending. Leaves that touch in edges or corners only are no neighbours.
-std::vector<LeafContact> leaf_contacts(const ViewCells& cells);
 
 }  // namespace earshot::visibility

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/build_view_cells.h"
+
+#include "earshot/base/error.h"
+#include "earshot/visibility/internal/plane_search.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <string>
+#include <utility>
+
+namespace earshot::visibility {
+
+using geometry::TriangleId;
+using geometry::Vec3;
+
+namespace {
+
+// ViewCells takes trees of up to 4096 nodes from the root to a leaf.
+constexpr int kMostDepth = 4096;
+
+void check(const Region& region, const CellOptions& options) {
+    const auto is_finite = [](const Vec3& p) {
+        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    };
+    const Vec3 size = region.size();
+    if (!is_finite(region.lower) || !is_finite(region.upper) || !std::isfinite(region.volume())) {
+        throw Error("region", "its corners are not finite, or too far away", "give another");
+    }
+    if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0 && region.volume() > 0.0)) {
+        throw Error("region", "it has no volume", "make it thicker");
+    }
+    if (options.most_cells == 0 || options.most_cells > ViewCells::kMostLeaves) {
+        throw Error(
+            "view cells",
+            "the number of cells is 0, or more than " + std::to_string(ViewCells::kMostLeaves),
+            "choose another");
+    }
+    if (!(options.least_saving >= 0.0) || options.most_poor_splits < 1) {
+        throw Error("view cells",
+                    "a limit of poor splits is negative, or their number is 0",
+                    "choose other limits");
+    }
+}
+
+/// Points for viewers, each with its part of the density: Roberts' sequence, which fills a box
+/// evenly however many there are (Roberts 2018).
+std::vector<Viewer> viewers_of(const Region& region, const CellOptions& options) {
+    std::vector<Viewer> viewers;
+    if (!options.density) {
+        return viewers;
+    }
+    // The powers of 1 / g, where g^4 = g + 1.
+    constexpr double kStep = 0.81917251339616443970;
+    const std::array<double, 3> steps = {kStep, kStep * kStep, kStep * kStep * kStep};
+    double sum = 0.0;
+    for (std::size_t i = 0; i < options.density_points; ++i) {
+        Viewer viewer;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double way = 0.5 + static_cast<double>(i) * steps[static_cast<std::size_t>(axis)];
+            viewer.place[axis] = region.lower[axis] + region.size()[axis] * (way - std::floor(way));
+        }
+        viewer.share = options.density(viewer.place);
+        if (!std::isfinite(viewer.share) || viewer.share < 0.0) {
+            throw Error("density", "it is negative or not finite somewhere", "give one from 0");
+        }
+        sum += viewer.share;
+        viewers.push_back(viewer);
+    }
+    if (!(sum > 0.0) || !std::isfinite(sum)) {
+        throw Error("density", "no viewers are in the region", "give one that is not 0 there");
+    }
+    for (Viewer& viewer : viewers) {
+        viewer.share /= sum;
+    }
+    return viewers;
+}
+
+class CellBuilder {
+public:
+    CellBuilder(const Region& region, const CellOptions& options, Executor& executor)
+        : options_(options), executor_(executor) {
+        build_.region = region;
+        build_.slack = plane_slack(region);
+        build_.viewers = viewers_of(region, options);
+    }
+
+    BuiltCells run(std::span<const FreeSegment> segments, const Objects& objects);
+
+private:
+    /// A leaf that may be divided. The largest priority goes first, of equals the lowest leaf.
+    struct Waiting {
+        double priority;
+        LeafId leaf;
+        bool operator<(const Waiting& other) const {
+            return std::pair(priority, other.leaf) < std::pair(other.priority, leaf);
+        }
+    };
+    struct Place {
+        std::size_t node;
+        bool is_front;
+    };
+
+    void make_root(std::span<const FreeSegment> segments, const Objects& objects);
+    void divide(LeafId id);
+    void deal_pieces(const CellLeaf& leaf, const CellNode& plane, CellLeaf& back, CellLeaf& front);
+    void deal_triangles(const CellLeaf& leaf,
+                        const CellNode& plane,
+                        CellLeaf& back,
+                        CellLeaf& front) const;
+    void measure(CellLeaf& leaf) const;
+    void propose(std::span<const LeafId> ids);
+    bool may_be_divided(const CellLeaf& leaf) const;
+
+    CellOptions options_;
+    Executor& executor_;
+    CellBuild build_;
+    std::vector<CellLeaf> leaves_;
+    std::vector<Proposal> proposals_;  // of the leaf with the same number
+    std::vector<Place> places_;        // where the tree names that leaf
+    std::vector<CellNode> nodes_;
+    std::priority_queue<Waiting> waiting_;
+    std::vector<std::uint8_t> sides_;  // per object, for deal_pieces
+    double cost_ = 0.0;
+    std::vector<CellSplit> splits_;
+};
+
+void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects& objects) {
+    build_.costs = object_costs(objects, options_.cost);
+    sides_.assign(objects.size(), 0);
+    CellLeaf root{.shape = CellShape(build_.region)};
+    for (const FreeSegment& free : segments) {
+        const Passage inside = passage(free.segment, build_.region);
+        if (!free.is_valid() || inside.is_empty()) {
+            continue;
+        }
+        Sight sight = {free.segment.from, free.segment.to - free.segment.from};
+        const std::array<TriangleId, 2> ends = {free.at_from, free.at_to};
+        for (std::size_t k = 0; k < 2; ++k) {
+            if (ends[k] != kNothing) {
+                sight.objects[k] = objects.of(ends[k]);
+                sides_[sight.objects[k]] = 1;
+            }
+        }
+        root.pieces.push_back(
+            {static_cast<std::uint32_t>(build_.sights.size()), inside.begin, inside.end});
+        build_.sights.push_back(sight);
+    }
+    for (ObjectId object = 0; object < objects.size(); ++object) {
+        if (std::exchange(sides_[object], 0) != 0) {
+            root.set.push_back(object);
+        }
+    }
+    if (options_.rule == CellRule::cost && options_.most_triangle_planes > 0) {
+        for (std::size_t i = 0; i < options_.mesh.triangles.size(); ++i) {
+            const auto& [a, b, c] = options_.mesh.triangles[i];
+            const auto& positions = options_.mesh.positions;
+            const Vec3 lower = glm::min(positions[a], glm::min(positions[b], positions[c]));
+            const Vec3 upper = glm::max(positions[a], glm::max(positions[b], positions[c]));
+            if (!glm::any(glm::lessThan(upper, build_.region.lower)) &&
+                !glm::any(glm::greaterThan(lower, build_.region.upper))) {
+                root.triangles.push_back(static_cast<TriangleId>(i));
+            }
+        }
+    }
+    root.viewers.resize(build_.viewers.size());
+    for (std::size_t i = 0; i < root.viewers.size(); ++i) {
+        root.viewers[i] = static_cast<std::uint32_t>(i);
+    }
+    measure(root);
+    cost_ = root.share * root.set_cost;
+    leaves_.push_back(std::move(root));
+}
+
+/// The numbers of a leaf whose shape, set and viewers are known.
+void CellBuilder::measure(CellLeaf& leaf) const {
+    leaf.volume = leaf.shape.volume();
+    leaf.set_cost = set_cost(leaf.set, build_.costs);
+    leaf.share = build_.viewers.empty() ? leaf.volume / build_.region.volume() : 0.0;
+    for (const std::uint32_t viewer : leaf.viewers) {
+        leaf.share += build_.viewers[viewer].share;
+    }
+}
+
+bool CellBuilder::may_be_divided(const CellLeaf& leaf) const {
+    return leaf.depth < kMostDepth &&
+           (options_.rule == CellRule::middle ||
+            (leaf.poor_splits < options_.most_poor_splits &&
+             leaf.pieces.size() >= options_.least_segments && !leaf.set.empty()));
+}
+
+void CellBuilder::propose(std::span<const LeafId> ids) {
+    std::vector<LeafId> asked;
+    std::vector<const CellLeaf*> leaves;
+    for (const LeafId id : ids) {
+        if (may_be_divided(leaves_[id])) {
+            asked.push_back(id);
+            leaves.push_back(&leaves_[id]);
+        }
+    }
+    proposals_.resize(leaves_.size());
+    if (options_.rule == CellRule::middle) {
+        for (const LeafId id : asked) {
+            proposals_[id] = {middle_plane(leaves_[id]), 0.0};
+            waiting_.push({leaves_[id].volume, id});
+        }
+        return;
+    }
+    const auto best = best_planes(build_, options_, leaves, executor_);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+        if (best[i]) {
+            proposals_[asked[i]] = *best[i];
+            waiting_.push({best[i]->saving, asked[i]});
+        }
+    }
+}
+
+/// Pieces go to the side they reach, cut where they cross the plane, and with them the objects.
+void CellBuilder::deal_pieces(const CellLeaf& leaf,
+                              const CellNode& plane,
+                              CellLeaf& back,
+                              CellLeaf& front) {
+    enum Side : std::uint8_t { kBack = 1, kFront = 2 };
+    for (const SightPiece& piece : leaf.pieces) {
+        const Sight& sight = build_.sights[piece.sight];
+        const Reach reach(sight, piece, plane.normal, build_.slack);
+        const int sides =
+            (reach.first <= plane.offset ? kBack : 0) | (reach.last >= plane.offset ? kFront : 0);
+        SightPiece behind = piece;
+        SightPiece before = piece;
+        if (sides == (kBack | kFront) && reach.low < plane.offset && reach.high > plane.offset) {
+            const double part = (plane.offset - reach.at_begin) / (reach.at_end - reach.at_begin);
+            const double crossing = piece.begin + part * (piece.end - piece.begin);
+            const bool is_forward = reach.at_begin < reach.at_end;
+            (is_forward ? behind.end : behind.begin) = crossing;
+            (is_forward ? before.begin : before.end) = crossing;
+        }
+        if ((sides & kBack) != 0) {
+            back.pieces.push_back(behind);
+        }
+        if ((sides & kFront) != 0) {
+            front.pieces.push_back(before);
+        }
+        for (const ObjectId object : sight.objects) {
+            if (object != kNoObject) {
+                sides_[object] |= static_cast<std::uint8_t>(sides);
+            }
+        }
+    }
+    for (const ObjectId object : leaf.set) {
+        const int sides = std::exchange(sides_[object], 0);
+        if ((sides & kBack) != 0) {
+            back.set.push_back(object);
+        }
+        if ((sides & kFront) != 0) {
+            front.set.push_back(object);
+        }
+    }
+}
+
+void CellBuilder::deal_triangles(const CellLeaf& leaf,
+                                 const CellNode& plane,
+                                 CellLeaf& back,
+                                 CellLeaf& front) const {
+    for (const TriangleId triangle : leaf.triangles) {
+        double lowest = std::numeric_limits<double>::infinity();
+        double highest = -lowest;
+        for (const geometry::VertexId vertex : options_.mesh.triangles[triangle]) {
+            const double height =
+                glm::dot(plane.normal, options_.mesh.positions[vertex]) - plane.offset;
+            lowest = std::min(lowest, height);
+            highest = std::max(highest, height);
+        }
+        // Those in the plane itself are used up.
+        if (lowest < -build_.slack) {
+            back.triangles.push_back(triangle);
+        }
+        if (highest > build_.slack) {
+            front.triangles.push_back(triangle);
+        }
+    }
+}
+
+void CellBuilder::divide(LeafId id) {
+    CellLeaf& leaf = leaves_[id];
+    CellNode plane = proposals_[id].plane;
+    const auto node = static_cast<std::uint32_t>(nodes_.size());
+    auto halves = leaf.shape.divided(plane, node, build_.slack);
+    if (!halves) {
+        return;  // thinner than the slack: it stays as it is
+    }
+    CellLeaf back{.shape = std::move(halves->back)};
+    CellLeaf front{.shape = std::move(halves->front)};
+    deal_pieces(leaf, plane, back, front);
+    deal_triangles(leaf, plane, back, front);
+    for (const std::uint32_t viewer : leaf.viewers) {
+        const Vec3& place = build_.viewers[viewer].place;
+        (glm::dot(plane.normal, place) < plane.offset ? back : front).viewers.push_back(viewer);
+    }
+    measure(back);
+    measure(front);
+    // Sets only shrink, so that a rise would be rounding.
+    const double saved = std::max(
+        0.0,
+        leaf.share * leaf.set_cost - back.share * back.set_cost - front.share * front.set_cost);
+    const bool is_poor = saved < options_.least_saving * cost_;
+    for (CellLeaf* half : {&back, &front}) {
+        half->depth = leaf.depth + 1;
+        half->poor_splits = is_poor ? leaf.poor_splits + 1 : 0;
+        half->key = 2 * std::uint64_t{node} + (half == &front ? 2 : 1);
+    }
+    cost_ -= saved;
+    splits_.push_back({id, options_.rule == CellRule::cost ? proposals_[id].saving : saved, cost_});
+    // The tree: where it named the leaf it names the node.
+    const auto added = static_cast<LeafId>(leaves_.size());
+    plane.back = kCellLeaf + id;
+    plane.front = kCellLeaf + added;
+    if (node > 0) {
+        CellNode& parent = nodes_[places_[id].node];
+        (places_[id].is_front ? parent.front : parent.back) = node;
+    }
+    nodes_.push_back(plane);
+    places_[id] = {node, false};
+    places_.push_back({node, true});
+    leaf = std::move(back);
+    leaves_.push_back(std::move(front));
+    propose(std::array{id, added});
+}
+
+BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects& objects) {
+    make_root(segments, objects);
+    places_.push_back({0, false});
+    const double region_cost = cost_;
+    propose(std::array{LeafId{0}});
+    while (!waiting_.empty() && leaves_.size() < options_.most_cells) {
+        const LeafId next = waiting_.top().leaf;
+        waiting_.pop();
+        divide(next);
+        if (options_.progress != nullptr) {
+            options_.progress->report("view cells", leaves_.size(), options_.most_cells);
+        }
+    }
+    if (options_.progress != nullptr) {
+        options_.progress->report("view cells", options_.most_cells, options_.most_cells);
+    }
+    std::vector<double> volumes;
+    BuiltCells built{.cells = ViewCells(build_.region),
+                     .sets = {},
+                     .shares = {},
+                     .region_cost = region_cost,
+                     .splits = std::move(splits_)};
+    for (CellLeaf& leaf : leaves_) {
+        volumes.push_back(leaf.volume);
+        built.sets.push_back(std::move(leaf.set));
+        built.shares.push_back(leaf.share);
+    }
+    built.cells = ViewCells(build_.region, std::move(nodes_), std::move(volumes));
+    return built;
+}
+
+}  // namespace
+
+BuiltCells build_view_cells(const Region& region,
+                            std::span<const FreeSegment> segments,
+                            const Objects& objects,
+                            const CellOptions& options,
+                            Executor& executor) {
+    check(region, options);
+    return CellBuilder(region, options, executor).run(segments, objects);
+}
+
+}  // namespace earshot::visibility

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/sample_free_segments.h"
+
+#include "earshot/base/error.h"
+#include "earshot/base/math.h"
+#include "earshot/base/random.h"
+#include "earshot/bvh/wide_batch.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace earshot::visibility {
+
+using geometry::Hit;
+using geometry::MeshView;
+using geometry::Ray;
+using geometry::TriangleId;
+using geometry::Vec3;
+
+namespace {
+
+// So many samples are under way at a time: enough for batches, little memory.
+constexpr std::size_t kSamplesAtATime = 65536;
+constexpr std::size_t kSamplesPerChunk = 4096;
+
+/// A line through more solids than this before it comes out is given up.
+constexpr int kMostMoves = 8;
+
+/// Past a face by this part of the region's diagonal: well above what the place of a hit is rounded
+/// by (1e-15 of the coordinates), well below the width of anything.
+constexpr double kStepOut = 1e-9;
+
+// Streams of random().
+constexpr std::uint64_t kPlace = 0;  // and the next two
+constexpr std::uint64_t kHeight = 3;
+constexpr std::uint64_t kTurn = 4;
+
+Ray drawn(const Region& region, std::uint64_t seed, std::uint64_t sample) {
+    Ray ray;
+    for (int axis = 0; axis < 3; ++axis) {
+        ray.origin[axis] = random_between(seed,
+                                          kPlace + static_cast<std::uint64_t>(axis),
+                                          sample,
+                                          region.lower[axis],
+                                          region.upper[axis]);
+    }
+    // Slices of a sphere of equal thickness have equal areas.
+    const double z = random_between(seed, kHeight, sample, -1.0, 1.0);
+    const double turn = 2.0 * math::kPi * random(seed, kTurn, sample);
+    const double radius = std::sqrt(std::max(0.0, 1.0 - z * z));
+    ray.direction = {radius * math::cos(turn), radius * math::sin(turn), z};
+    return ray;
+}
+
+/// Whether a ray that meets a triangle comes from behind it.
+bool meets_back(const MeshView& mesh, TriangleId triangle, const Vec3& direction) {
+    const auto& [a, b, c] = mesh.triangles[triangle];
+    const Vec3 normal =
+        glm::cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
+    return glm::dot(normal, direction) > 0.0;
+}
+
+/// Moves the origins that are in solids out of them, along their rays, and forgets the rays that
+/// stay in.
+void leave_solids(const bvh::WideTree& tree,
+                  const MeshView& mesh,
+                  double step_out,
+                  std::vector<Ray>& rays,
+                  Executor& executor) {
+    std::vector<std::size_t> inside(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        inside[i] = i;
+    }
+    std::vector<std::uint8_t> stays(rays.size(), 0);
+    for (int move = 0; !inside.empty(); ++move) {
+        std::vector<Ray> asked(inside.size());
+        std::transform(
+            inside.begin(), inside.end(), asked.begin(), [&](std::size_t i) { return rays[i]; });
+        const auto hits = bvh::closest_hits(tree, mesh, asked, executor);
+        std::vector<std::size_t> still;
+        for (std::size_t k = 0; k < inside.size(); ++k) {
+            Ray& ray = rays[inside[k]];
+            if (!hits[k] || !meets_back(mesh, hits[k]->triangle, ray.direction)) {
+                continue;
+            }
+            if (move == kMostMoves) {
+                stays[inside[k]] = 1;
+                continue;
+            }
+            ray.origin += (hits[k]->t + step_out) * ray.direction;
+            still.push_back(inside[k]);
+        }
+        inside = std::move(still);
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (stays[i] == 0) {
+            rays[kept++] = rays[i];
+        }
+    }
+    rays.resize(kept);
+}
+
+bool is_free_of_solids(const MeshView& mesh, const FreeSegment& free, const Vec3& direction) {
+    return (free.at_to == kNothing || !meets_back(mesh, free.at_to, direction)) &&
+           (free.at_from == kNothing || !meets_back(mesh, free.at_from, -direction));
+}
+
+void check(const Region& region) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(region.lower[axis]) || !std::isfinite(region.upper[axis]) ||
+            region.lower[axis] > region.upper[axis]) {
+            throw Error("region", "its corners are not finite or not in order", "give another");
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
+                                              const MeshView& mesh,
+                                              const Region& region,
+                                              const SegmentSampling& sampling,
+                                              Executor& executor) {
+    check(region);
+    const double step_out = kStepOut * glm::length(region.size());
+    std::vector<FreeSegment> result;
+    std::vector<Ray> rays;
+    for (std::size_t done = 0; done < sampling.count;) {
+        const std::size_t count = std::min(kSamplesAtATime, sampling.count - done);
+        rays.resize(count);
+        executor.for_each(count, kSamplesPerChunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                rays[i] = drawn(region, sampling.seed, sampling.first + done + i);
+            }
+        });
+        if (sampling.skip_solids) {
+            leave_solids(tree, mesh, step_out, rays, executor);
+        }
+        const auto segments = cast_both_ways(tree, mesh, rays, region, executor);
+        for (std::size_t i = 0; i < segments.size(); ++i) {
+            if (segments[i].is_valid() &&
+                (!sampling.skip_solids ||
+                 is_free_of_solids(mesh, segments[i], rays[i].direction))) {
+                result.push_back(segments[i]);
+            }
+        }
+        done += count;
+    }
+    return result;
+}
+
+}  // namespace earshot::visibility
