@@ -50,11 +50,11 @@ struct CellSplit {
 };
 
 struct BuiltCells {
-    ViewCells cells;                          ///< one cell per leaf
-    std::vector<std::vector<ObjectId>> sets;  ///< per leaf: what the segments saw, ascending
-    std::vector<double> shares;               ///< per leaf: of the viewers; they sum to 1
-    double region_cost = 0.0;                 ///< the average cost of the undivided region
-    std::vector<CellSplit> splits;            ///< node k of the tree is split k
+    ViewCells cells;                            ///< one cell per leaf
+    std::vector<std::vector<ObjectId>> sets{};  ///< per leaf: what the segments saw, ascending
+    std::vector<double> shares{};               ///< per leaf: of the viewers; they sum to 1
+    double region_cost = 0.0;                   ///< the average cost of the undivided region
+    std::vector<CellSplit> splits{};            ///< node k of the tree is split k
 };
 
 /// Divides a region so that the average render cost of what is seen from a cell, sum over the cells
