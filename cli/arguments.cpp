@@ -48,6 +48,12 @@ std::vector<std::string> command_names(const CLI::App& program) {
     return names;
 }
 
+// The command that was given, as far as it was: a group of commands if no one of them was.
+const CLI::App& chosen_command(const CLI::App& program) {
+    const std::vector<CLI::App*> chosen = program.get_subcommands();
+    return chosen.empty() ? program : chosen_command(*chosen.front());
+}
+
 bool contains(std::span<const std::string> words, std::string_view word) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
@@ -76,7 +82,9 @@ std::string suggestion(const CLI::App& command,
 UsageError unknown_option(const CLI::App& command, const std::string& option) {
     for (const CLI::App* subcommand : command.get_subcommands({})) {
         if (contains(option_names(*subcommand), option)) {
-            return {option, "stands before the command", "put it after: earshot COMMAND " + option};
+            return {option,
+                    "stands before the command",
+                    "put it after: " + full_name(command) + " COMMAND " + option};
         }
     }
     return {option,
@@ -97,13 +105,13 @@ std::optional<UsageError> find_misspelling(const CLI::App& program,
         if (!option.empty() && !contains(option_names(*command), option)) {
             return unknown_option(*command, option);
         }
-        if (option.empty() && command == &program) {
-            const std::vector<std::string> known = command_names(program);
+        const std::vector<std::string> known = command_names(*command);
+        if (option.empty() && !known.empty()) {
             const std::string typed(argument);
             if (!contains(known, typed)) {
-                return UsageError(typed, "no such command", suggestion(program, typed, known));
+                return UsageError(typed, "no such command", suggestion(*command, typed, known));
             }
-            command = program.get_subcommand(typed);
+            command = command->get_subcommand(typed);
         }
     }
     return std::nullopt;
@@ -245,11 +253,11 @@ void parse_command_line(CLI::App& program, int argc, const char* const* argv) {
         if (auto misspelling = find_misspelling(program, arguments)) {
             throw UsageError(*misspelling);
         }
-        const std::vector<CLI::App*> chosen = program.get_subcommands();
-        if (chosen.empty()) {
-            throw wrong_usage(program, "", "no command is given");
+        const CLI::App& command = chosen_command(program);
+        if (!command.get_subcommands({}).empty()) {
+            throw wrong_usage(command, "", "no command is given");
         }
-        throw reworded(*chosen.front(), error);
+        throw reworded(command, error);
     }
 }
 

@@ -4,9 +4,35 @@
 namespace earshot::cli {
 
 Command::Command(CLI::App& program, const std::string& name, const std::string& description)
+    : Command(program, name, description, WithoutOptions{}) {
+    add_common_options(*app_, common_);
+}
+
+Command::Command(CLI::App& program,
+                 const std::string& name,
+                 const std::string& description,
+                 WithoutOptions)
     : app_(program.add_subcommand(name, description)) {
     app_->group("Commands");
-    add_common_options(*app_, common_);
+}
+
+CommandGroup::CommandGroup(CLI::App& program,
+                           const std::string& name,
+                           const std::string& description,
+                           const Makers& makers)
+    : Command(program, name, description, WithoutOptions{}) {
+    app().require_subcommand(1);
+    for (const auto make : makers) {
+        commands_.push_back(make(app()));
+    }
+}
+
+void CommandGroup::run() {
+    for (const std::unique_ptr<Command>& command : commands_) {
+        if (command->is_chosen()) {
+            command->run();
+        }
+    }
 }
 
 }  // namespace earshot::cli

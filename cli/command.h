@@ -3,7 +3,9 @@
 
 #include "earshot/cli/arguments.h"
 
+#include <memory>
 #include <string>
+#include <vector>
 
 namespace earshot::cli {
 
@@ -24,12 +26,35 @@ public:
     bool is_chosen() const { return app_->parsed(); }
 
 protected:
+    struct WithoutOptions {};
+    Command(CLI::App& program,
+            const std::string& name,
+            const std::string& description,
+            WithoutOptions);
+
     CLI::App& app() { return *app_; }
     const CommonOptions& common() const { return common_; }
 
 private:
     CLI::App* app_ = nullptr;  // owned by the program it was added to
     CommonOptions common_;
+};
+
+/// Commands under one name: earshot GROUP COMMAND.
+class CommandGroup : public Command {
+public:
+    using Makers = std::vector<std::unique_ptr<Command> (*)(CLI::App&)>;
+
+    CommandGroup(CLI::App& program,
+                 const std::string& name,
+                 const std::string& description,
+                 const Makers& makers);
+
+    /// Runs the one that was chosen.
+    void run() override;
+
+private:
+    std::vector<std::unique_ptr<Command>> commands_;
 };
 
 }  // namespace earshot::cli

@@ -11,10 +11,12 @@
 #include "earshot/cli/values.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/io/sofa.h"
+#include "earshot/io/visibility_file.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +48,7 @@ public:
         emitters_.add_to(app());
         add_tracing_options();
         add_limits();
+        add_visibility_options();
         add_late_options();
         add_format_options();
         add_sound_options();
@@ -59,12 +62,16 @@ public:
 
         io::LoadedScene loaded = scene_.load();
         emitters_.apply(app(), scene_.file(), loaded.scene);
+        if (!visibility_file_.empty()) {
+            visible_sets_.emplace(io::read_visible_sets(visibility_file_));
+        }
         const ResponseJob job = {
             .scene = loaded.scene,
             .simulation = simulation_options(),
             .response = {.sample_rate = static_cast<double>(sample_rate_hz_), .length = length_},
             .listening = hearing,
             .writes_sofa = writes_sofa_,
+            .checks_visibility = checks_visibility_,
             .times = instants,
             .is_sequence = scene_.is_sequence(),
             .directory = directory_};
@@ -101,6 +108,21 @@ private:
                     resolution_,
                     {0, 1024},
                     "sub-frusta along a cube face around the source; 0: the default");
+    }
+
+    void add_visibility_options() {
+        CLI::Option* file =
+            app()
+                .add_option("--visibility",
+                            visibility_file_,
+                            "leave out paths that first meet what their source's cell does not "
+                            "see, a file of earshot pvs build; sets may lack something")
+                ->type_name("FILE");
+        app()
+            .add_flag("--check-visibility",
+                      checks_visibility_,
+                      "also search without the file, and tell how many paths it cost")
+            ->needs(file);
     }
 
     void add_late_options() {
@@ -174,6 +196,7 @@ private:
             .late_length = length_,
             .late_directions = format_ != "mono",
             .keeps_traces = scene_.is_sequence(),
+            .visible_sets = visible_sets_ ? &*visible_sets_ : nullptr,
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
     }
 
@@ -217,6 +240,9 @@ private:
     std::string format_ = "mono", head_file_;
     EmitterOptions emitters_;
     bool writes_sofa_ = false;
+    std::string visibility_file_;
+    std::optional<visibility::VisibleSets> visible_sets_;
+    bool checks_visibility_ = false;
     bool transmission_ = false;
     double max_length_ = 0.0;
     double min_level_db_ = -std::numeric_limits<double>::infinity();

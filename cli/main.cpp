@@ -18,6 +18,7 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_auralize_command,
     make_bvh_command,
     make_los_command,
+    make_pvs_command,
     make_collide_command,
     make_ccd_command,
     make_materials_command,

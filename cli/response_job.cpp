@@ -90,6 +90,9 @@ public:
             summary_.trace_seconds += trace_seconds;
             summary_.update_seconds.push_back(prepare_seconds + trace_seconds);
             add_statistics(simulator);
+            if (job_.checks_visibility) {
+                count_lost_paths(pairs, job_.times[frame]);
+            }
 
             start = std::chrono::steady_clock::now();
             write_responses(pairs, frame);
@@ -108,6 +111,21 @@ private:
         summary_.statistics.frusta += simulator.statistics().frusta;
         summary_.statistics.candidates += simulator.statistics().candidates;
         summary_.statistics.paths += simulator.statistics().paths;
+    }
+
+    /// Visible sets only ever leave paths out.
+    void count_lost_paths(const std::vector<PairResult>& pairs, double time) {
+        propagation::Options complete = job_.simulation;
+        complete.visible_sets = nullptr;
+        complete.rays = 0;
+        propagation::Simulator simulator(job_.scene, complete, executor_);
+        simulator.set_time(time, executor_);
+        for (const PairResult& pair : simulator.run(executor_)) {
+            summary_.paths_lost += pair.paths.size();
+        }
+        for (const PairResult& pair : pairs) {
+            summary_.paths_lost -= pair.paths.size();
+        }
     }
 
     void write(const std::string& name, const std::string& bytes) {

@@ -18,6 +18,8 @@ struct ResponseJob {
     audio::ResponseOptions response;
     Listening listening{};
     bool writes_sofa = false;        ///< responses.sofa besides
+    /// Also count the paths that simulation.visible_sets cost; takes a complete search.
+    bool checks_visibility = false;
     std::vector<double> times{0.0};  ///< seconds
     bool is_sequence = false;        ///< file names carry the number of the time
     std::filesystem::path directory;
@@ -27,6 +29,7 @@ struct ResponseJob {
 struct ResponseSummary {
     std::vector<std::filesystem::path> files;  ///< in the order they were written
     std::vector<std::size_t> paths_of_order;   ///< over all pairs and times
+    std::size_t paths_lost = 0;                ///< to visible sets, if that was checked
     Warnings notes;                            ///< pairs without a path, and the like
     propagation::GeometrySummary geometry;     ///< at the last time
     frustum::TraceStatistics statistics;       ///< over all times

@@ -83,6 +83,12 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
                   std::to_string(summary.paths_of_order[order]);
     }
     text += line("paths", std::to_string(all) + " (" + orders + ")");
+    if (job.simulation.visible_sets != nullptr) {
+        text += line("visibility",
+                     job.checks_visibility
+                         ? std::to_string(summary.paths_lost) + " paths lost to visible sets"
+                         : "not checked; --check-visibility counts the paths that sets cost");
+    }
     text += line("frusta",
                  std::to_string(summary.statistics.frusta) + " traced, " +
                      std::to_string(summary.statistics.candidates) + " sequences verified");
@@ -115,23 +121,26 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
     for (const std::filesystem::path& file : summary.files) {
         files.push_back(file.string());
     }
-    const Json json = {{"version", 1},
-                       {"scene", job.scene.name},
-                       {"triangles", geometry.triangles},
-                       {"facets", geometry.facets},
-                       {"clean_up", std::move(clean)},
-                       {"sources", job.scene.sources.size()},
-                       {"listeners", job.scene.listeners.size()},
-                       {"times", job.times},
-                       {"paths_per_order", summary.paths_of_order},
-                       {"frusta", summary.statistics.frusta},
-                       {"candidates", summary.statistics.candidates},
-                       {"seconds",
-                        {{"prepare", summary.prepare_seconds},
-                         {"trace", summary.trace_seconds},
-                         {"responses", summary.response_seconds},
-                         {"updates", summary.update_seconds}}},
-                       {"files", std::move(files)}};
+    Json json = {{"version", 1},
+                 {"scene", job.scene.name},
+                 {"triangles", geometry.triangles},
+                 {"facets", geometry.facets},
+                 {"clean_up", std::move(clean)},
+                 {"sources", job.scene.sources.size()},
+                 {"listeners", job.scene.listeners.size()},
+                 {"times", job.times},
+                 {"paths_per_order", summary.paths_of_order},
+                 {"frusta", summary.statistics.frusta},
+                 {"candidates", summary.statistics.candidates},
+                 {"seconds",
+                  {{"prepare", summary.prepare_seconds},
+                   {"trace", summary.trace_seconds},
+                   {"responses", summary.response_seconds},
+                   {"updates", summary.update_seconds}}},
+                 {"files", std::move(files)}};
+    if (job.checks_visibility) {
+        json["paths_lost_to_visible_sets"] = summary.paths_lost;
+    }
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

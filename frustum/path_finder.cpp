@@ -126,7 +126,10 @@ struct PathFinder::State {
     /// Calls use(task, search, frustum) for every frustum from the source, depth first within a
     /// task, and enter(task, frustum), leave(task) around those of higher order. Returns the tasks.
     template <typename Task, typename MakeTask>
-    std::vector<Task> walk(const Vec3& source, MakeTask&& make_task, Executor& executor) const;
+    std::vector<Task> walk(const Vec3& source,
+                           FirstFacets first,
+                           MakeTask&& make_task,
+                           Executor& executor) const;
 
     template <typename Task>
     void follow(const Frustum& frustum, std::vector<VisibleFacets>& searches, Task& task) const;
@@ -233,16 +236,21 @@ void PathFinder::State::follow(const Frustum& frustum,
 
 template <typename Task, typename MakeTask>
 std::vector<Task> PathFinder::State::walk(const Vec3& source,
+                                          FirstFacets first,
                                           MakeTask&& make_task,
                                           Executor& executor) const {
-    const auto first = roots(source);
-    std::vector<std::vector<Frustum>> reflections(first.size());
-    std::vector<std::optional<Task>> of_roots(chunk_count(first.size(), kGrain));
-    executor.for_each(first.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    EARSHOT_ASSERT(first.empty() || first.size() == surroundings.facets.facets.size());
+    const auto around = roots(source);
+    std::vector<std::vector<Frustum>> reflections(around.size());
+    std::vector<std::optional<Task>> of_roots(chunk_count(around.size(), kGrain));
+    executor.for_each(around.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         VisibleFacets search = new_search();
         Task& task = of_roots[begin / kGrain].emplace(make_task());
         for (std::size_t i = begin; i < end; ++i) {
-            search.search(first[i]);
+            search.search(around[i]);
+            if (!first.empty()) {
+                search.leave_out(first);
+            }
             task.see(search);
             for (const VisibleFacet& visible : search.found()) {
                 if (orders_traced() > 1 && leads_on(search.frustum(), visible)) {
@@ -339,13 +347,15 @@ double PathFinder::reach() const noexcept {
     return state_->reach;
 }
 
-SourceTrace PathFinder::trace_source(const Vec3& source, Executor& executor) const {
+SourceTrace PathFinder::trace_source(const Vec3& source,
+                                     Executor& executor,
+                                     FirstFacets first) const {
     EARSHOT_ASSERT(glm::length(source) <= state_->reach);
     auto kept = std::make_unique<SourceTrace::Kept>();
     kept->source = source;
     if (state_->trace.max_order > 0) {
         for (Keeping& task : state_->walk<Keeping>(
-                 source, [] { return Keeping(); }, executor)) {
+                 source, first, [] { return Keeping(); }, executor)) {
             kept->parts.push_back(std::move(task.looks));
         }
     }
@@ -432,7 +442,8 @@ void PathFinder::for_each_listener(const SourceTrace& source,
 
 TraceResult PathFinder::find(const Vec3& source,
                              const ListenerTrace& listeners,
-                             Executor& executor) const {
+                             Executor& executor,
+                             FirstFacets first) const {
     EARSHOT_ASSERT(glm::length(source) <= state_->reach);
     const State& state = *state_;
     const ListenerTrace::Kept& to = *listeners.kept_;
@@ -442,7 +453,7 @@ TraceResult PathFinder::find(const Vec3& source,
     Harvest harvest = direct.take_harvest();
     if (state.trace.max_order > 0) {
         const auto make_task = [&] { return Finding(state.proposer(source, audience)); };
-        for (Finding& task : state.walk<Finding>(source, make_task, executor)) {
+        for (Finding& task : state.walk<Finding>(source, first, make_task, executor)) {
             harvest.append(task.take_harvest());
         }
     }

@@ -4,11 +4,16 @@
 #include "earshot/frustum/trace.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <span>
 
 namespace earshot::frustum {
+
+/// Per facet: 1 if it may be the first that a path meets; empty: all may. For what is known of
+/// where a source is; paths that begin with another facet are left out.
+using FirstFacets = std::span<const std::uint8_t>;
 
 /// What the frusta from one source see, kept so that listeners may move. Made by a PathFinder and
 /// valid as long as it is.
@@ -74,7 +79,8 @@ public:
 
     /// Precondition, here and below: points keep within the reach.
     SourceTrace trace_source(const geometry::Vec3& source,
-                             Executor& executor = Executor::serial()) const;
+                             Executor& executor = Executor::serial(),
+                             FirstFacets first = {}) const;
     ListenerTrace trace_listeners(std::span<const geometry::Vec3> listeners,
                                   Executor& executor = Executor::serial()) const;
 
@@ -87,7 +93,8 @@ public:
     /// The statistics leave out the listeners' frusta, here and above.
     TraceResult find(const geometry::Vec3& source,
                      const ListenerTrace& listeners,
-                     Executor& executor = Executor::serial()) const;
+                     Executor& executor = Executor::serial(),
+                     FirstFacets first = {}) const;
 
     using VisitPaths = std::function<void(std::size_t, std::span<const SpecularPath>)>;
 

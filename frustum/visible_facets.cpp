@@ -80,6 +80,10 @@ void VisibleFacets::enter(const Frustum& frustum) {
     found_.clear();
 }
 
+void VisibleFacets::leave_out(std::span<const std::uint8_t> is_wanted) {
+    std::erase_if(found_, [&](const VisibleFacet& seen) { return is_wanted[seen.facet] == 0; });
+}
+
 void VisibleFacets::search(const Frustum& frustum) {
     enter(frustum);
     if (frustum.starts_at_facet) {

@@ -102,10 +102,12 @@ struct Simulator::State {
                 .gain = gain};
     }
     void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
+    std::vector<std::uint8_t> first_facets(const Vec3& source) const;
     frustum::TraceResult trace(std::size_t source, const Vec3& place, Executor& executor);
 
     geometry::MeshView mesh() const { return {positions, triangles}; }
     void move_geometry(Executor& executor);
+    void check_visible_sets() const;
     void update_tree(bool same_triangles, Executor& executor);
     void describe_facets();
     LateEnergy late_sound(const RaySource& source,
@@ -143,6 +145,19 @@ void Simulator::State::move_geometry(Executor& executor) {
     facets = geometry::find_facets(mesh(), clean.weld, labels);
     describe_facets();
     summary = {.clean = clean.report, .triangles = kept.size(), .facets = facets.facets.size()};
+}
+
+void Simulator::State::check_visible_sets() const {
+    const visibility::VisibleSets* sets = options.visible_sets;
+    if (sets != nullptr &&
+        (sets->objects().object_of_triangle().size() != scene.mesh.triangles().size() ||
+         sets->origin().mesh_digest !=
+             visibility::mesh_digest({positions, scene.mesh.triangles()}))) {
+        throw Error("visible sets",
+                    "they are of " + sets->origin().scene + " in another shape than " + scene.name +
+                        " has now",
+                    "build them for this scene and instant");
+    }
 }
 
 void Simulator::State::describe_facets() {
@@ -309,21 +324,43 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
     }
 }
 
+// Empty where every facet may be the first.
+std::vector<std::uint8_t> Simulator::State::first_facets(const Vec3& source) const {
+    const visibility::VisibleSets* sets = options.visible_sets;
+    const auto cell = sets != nullptr ? sets->cells().cell_at(source) : std::nullopt;
+    if (!cell) {
+        return {};
+    }
+    std::vector<std::uint8_t> is_first;
+    for (const geometry::Facet& facet : facets.facets) {
+        is_first.push_back(std::any_of(facet.triangles.begin(),
+                                       facet.triangles.end(),
+                                       [&](geometry::TriangleId triangle) {
+                                           return sets->sees(*cell, kept[triangle]);
+                                       })
+                               ? 1
+                               : 0);
+    }
+    return is_first;
+}
+
 frustum::TraceResult Simulator::State::trace(std::size_t source,
                                              const Vec3& place,
                                              Executor& executor) {
+    const std::vector<std::uint8_t> first = first_facets(place);
     if (!options.keeps_traces) {
-        return finder->find(place, *listeners, executor);
+        return finder->find(place, *listeners, executor, first);
     }
     std::optional<frustum::SourceTrace>& seen = sources[source];
     if (!seen || seen->source() != place) {
-        seen.emplace(finder->trace_source(place, executor));
+        seen.emplace(finder->trace_source(place, executor, first));
     }
     return finder->connect(*seen, *listeners, executor);
 }
 
 std::vector<PairResult> Simulator::run(Executor& executor) {
     State& state = *state_;
+    state.check_visible_sets();
     const auto places_of = [&](const std::vector<Emitter>& emitters) {
         std::vector<Vec3> places;
         for (const Emitter& emitter : emitters) {

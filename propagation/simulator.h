@@ -9,6 +9,7 @@
 #include "earshot/geometry/clean.h"
 #include "earshot/propagation/air.h"
 #include "earshot/propagation/scene.h"
+#include "earshot/visibility/visible_sets.h"
 
 #include <limits>
 #include <memory>
@@ -37,6 +38,10 @@ struct Options {
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
     /// does not. Costs memory and changes no result.
     bool keeps_traces = false;
+    /// Paths are left out that first meet a facet of which the cell of their source sees no
+    /// triangle; of a source outside of the region none are. Must outlive the simulator. Sets may
+    /// lack what can be seen (VisibleSets), and then paths are missing.
+    const visibility::VisibleSets* visible_sets = nullptr;
     audio::Bands bands = audio::Bands::octaves();
 };
 
@@ -83,8 +88,8 @@ struct GeometrySummary {
 /// Simulates sound between the sources and listeners of one scene, which must outlive it.
 class Simulator {
 public:
-    /// Prepares the scene at time 0. Throws Error if an option is out of range or no triangle is
-    /// left after clean-up.
+    /// Prepares the scene at time 0. Throws Error if an option is out of range, or if no triangle
+    /// is left after clean-up.
     explicit Simulator(const Scene& scene,
                        const Options& options = {},
                        Executor& executor = Executor::serial());
@@ -97,7 +102,8 @@ public:
     void set_time(double time, Executor& executor = Executor::serial());
 
     /// Every pair, ordered by source, then listener. A pair at the same point has no direct path
-    /// (its amplitude would be infinite).
+    /// (its amplitude would be infinite). Throws Error if Options::visible_sets are of another mesh
+    /// or of another pose.
     std::vector<PairResult> run(Executor& executor = Executor::serial());
 
     const GeometrySummary& geometry() const noexcept;

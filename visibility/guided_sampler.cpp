@@ -26,8 +26,14 @@ constexpr std::size_t kSeedsAtATime = 1024;
 
 // Random rays begin few and follow the rest: where triangles are small they are met one by one.
 constexpr std::uint64_t kFewestRandom = 64;
-constexpr std::uint64_t kMostRandom = 1U << 16U;
+constexpr std::uint64_t kMostRandom = 1U << 14U;
 constexpr std::uint64_t kRandomShare = 8;
+
+// So many random rays to one look at a known triangle, which takes a dozen or two.
+constexpr std::uint64_t kRandomPerLook = 16;
+
+// Streams of random numbers.
+constexpr std::uint64_t kLook = 40;
 
 // A border that falls apart is halved so many times: to a 128th of a side.
 constexpr int kHalvings = 7;
@@ -70,6 +76,9 @@ RegionView GuidedSampler::run() {
     RegionView view;
     while (!is_finished()) {
         cast_random();
+        if (options_.guided) {
+            look_again();
+        }
         while (options_.guided && !waiting_.empty() && !is_finished()) {
             const std::size_t count = std::min(kSeedsAtATime, waiting_.size());
             const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count);
@@ -137,6 +146,7 @@ bool GuidedSampler::note(const Ray& ray, const std::optional<Hit>& met) {
     }
     place_[met->triangle] = static_cast<std::uint32_t>(witnesses_.size());
     witnesses_.push_back(ray);
+    found_.push_back(met->triangle);
     waiting_.push_back({ray.origin, ray.origin + met->t * ray.direction, met->triangle});
     return true;
 }
@@ -164,11 +174,12 @@ Ray GuidedSampler::random_ray(std::uint64_t index) const {
     return ray;
 }
 
+std::size_t GuidedSampler::batch_size() const {
+    return static_cast<std::size_t>(std::clamp(rays_ / kRandomShare, kFewestRandom, kMostRandom));
+}
+
 void GuidedSampler::cast_random() {
-    const std::uint64_t wanted = options_.guided
-                                     ? std::clamp(rays_ / kRandomShare, kFewestRandom, kMostRandom)
-                                     : kMostRandom;
-    std::vector<Ray> rays(allowance(wanted));
+    std::vector<Ray> rays(allowance(batch_size()));
     for (std::size_t i = 0; i < rays.size(); ++i) {
         rays[i] = random_ray(random_rays_ + i);
     }
@@ -176,6 +187,44 @@ void GuidedSampler::cast_random() {
     const std::size_t known = witnesses_.size();
     random_rays_ += cast(rays);
     random_finds_ += witnesses_.size() - known;
+}
+
+// From other places of the region, at known triangles in turn: past their borders something else
+// may be seen from there. What is hardest to see is mostly seen from a corner or an edge of the
+// region.
+void GuidedSampler::look_again() {
+    const std::size_t count = witnesses_.empty() ? 0 : allowance(batch_size() / kRandomPerLook);
+    std::vector<Ray> rays(count);
+    for (Ray& ray : rays) {
+        const std::uint64_t index = looks_++;
+        const auto number = [&](std::uint64_t k) {
+            return random(options_.seed, kLook + k, index);
+        };
+        // Two coordinates are moved to a border for an edge, all three for a corner.
+        const std::uint64_t borders = index % 4 < 2 ? 1 : index % 4;
+        const auto first = static_cast<std::uint64_t>(3.0 * number(0));
+        for (std::uint64_t k = 0; k < 3; ++k) {
+            const auto axis = static_cast<int>((first + k) % 3);
+            const double place = number(1 + k);
+            ray.origin[axis] = region_.lower[axis] +
+                               (k < borders ? std::round(place) : place) * region_.size()[axis];
+        }
+        const Corners corners = corners_of(found_[index % found_.size()]);
+        const double u = std::sqrt(number(4));
+        const double v = number(5);
+        ray.direction = corners[0] + (u * (1.0 - v)) * (corners[1] - corners[0]) +
+                        (u * v) * (corners[2] - corners[0]) - ray.origin;
+    }
+    const std::size_t known = waiting_.size();
+    rays.resize(cast(rays));
+    waiting_.resize(known);  // all of them are looked about, new or not
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        if (hits_[i]) {
+            waiting_.push_back({rays[i].origin,
+                                rays[i].origin + hits_[i]->t * rays[i].direction,
+                                hits_[i]->triangle});
+        }
+    }
 }
 
 // Adaptive border sampling: rays about every triangle, and between two of them where what they meet

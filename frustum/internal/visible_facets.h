@@ -5,6 +5,7 @@
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/frustum/internal/window_sight.h"
 
+#include <span>
 #include <vector>
 
 namespace earshot::frustum {
@@ -64,6 +65,9 @@ public:
 
     /// Facets that the current frustum sees, roughly nearest first.
     const std::vector<VisibleFacet>& found() const noexcept { return found_; }
+
+    /// Forgets those that have a 0, of one number per facet. They hide what they hide.
+    void leave_out(std::span<const std::uint8_t> is_wanted);
 
     /// Whether sound in the current frustum may arrive at the point: false only if every
     /// sub-frustum that may hold it is dead or filled by a facet nearer than the point.

@@ -101,6 +101,39 @@ TEST(PathFinder, ManyListenersGetWhatEachGetsAlone) {
     EXPECT_GT(all.paths.size(), 5000U);
 }
 
+// What is known not to be met first costs nothing but its own paths: it hides what it hides.
+TEST(PathFinder, FirstFacetsLeaveOutThePathsThatBeginWithOthers) {
+    std::size_t left_out = 0;
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+        const RandomRoom random(seed, 3);
+        const Surroundings surroundings = random.room.surroundings();
+        std::vector<std::uint8_t> first;
+        for (std::size_t facet = 0; facet < surroundings.facets.facets.size(); ++facet) {
+            first.push_back(earshot::random(seed, 9, facet) < 0.5 ? 1 : 0);
+        }
+        for (const bool all_the_way : {false, true}) {
+            const int order = 1 + static_cast<int>(seed % 3);
+            const PathFinder finder(surroundings,
+                                    {.trace = {.max_order = order}, .all_the_way = all_the_way});
+            const auto listeners = finder.trace_listeners(random.listeners);
+            Executor& serial = Executor::serial();
+            std::vector<SpecularPath> expected;
+            for (const SpecularPath& path : finder.find(random.source, listeners).paths) {
+                if (path.triangles.empty() ||
+                    first[surroundings.facets.of_triangle[path.triangles[0]]] != 0) {
+                    expected.push_back(path);
+                } else {
+                    ++left_out;
+                }
+            }
+            EXPECT_EQ(finder.find(random.source, listeners, serial, first).paths, expected) << seed;
+            const auto source = finder.trace_source(random.source, serial, first);
+            EXPECT_EQ(finder.connect(source, listeners).paths, expected) << seed;
+        }
+    }
+    EXPECT_GT(left_out, 1000U);
+}
+
 TEST(PathFinder, AnswersAndCountsDoNotDependOnThreadsOrInstructionSet) {
     const RandomRoom random(11, 5);
     const PathFinder finder(random.room.surroundings(), {.trace = {.max_order = 3}});

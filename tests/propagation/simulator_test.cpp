@@ -261,5 +261,55 @@ TEST(Simulator, LevelAndLengthLimitsLeaveOutExactlyWhatFallsUnderThem) {
     EXPECT_EQ(count({.specular_order = 3}), all.size());
 }
 
+/// Of the box scene, as if all of it, or all but the floor, were seen from x <= 3.
+visibility::VisibleSets sets_of(const Scene& scene, bool sees_floor) {
+    const std::vector<Vec3> positions = scene.mesh.positions_at(0.0);
+    std::vector<visibility::ObjectId> seen;
+    for (visibility::ObjectId triangle = 0; triangle < 14; ++triangle) {
+        if (sees_floor || (triangle != 1 && triangle != 2)) {
+            seen.push_back(triangle);
+        }
+    }
+    return {visibility::ViewCells(visibility::Region{{0.0, 0.0, 0.0}, {3.0, 3.0, 5.0}}),
+            visibility::Objects::triangles(14),
+            {seen},
+            {.scene = "box",
+             .mesh_digest = visibility::mesh_digest({positions, scene.mesh.triangles()})}};
+}
+
+TEST(Simulator, VisibleSetsLeaveOutWhatTheSourcesCellDoesNotSee) {
+    Scene scene = box_scene();
+    const auto paths_with = [&](const visibility::VisibleSets* sets) {
+        return Simulator(scene, {.specular_order = 2, .visible_sets = sets}).run()[0].paths;
+    };
+    const auto all = paths_with(nullptr);
+    const auto complete = sets_of(scene, true);
+    const auto without_floor = sets_of(scene, false);
+    EXPECT_EQ(paths_with(&complete).size(), all.size());
+    const auto begins_at_floor = [](const Path& path) {
+        return path.order > 0 && path.materials[0] == 1;
+    };
+    const auto lost = std::count_if(all.begin(), all.end(), begins_at_floor);
+    const auto some = paths_with(&without_floor);
+    EXPECT_EQ(some.size() + static_cast<std::size_t>(lost), all.size());
+    EXPECT_EQ(std::count_if(some.begin(), some.end(), begins_at_floor), 0);
+    EXPECT_GT(lost, 2);
+    // From outside of the cells nothing is left out.
+    scene.sources[0].position.x = 3.5;
+    EXPECT_EQ(paths_with(&without_floor).size(), paths_with(nullptr).size());
+}
+
+TEST(Simulator, RefusesVisibleSetsOfAnotherMesh) {
+    const Scene scene = box_scene();
+    const auto sets = sets_of(scene, true);
+    Scene other = box_scene();
+    geometry::Mesh mesh = {scene.mesh.positions_at(0.0),
+                           {scene.mesh.triangles().begin(), scene.mesh.triangles().end()}};
+    mesh.positions[7].x += 0.001;
+    other.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
+    Simulator simulator(other, {.visible_sets = &sets});
+    EXPECT_THROW(simulator.run(), Error);
+}
+
 }  // namespace
 }  // namespace earshot::propagation

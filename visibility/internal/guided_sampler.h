@@ -57,7 +57,9 @@ private:
     std::size_t cast(std::span<const geometry::Ray> rays);
     bool note(const geometry::Ray& ray, const std::optional<geometry::Hit>& met);
     geometry::Ray random_ray(std::uint64_t index) const;
+    std::size_t batch_size() const;
     void cast_random();
+    void look_again();
 
     void sample_borders(std::span<const Seed> seeds);
     void cast_probes(std::span<const Seed> seeds, std::vector<Probe>& probes);
@@ -76,11 +78,13 @@ private:
 
     std::vector<std::uint32_t> place_;  // per triangle, among the witnesses
     std::vector<geometry::Ray> witnesses_;
+    std::vector<geometry::TriangleId> found_;  // of each witness
     std::deque<Seed> waiting_;
     std::vector<geometry::Ray> past_;  // rays past blockers that are still to be cast
     std::vector<std::optional<geometry::Hit>> hits_;  // of the last batch
     std::uint64_t rays_ = 0;
     std::uint64_t random_rays_ = 0;
+    std::uint64_t looks_ = 0;
     struct Mark {
         std::uint64_t rays, random_rays, random_finds;
     };

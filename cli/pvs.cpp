@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/commands.h"
+#include "earshot/cli/output.h"
+#include "earshot/cli/pvs_report.h"
+#include "earshot/cli/values.h"
+#include "earshot/io/visibility_file.h"
+#include "earshot/io/whole_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+using geometry::TriangleId;
+using visibility::VisibleSets;
+
+class PvsQueryCommand : public Command {
+public:
+    explicit PvsQueryCommand(CLI::App& group)
+        : Command(group, "query", "Tell what the cell of a point sees") {
+        app().add_option("FILE", file_, "of earshot pvs build")->required();
+        app().add_option("--at", at_option_, "X,Y,Z in metres")->required();
+        app().add_option(
+            "-o,--output", output_, "a list of its triangles to write: .csv, or .json");
+    }
+
+    void run() override {
+        const auto at = parse_named_point(at_option_);
+        if (!at || !at->name.empty()) {
+            throw wrong_usage(app(), "--at", "'" + at_option_ + "' is not of the form X,Y,Z");
+        }
+        const VisibleSets sets = io::read_visible_sets(file_);
+        const auto cell = sets.cells().cell_at({at->position[0], at->position[1], at->position[2]});
+        if (!cell) {
+            throw Error("--at", at_option_ + " lies outside of the region", "see earshot pvs show");
+        }
+        const std::vector<TriangleId> triangles = sets.triangles_seen_from(*cell);
+        if (!output_.empty()) {
+            io::write_whole_file(output_, list_of(*cell, triangles));
+        }
+        if (common().json) {
+            write_output(json_of(*cell, sets, triangles).dump(1) + "\n");
+        } else if (!common().quiet) {
+            write_output("cell       " + std::to_string(*cell) + "\nsees       " +
+                         std::to_string(sets.sets()[*cell].size()) + " objects, " +
+                         std::to_string(triangles.size()) + " triangles\n" +
+                         (output_.empty() ? "" : "file       " + output_ + "\n"));
+        }
+    }
+
+private:
+    using Json = nlohmann::ordered_json;
+
+    static Json json_of(visibility::CellId cell,
+                        const VisibleSets& sets,
+                        const std::vector<TriangleId>& triangles) {
+        return {{"version", 1},
+                {"cell", cell},
+                {"volume", sets.cells().volumes()[cell]},
+                {"objects", sets.sets()[cell].size()},
+                {"triangles", triangles.size()}};
+    }
+
+    std::string list_of(visibility::CellId cell, const std::vector<TriangleId>& triangles) const {
+        if (output_.ends_with(".json")) {
+            return Json{{"version", 1}, {"cell", cell}, {"triangles", triangles}}.dump() + "\n";
+        }
+        std::string text = "triangle\n";
+        for (const TriangleId triangle : triangles) {
+            text += std::to_string(triangle) + "\n";
+        }
+        return text;
+    }
+
+    std::string file_, at_option_, output_;
+};
+
+class PvsShowCommand : public Command {
+public:
+    explicit PvsShowCommand(CLI::App& group)
+        : Command(group, "show", "Report on a file: cells, sets, what fewer cells would cost") {
+        app().add_option("FILE", file_, "of earshot pvs build")->required();
+    }
+
+    void run() override {
+        const VisibleSets sets = io::read_visible_sets(file_);
+        constexpr double kNotMade = -1.0;
+        if (common().json || !common().quiet) {
+            write_output(pvs_summary(sets, file_, kNotMade, common().json) +
+                         (common().json ? "" : pvs_tables(sets)));
+        }
+    }
+
+private:
+    std::string file_;
+};
+
+class PvsExtractCommand : public Command {
+public:
+    explicit PvsExtractCommand(CLI::App& group)
+        : Command(group, "extract", "Merge cells to as few as wanted, without sampling again") {
+        app().add_option("FILE", file_, "of earshot pvs build --cells or --grid")->required();
+        app().add_option("-o,--output", output_, "the file to write")->required();
+        CLI::Option* cells = add_integer(app(), "--cells", cells_, {1}, "so many, or as there are");
+        CLI::Option* bytes = add_integer(
+            app(), "--memory", bytes_, {1}, "as many as so many bytes have room for, at run time");
+        CLI::Option* ratio = add_number(app(),
+                                        "--cost-ratio",
+                                        ratio_,
+                                        {.least = 1.0},
+                                        "as few as cost on average at most so many times as much");
+        cells->excludes(bytes)->excludes(ratio);
+        bytes->excludes(ratio);
+    }
+
+    void run() override {
+        if (cells_ == 0 && bytes_ == 0 && ratio_ == 0.0) {
+            throw wrong_usage(app(), "", "needs --cells, --memory or --cost-ratio");
+        }
+        const VisibleSets sets = io::read_visible_sets(file_);
+        if (!sets.history()) {
+            throw Error(file_, "its cells have no history", "make it with --cells or --grid");
+        }
+        const auto count =
+            cells_ > 0 ? static_cast<std::size_t>(cells_)
+            : bytes_ > 0
+                ? sets.history()->cells_by_memory({.bytes = static_cast<std::uint64_t>(bytes_)})
+                : sets.history()->cells_by_cost(ratio_);
+        const VisibleSets fewer = sets.merged(count);
+        io::write_visible_sets(output_, fewer);
+        constexpr double kNotMade = -1.0;
+        if (common().json || !common().quiet) {
+            write_output(pvs_summary(fewer, output_, kNotMade, common().json));
+        }
+    }
+
+private:
+    std::string file_, output_;
+    std::int64_t cells_ = 0;
+    std::int64_t bytes_ = 0;
+    double ratio_ = 0.0;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_pvs_query_command(CLI::App& group) {
+    return std::make_unique<PvsQueryCommand>(group);
+}
+
+std::unique_ptr<Command> make_pvs_show_command(CLI::App& group) {
+    return std::make_unique<PvsShowCommand>(group);
+}
+
+std::unique_ptr<Command> make_pvs_extract_command(CLI::App& group) {
+    return std::make_unique<PvsExtractCommand>(group);
+}
+
+std::unique_ptr<Command> make_pvs_command(CLI::App& program) {
+    return std::make_unique<CommandGroup>(program,
+                                          "pvs",
+                                          "Visible sets from regions: build, query, show, extract",
+                                          CommandGroup::Makers{make_pvs_build_command,
+                                                               make_pvs_query_command,
+                                                               make_pvs_show_command,
+                                                               make_pvs_extract_command});
+}
+
+}  // namespace earshot::cli

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/base/simd.h"
+#include "earshot/bvh/wide_tree.h"
+#include "earshot/cli/commands.h"
+#include "earshot/cli/output.h"
+#include "earshot/cli/progress_bar.h"
+#include "earshot/cli/pvs_report.h"
+#include "earshot/cli/scene_choice.h"
+#include "earshot/cli/values.h"
+#include "earshot/io/visibility_file.h"
+#include "earshot/visibility/build_view_cells.h"
+#include "earshot/visibility/global_sampling.h"
+#include "earshot/visibility/guided_sampling.h"
+#include "earshot/visibility/merge_cells.h"
+#include "earshot/visibility/sample_free_segments.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+using geometry::Vec3;
+using namespace visibility;
+
+constexpr const char* kFooter =
+    "Without --cells and --grid the region is one cell, sampled by what is found (guided); with\n"
+    "them all cells are filled at the same time. Sets are what rays proved to be visible: nothing\n"
+    "in them is wrong, and the share of rays that still met something new is told. They hold for\n"
+    "the scene at one instant.\n\n"
+    "Examples:\n"
+    "  earshot pvs build scenes/city.gltf --region 126,1,126:130,3,130 -o square.pvs\n"
+    "      what can be seen from a square\n"
+    "  earshot pvs build scenes/city.gltf --region 1,1,1:239,3,239 --cells 200 -o streets.pvs\n"
+    "      the same from everywhere in the streets, in cells that follow what is seen\n"
+    "  earshot ir scenes/classroom.gltf --visibility classroom.pvs -o out\n"
+    "      sound paths whose first surface the source's cell can see";
+
+class PvsBuildCommand : public Command {
+public:
+    explicit PvsBuildCommand(CLI::App& group)
+        : Command(group, "build", "Sample what can be seen from a region or its cells") {
+        scene_.add_to(app());
+        app().add_option("-o,--output", output_, "the file to write")->required();
+        app().add_option(
+            "--region", region_option_, "X,Y,Z:X,Y,Z, metres; default: the scene's box");
+        CLI::Option* cells = add_integer(app(),
+                                         "--cells",
+                                         cells_,
+                                         {1, kMostCells},
+                                         "divide the region where what is seen changes");
+        app()
+            .add_option("--grid", grid_option_, "divide it into NX,NY,NZ boxes instead")
+            ->excludes(cells);
+        add_integer(app(),
+                    "--objects",
+                    triangles_per_object_,
+                    {1, kMostPerObject},
+                    "triangles that are taken together; default: 1");
+        add_integer(
+            app(), "--rays", rays_, {1}, "most rays; default: 10 or, with cells, 20 million");
+        add_number(app(), "--seconds", seconds_, {.least = 0.0}, "stop after so long as well");
+        add_integer(app(),
+                    "--until",
+                    until_,
+                    {0},
+                    "stop when a million rays found fewer triangles (default: 50), or, with cells, "
+                    "when no set grew by more in 5 million (default: 5)");
+        add_integer(app(),
+                    "--segments",
+                    segments_,
+                    {1, kMostSegments},
+                    "lines that --cells divides by; default: 200000");
+        app().add_flag("--skip-solids",
+                       skip_solids_,
+                       "leave out lines inside of closed solids; surfaces must face the air");
+        app().footer(kFooter);
+    }
+
+    void run() override {
+        use_simd_target(common().simd);
+        Executor executor(static_cast<int>(common().threads));
+        const auto grid = grid_counts();
+        const auto given_region = region_given();
+        const io::LoadedScene loaded = scene_.load();
+        const double time = scene_.times(app()).front();
+        const std::vector<Vec3> positions = loaded.scene.mesh.positions_at(time);
+        const geometry::MeshView mesh = {positions, loaded.scene.mesh.triangles()};
+        const auto tree = bvh::WideTree::build(
+            bvh::Tree::build(bvh::triangle_boxes(mesh, executor), {}, executor), mesh, executor);
+        const Region region = given_region ? *given_region : box_of(tree);
+        start_ = std::chrono::steady_clock::now();
+        std::optional<VisibleSets> sets;
+        {
+            ProgressBar progress(common().quiet);
+            progress_ = &progress;
+            SetsOrigin origin = {.scene = loaded.scene.name,
+                                 .time = time,
+                                 .mesh_digest = mesh_digest(mesh),
+                                 .seed = static_cast<std::uint64_t>(common().seed)};
+            sets = cells_ > 0 || grid ? sample_all_cells(tree, mesh, region, grid, origin, executor)
+                                      : sample_one_region(tree, mesh, region, origin, executor);
+        }
+        io::write_visible_sets(output_, *sets);
+        if (!common().quiet) {
+            print_warnings(loaded.warnings);
+        }
+        if (common().json || !common().quiet) {
+            const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start_;
+            write_output(pvs_summary(*sets, output_, taken.count(), common().json));
+        }
+    }
+
+private:
+    static constexpr std::int64_t kMostCells = 1 << 20;
+    static constexpr std::int64_t kMostPerObject = 1 << 30;
+    static constexpr std::int64_t kMostSegments = 100'000'000;
+
+    std::optional<std::array<std::uint32_t, 3>> grid_counts() {
+        if (grid_option_.empty()) {
+            return std::nullopt;
+        }
+        const auto counts = parse_named_point(grid_option_);
+        std::array<std::uint32_t, 3> result{};
+        bool is_right = counts && counts->name.empty();
+        for (std::size_t k = 0; is_right && k < 3; ++k) {
+            const double count = counts->position[k];
+            is_right = count >= 1.0 && count <= kMostCells && count == std::floor(count);
+            result[k] = is_right ? static_cast<std::uint32_t>(count) : 0;
+        }
+        if (!is_right) {
+            throw wrong_usage(
+                app(), "--grid", "'" + grid_option_ + "' is not of the form NX,NY,NZ");
+        }
+        return result;
+    }
+
+    std::optional<Region> region_given() {
+        if (region_option_.empty()) {
+            return std::nullopt;
+        }
+        const std::size_t colon = region_option_.find(':');
+        const auto lower = parse_named_point(region_option_.substr(0, colon));
+        const auto upper = parse_named_point(
+            colon == std::string::npos ? std::string() : region_option_.substr(colon + 1));
+        if (!lower || !upper || !lower->name.empty() || !upper->name.empty()) {
+            throw wrong_usage(
+                app(), "--region", "'" + region_option_ + "' is not of the form X,Y,Z:X,Y,Z");
+        }
+        const auto point = [](const auto& p) { return Vec3(p[0], p[1], p[2]); };
+        return Region{point(lower->position), point(upper->position)};
+    }
+
+    static Region box_of(const bvh::WideTree& tree) {
+        const auto point = [](const auto& p) { return Vec3(p[0], p[1], p[2]); };
+        return tree.box().is_empty() ? Region{}
+                                     : Region{point(tree.box().lower), point(tree.box().upper)};
+    }
+
+    Interrupt deadline() const {
+        if (seconds_ == kNoLimit) {
+            return {};
+        }
+        const std::chrono::duration<double> most(seconds_);
+        return [start = start_, most] { return std::chrono::steady_clock::now() - start >= most; };
+    }
+
+    Objects objects_of(const geometry::MeshView& mesh, Executor& executor) const {
+        return triangles_per_object_ == 1
+                   ? Objects::triangles(mesh.triangles.size())
+                   : Objects::groups(
+                         mesh, static_cast<std::size_t>(triangles_per_object_), executor);
+    }
+
+    VisibleSets sample_one_region(const bvh::WideTree& tree,
+                                  const geometry::MeshView& mesh,
+                                  const Region& region,
+                                  SetsOrigin origin,
+                                  Executor& executor) const {
+        GuidedOptions options = {
+            .seed = origin.seed, .progress = progress_, .interrupt = deadline()};
+        options.most_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.most_rays;
+        options.fewest_new = until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.fewest_new;
+        const RegionView view = sample_region(tree, mesh, region, options, executor);
+        origin.rays = view.rays;
+        origin.missed_share = view.missed_share;
+        Objects objects = objects_of(mesh, executor);
+        std::vector<ObjectId> set;
+        for (const geometry::TriangleId triangle : view.triangles) {
+            set.push_back(objects.of(triangle));
+        }
+        std::sort(set.begin(), set.end());
+        set.erase(std::unique(set.begin(), set.end()), set.end());
+        return {ViewCells(region), std::move(objects), {std::move(set)}, std::move(origin)};
+    }
+
+    VisibleSets sample_all_cells(const bvh::WideTree& tree,
+                                 const geometry::MeshView& mesh,
+                                 const Region& region,
+                                 const std::optional<std::array<std::uint32_t, 3>>& grid,
+                                 SetsOrigin origin,
+                                 Executor& executor) const {
+        Objects objects = objects_of(mesh, executor);
+        ViewCells cells =
+            grid ? ViewCells::grid(region, *grid) : divided(tree, mesh, region, objects, executor);
+        GlobalOptions options = {
+            .seed = origin.seed, .progress = progress_, .interrupt = deadline()};
+        options.most_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.most_rays;
+        options.most_growth =
+            until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.most_growth;
+        GlobalView view = sample_cells(tree, mesh, objects, cells, options, executor);
+        origin.rays = view.rays;
+        origin.missed_share = view.missed_share;
+        MergeHistory history =
+            merge_cells(cells, view.visible, object_costs(objects), {}, executor);
+        return {std::move(cells),
+                std::move(objects),
+                std::move(view.visible),
+                std::move(origin),
+                std::move(history)};
+    }
+
+    ViewCells divided(const bvh::WideTree& tree,
+                      const geometry::MeshView& mesh,
+                      const Region& region,
+                      const Objects& objects,
+                      Executor& executor) const {
+        const auto seed = static_cast<std::uint64_t>(common().seed);
+        const auto segments = sample_free_segments(tree,
+                                                   mesh,
+                                                   region,
+                                                   {.seed = seed,
+                                                    .count = static_cast<std::size_t>(segments_),
+                                                    .skip_solids = skip_solids_},
+                                                   executor);
+        return build_view_cells(region,
+                                segments,
+                                objects,
+                                {.most_cells = static_cast<std::size_t>(cells_),
+                                 .mesh = mesh,
+                                 .seed = seed,
+                                 .progress = progress_},
+                                executor)
+            .cells;
+    }
+
+    static constexpr double kNoLimit = -1.0;
+
+    SceneChoice scene_;
+    std::string output_, region_option_, grid_option_;
+    std::int64_t cells_ = 0;
+    std::int64_t triangles_per_object_ = 1;
+    std::int64_t rays_ = 0;
+    std::int64_t until_ = -1;
+    std::int64_t segments_ = 200'000;
+    double seconds_ = kNoLimit;
+    bool skip_solids_ = false;
+    Progress* progress_ = nullptr;  // while it runs
+    std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_pvs_build_command(CLI::App& group) {
+    return std::make_unique<PvsBuildCommand>(group);
+}
+
+}  // namespace earshot::cli

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/pvs_report.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <numeric>
+#include <vector>
+
+namespace earshot::cli {
+
+using visibility::CellId;
+using visibility::VisibleSets;
+
+namespace {
+
+constexpr std::size_t kMostRows = 10;
+
+template <typename... Values>
+std::string line(const char* format, Values... values) {
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(), format, values...);
+    return text.data();
+}
+
+std::vector<std::size_t> triangles_per_cell(const VisibleSets& sets) {
+    std::vector<std::size_t> counts;
+    for (const auto& set : sets.sets()) {
+        std::size_t count = 0;
+        for (const visibility::ObjectId object : set) {
+            count += sets.objects().triangles_of(object).size();
+        }
+        counts.push_back(count);
+    }
+    return counts;
+}
+
+std::string as_text(const VisibleSets& sets, const std::string& file, double seconds) {
+    const auto& origin = sets.origin();
+    const auto cells = static_cast<double>(sets.cells().size());
+    const visibility::Region& region = sets.cells().region();
+    std::string text = "scene      " + origin.scene + line(" at %g s\n", origin.time);
+    text += line("region     %g,%g,%g to %g,%g,%g m\n",
+                 region.lower.x,
+                 region.lower.y,
+                 region.lower.z,
+                 region.upper.x,
+                 region.upper.y,
+                 region.upper.z);
+    text += line("cells      %zu of %zu parts\n", sets.cells().size(), sets.cells().leaves());
+    text += line("objects    %zu of %zu triangles\n",
+                 sets.objects().size(),
+                 sets.objects().object_of_triangle().size());
+    text += line("entries    %llu, %.1f per cell\n",
+                 static_cast<unsigned long long>(sets.entries()),
+                 static_cast<double>(sets.entries()) / cells);
+    text += line("rays       %llu; of late ones %.2g met something new\n",
+                 static_cast<unsigned long long>(origin.rays),
+                 origin.missed_share);
+    if (seconds >= 0.0) {
+        text += line("time       %.3f s\n", seconds);
+    }
+    return text + "file       " + file + "\n";
+}
+
+}  // namespace
+
+std::string pvs_summary(const VisibleSets& sets,
+                        const std::string& file,
+                        double seconds,
+                        bool as_json) {
+    if (!as_json) {
+        return as_text(sets, file, seconds);
+    }
+    const auto& origin = sets.origin();
+    nlohmann::ordered_json json = {{"version", 1},
+                                   {"scene", origin.scene},
+                                   {"time", origin.time},
+                                   {"cells", sets.cells().size()},
+                                   {"leaves", sets.cells().leaves()},
+                                   {"objects", sets.objects().size()},
+                                   {"triangles", sets.objects().object_of_triangle().size()},
+                                   {"entries", sets.entries()},
+                                   {"rays", origin.rays},
+                                   {"missed_share", origin.missed_share},
+                                   {"seed", origin.seed},
+                                   {"file", file}};
+    if (seconds >= 0.0) {
+        json["seconds"] = seconds;
+    }
+    return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
+std::string pvs_tables(const VisibleSets& sets) {
+    const std::vector<std::size_t> triangles = triangles_per_cell(sets);
+    std::vector<CellId> order(sets.cells().size());
+    std::iota(order.begin(), order.end(), CellId{0});
+    std::stable_sort(order.begin(), order.end(), [&](CellId a, CellId b) {
+        return triangles[a] > triangles[b];
+    });
+    std::string text =
+        "\nCells that see the most:\n\n    cell      volume, m3   objects  triangles\n";
+    for (std::size_t i = 0; i < std::min(kMostRows, order.size()); ++i) {
+        const CellId cell = order[i];
+        text += line("%8u %15.6g %9zu %10zu\n",
+                     cell,
+                     sets.cells().volumes()[cell],
+                     sets.sets()[cell].size(),
+                     triangles[cell]);
+    }
+    if (!sets.history() || sets.cells().size() < 2) {
+        return text;
+    }
+    text += "\nFewer cells (earshot pvs extract):\n\n    cells   average cost     entries\n";
+    for (std::size_t cells = sets.cells().size(); cells > 0; cells /= 2) {
+        text += line("%9zu %14.6g %11llu\n",
+                     cells,
+                     sets.history()->cost_of(cells),
+                     static_cast<unsigned long long>(sets.history()->entries_of(cells)));
+    }
+    return text;
+}
+
+}  // namespace earshot::cli
