@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/math.h"
+#include "earshot/geometry/types.h"
+#include "earshot/visibility/internal/unit.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace earshot::visibility {
+
+/// One face of a cube around a point, cut into pixels.
+class CubeFace {
+public:
+    static constexpr std::size_t kFaces = 6;
+
+    /// `pixels`: along an edge.
+    CubeFace(std::size_t face, std::size_t pixels) noexcept
+        : step_(2.0 / static_cast<double>(pixels)) {
+        const auto axis = static_cast<int>(face / 2);
+        front_[axis] = face % 2 == 0 ? 1.0 : -1.0;
+        right_[(axis + 1) % 3] = 1.0;
+        up_[(axis + 2) % 3] = 1.0;
+    }
+
+    /// Unit vector; half-integers are middles of pixels. Beyond the face it goes on over its edge.
+    geometry::Vec3 direction(double column, double row) const noexcept {
+        return unit(front_ + at(column) * right_ + at(row) * up_);
+    }
+
+    /// Solid angle between the face's middle and a corner of pixels, with its sign: that of a pixel
+    /// is the difference over its corners.
+    double corner_angle(std::size_t column, std::size_t row) const noexcept {
+        const double x = at(static_cast<double>(column)), y = at(static_cast<double>(row));
+        return math::atan2(x * y, std::sqrt(x * x + y * y + 1.0));
+    }
+
+private:
+    double at(double steps) const noexcept { return steps * step_ - 1.0; }
+
+    double step_;
+    geometry::Vec3 front_{0.0}, right_{0.0}, up_{0.0};
+};
+
+}  // namespace earshot::visibility

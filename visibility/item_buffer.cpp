@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/item_buffer.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/bvh/wide_batch.h"
+#include "earshot/visibility/internal/unit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace earshot::visibility {
+
+using geometry::Hit;
+using geometry::Ray;
+using geometry::Vec3;
+
+namespace {
+
+/// The direction of a pixel's middle.
+class Lens {
+public:
+    explicit Lens(const View& view) noexcept : view_(view) {
+        if (!view.front) {
+            return;
+        }
+        front_ = unit(*view.front);
+        const Vec3 across = glm::cross(front_, Vec3(0.0, 1.0, 0.0));
+        // Straight up or down: right is +X, as it is for all that looks along -Z.
+        right_ = glm::dot(across, across) > 0.0 ? unit(across) : Vec3(1.0, 0.0, 0.0);
+        up_ = glm::cross(right_, front_);
+        half_width_ = math::tan(view.field_of_view / 2.0);
+    }
+
+    Vec3 direction(std::size_t row, std::size_t column) const noexcept {
+        // From -1 to 1 over the width; rows have the same scale.
+        const auto width = static_cast<double>(view_.width);
+        const auto height = static_cast<double>(view_.height);
+        const double x = (2.0 * static_cast<double>(column) + 1.0 - width) / width;
+        const double y = (height - 2.0 * static_cast<double>(row) - 1.0);
+        if (view_.front) {
+            return unit(front_ + half_width_ * (x * right_ + y / width * up_));
+        }
+        const double azimuth = x * math::kPi;
+        const double elevation = y / height * math::kPi / 2.0;
+        const double level = math::cos(elevation);
+        return unit(
+            {level * math::sin(azimuth), math::sin(elevation), -level * math::cos(azimuth)});
+    }
+
+private:
+    const View& view_;
+    Vec3 front_{0.0}, right_{0.0}, up_{0.0};
+    double half_width_ = 1.0;
+};
+
+}  // namespace
+
+ItemBuffer look_around(const bvh::WideTree& tree,
+                       const geometry::MeshView& mesh,
+                       const Vec3& point,
+                       const View& view,
+                       Executor& executor,
+                       Progress* progress) {
+    EARSHOT_ASSERT(view.width > 0 && view.height > 0);
+    EARSHOT_ASSERT(view.field_of_view > 0.0 && view.field_of_view < math::kPi);
+    constexpr std::size_t kPixelsAtATime = std::size_t{1} << 16U;
+    const Lens lens(view);
+    const std::size_t rows_at_a_time = std::max<std::size_t>(1, kPixelsAtATime / view.width);
+    const std::size_t pixels = view.width * view.height;
+    ItemBuffer buffer{
+        .view = view, .directions = std::vector<Vec3>(pixels), .triangles = {}, .distances = {}};
+    buffer.triangles.reserve(pixels);
+    buffer.distances.reserve(pixels);
+    std::vector<Ray> rays;
+    for (std::size_t row = 0; row < view.height; row += rows_at_a_time) {
+        const std::size_t rows = std::min(rows_at_a_time, view.height - row);
+        const std::size_t first = row * view.width;
+        rays.resize(rows * view.width);
+        executor.for_each(rows, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin * view.width; i < end * view.width; ++i) {
+                const Vec3 direction = lens.direction(row + i / view.width, i % view.width);
+                buffer.directions[first + i] = direction;
+                rays[i] = {.origin = point, .direction = direction};
+            }
+        });
+        for (const std::optional<Hit>& hit : bvh::closest_hits(tree, mesh, rays, executor)) {
+            buffer.triangles.push_back(hit ? hit->triangle : kNothing);
+            buffer.distances.push_back(hit ? hit->t : std::numeric_limits<double>::infinity());
+        }
+        if (progress != nullptr) {
+            progress->report("picture", row + rows, view.height);
+        }
+    }
+    return buffer;
+}
+
+}  // namespace earshot::visibility

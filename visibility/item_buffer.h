@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/math.h"
+#include "earshot/base/parallel.h"
+#include "earshot/base/progress.h"
+#include "earshot/bvh/wide_tree.h"
+#include "earshot/geometry/mesh.h"
+#include "earshot/geometry/types.h"
+#include "earshot/visibility/free_segments.h"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace earshot::visibility {
+
+/// Which way the pixels of a picture look. Rows run from the top down, columns from left to right,
+/// +Y is up.
+struct View {
+    std::size_t width = 1024, height = 512;
+    /// A perspective view's middle, of any length but 0; straight down, -Z is at the top, and
+    /// straight up +Z. Without it: a panorama of all directions, equal angles per pixel, -Z in the
+    /// middle and +X to its right.
+    std::optional<geometry::Vec3> front{};
+    /// Angle over the width of a perspective view, radians. Precondition: above 0, below pi.
+    double field_of_view = math::kPi / 2.0;
+};
+
+/// What is seen in each pixel of a picture, row by row.
+struct ItemBuffer {
+    View view{};
+    std::vector<geometry::Vec3> directions;       ///< unit vectors
+    std::vector<geometry::TriangleId> triangles;  ///< or kNothing
+    std::vector<double> distances;                ///< metres; infinite where nothing is
+};
+
+/// Looks once through the middle of every pixel. Precondition: width and height are not 0, and the
+/// tree was built over or refitted to this mesh.
+ItemBuffer look_around(const bvh::WideTree& tree,
+                       const geometry::MeshView& mesh,
+                       const geometry::Vec3& point,
+                       const View& view,
+                       Executor& executor = Executor::serial(),
+                       Progress* progress = nullptr);
+
+}  // namespace earshot::visibility

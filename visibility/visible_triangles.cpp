@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/visibility/visible_triangles.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/visibility/internal/cube_face.h"
+#include "earshot/visibility/internal/visible_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace earshot::visibility {
+
+using geometry::TriangleId;
+using geometry::Vec3;
+
+namespace {
+
+/// Pixels are looked through in tiles of 8 x 8, which go through the tree as one bundle.
+constexpr std::size_t kTile = 8;
+
+/// About so many pixels are held at a time.
+constexpr std::size_t kPixelsAtATime = std::size_t{1} << 18U;
+
+/// So many that they are `resolution` apart at most, in the middle of a face, and that no tile
+/// reaches over a face's middle lines, where directions change their signs.
+std::size_t pixels_along_edge(double resolution) {
+    const double pixels = 1.0 / math::tan(resolution / 2.0);
+    constexpr std::size_t kStep = 2 * kTile;
+    return static_cast<std::size_t>(std::ceil(pixels / static_cast<double>(kStep))) * kStep;
+}
+
+/// Rows of a face, a whole number of tiles high, in the order of their tiles.
+class Strip {
+public:
+    Strip(const CubeFace& face, std::size_t pixels, std::size_t begin, std::size_t rows)
+        : face_(face),
+          pixels_(pixels),
+          begin_(begin),
+          rows_(rows),
+          directions_(pixels * rows),
+          solid_angles_(pixels * rows) {}
+
+    void prepare(Executor& executor) {
+        executor.for_each(rows_ / kTile, 1, [&](std::size_t first, std::size_t last) {
+            for (std::size_t row = first * kTile; row < last * kTile; ++row) {
+                prepare_row(row);
+            }
+        });
+    }
+
+    std::size_t place(std::size_t row, std::size_t column) const noexcept {
+        return row / kTile * kTile * pixels_ + column / kTile * kTile * kTile +
+               row % kTile * kTile + column % kTile;
+    }
+    const std::vector<Vec3>& directions() const noexcept { return directions_; }
+    double solid_angle(std::size_t place) const noexcept { return solid_angles_[place]; }
+
+    /// The direction of a pixel, counted from the strip's first row; it may lie off the face.
+    Vec3 direction(std::ptrdiff_t row, std::ptrdiff_t column) const noexcept {
+        return face_.direction(
+            static_cast<double>(column) + 0.5,
+            static_cast<double>(row + static_cast<std::ptrdiff_t>(begin_)) + 0.5);
+    }
+
+private:
+    void prepare_row(std::size_t row) {
+        double last = face_.corner_angle(0, begin_ + row + 1) - face_.corner_angle(0, begin_ + row);
+        for (std::size_t column = 0; column < pixels_; ++column) {
+            const double next = face_.corner_angle(column + 1, begin_ + row + 1) -
+                                face_.corner_angle(column + 1, begin_ + row);
+            const std::size_t at = place(row, column);
+            directions_[at] =
+                direction(static_cast<std::ptrdiff_t>(row), static_cast<std::ptrdiff_t>(column));
+            solid_angles_[at] = next - last;
+            last = next;
+        }
+    }
+
+    const CubeFace& face_;
+    std::size_t pixels_, begin_, rows_;
+    std::vector<Vec3> directions_;
+    std::vector<double> solid_angles_;
+};
+
+/// An item buffer over the sphere, a few rows at a time.
+class Sweep {
+public:
+    Sweep(VisibleSearch& search,
+          const VisibleOptions& options,
+          Executor& executor,
+          Progress* progress)
+        : search_(search),
+          is_refined_(options.is_refined),
+          pixels_(pixels_along_edge(options.resolution)),
+          executor_(executor),
+          progress_(progress) {}
+
+    void run() {
+        const std::size_t strips = std::max<std::size_t>(1, kPixelsAtATime / (pixels_ * kTile));
+        for (std::size_t face = 0; face < CubeFace::kFaces; ++face) {
+            const CubeFace cube_face(face, pixels_);
+            above_.clear();
+            for (std::size_t row = 0; row < pixels_; row += strips * kTile) {
+                const std::size_t rows = std::min(strips * kTile, pixels_ - row);
+                Strip strip(cube_face, pixels_, row, rows);
+                strip.prepare(executor_);
+                take(strip, rows, row + rows == pixels_);
+                if (progress_ != nullptr) {
+                    progress_->report(
+                        "rows", face * pixels_ + row + rows, CubeFace::kFaces * pixels_);
+                }
+            }
+        }
+    }
+
+private:
+    /// Looks through the pixels of a strip, counts them, and refines the gaps between them.
+    void take(const Strip& strip, std::size_t rows, bool is_last) {
+        const std::vector<TriangleId> seen = search_.look(strip.directions());
+        const bool is_first = above_.empty();
+        std::vector<Gap> gaps;
+        std::vector<Look> row(pixels_);
+        for (std::size_t r = 0; r < rows; ++r) {
+            for (std::size_t c = 0; c < pixels_; ++c) {
+                const std::size_t place = strip.place(r, c);
+                row[c] = {strip.directions()[place], seen[place]};
+                search_.count_pixel(seen[place], strip.solid_angle(place));
+                if (c > 0) {
+                    add_gap(row[c - 1], row[c], gaps);
+                }
+                if (!above_.empty()) {
+                    add_gap(above_[c], row[c], gaps);
+                }
+            }
+            above_.swap(row);
+            row.resize(pixels_);
+        }
+        if (is_refined_) {
+            search_.narrow(std::move(gaps));
+            look_over_edges(strip, rows, seen, is_first, is_last);
+        }
+    }
+
+    void add_gap(const Look& first, const Look& second, std::vector<Gap>& gaps) const {
+        const Gap gap{first, second};
+        if (is_refined_ && first.triangle != second.triangle &&
+            search_.is_open(gap, std::numeric_limits<double>::infinity())) {
+            gaps.push_back(gap);
+        }
+    }
+
+    /// The same for the gaps between this face and its neighbours.
+    void look_over_edges(const Strip& strip,
+                         std::size_t rows,
+                         const std::vector<TriangleId>& seen,
+                         bool is_first,
+                         bool is_last) {
+        std::vector<Look> inside;
+        std::vector<Vec3> outside;
+        const auto add = [&](std::size_t r, std::size_t c, int down, int right) {
+            const std::size_t place = strip.place(r, c);
+            inside.push_back({strip.directions()[place], seen[place]});
+            outside.push_back(strip.direction(static_cast<std::ptrdiff_t>(r) + down,
+                                              static_cast<std::ptrdiff_t>(c) + right));
+        };
+        for (std::size_t r = 0; r < rows; ++r) {
+            add(r, 0, 0, -1);
+            add(r, pixels_ - 1, 0, 1);
+        }
+        for (std::size_t c = 0; c < pixels_; ++c) {
+            if (is_first) {
+                add(0, c, -1, 0);
+            }
+            if (is_last) {
+                add(rows - 1, c, 1, 0);
+            }
+        }
+        const std::vector<TriangleId> beyond = search_.look(outside);
+        std::vector<Gap> gaps;
+        for (std::size_t i = 0; i < inside.size(); ++i) {
+            add_gap(inside[i], {outside[i], beyond[i]}, gaps);
+        }
+        search_.narrow(std::move(gaps));
+    }
+
+    VisibleSearch& search_;
+    bool is_refined_;
+    std::size_t pixels_;
+    Executor& executor_;
+    Progress* progress_;
+    std::vector<Look> above_;  // the last row looked through; empty at a face's beginning
+};
+
+}  // namespace
+
+VisibleTriangles visible_triangles(const bvh::WideTree& tree,
+                                   const geometry::MeshView& mesh,
+                                   const Vec3& point,
+                                   const VisibleOptions& options,
+                                   Executor& executor,
+                                   Progress* progress) {
+    EARSHOT_ASSERT(options.resolution >= VisibleOptions::kFinest &&
+                   options.resolution <= VisibleOptions::kCoarsest);
+    EARSHOT_ASSERT(options.least_gap > 0.0 && options.border > 0.0);
+    VisibleSearch search(tree, mesh, point, options, executor);
+    Sweep(search, options, executor, progress).run();
+    if (options.is_refined) {
+        search.follow_borders(progress);
+        search.aim_at_others(progress);
+        search.follow_borders(progress);
+    }
+    return search.finish();
+}
+
+}  // namespace earshot::visibility
