@@ -19,6 +19,7 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_bvh_command,
     make_los_command,
     make_pvs_command,
+    make_visible_command,
     make_collide_command,
     make_ccd_command,
     make_materials_command,

@@ -70,6 +70,22 @@ std::optional<NamedPoint> parse_named_point(std::string_view text) {
     return point;
 }
 
+std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t most) {
+    const std::size_t cross = text.find('x');
+    const auto width = parse_integer(text.substr(0, cross));
+    if (!width || *width < 1 || *width > most) {
+        return std::nullopt;
+    }
+    PictureSize size{.width = *width};
+    if (cross != std::string_view::npos) {
+        size.height = parse_integer(text.substr(cross + 1));
+        if (!size.height || *size.height < 1 || *size.height > most) {
+            return std::nullopt;
+        }
+    }
+    return size;
+}
+
 std::optional<std::vector<double>> parse_frames(std::string_view text) {
     // Rounding of (B - A) / STEP is a few 2^-53 of at most 100,000 steps, so far below this.
     constexpr double kStepRounding = 1e-9;

@@ -23,6 +23,13 @@ struct NamedPoint {
 };
 std::optional<NamedPoint> parse_named_point(std::string_view text);
 
+/// `WIDTH` or `WIDTHxHEIGHT` in pixels, each 1 ... `most`.
+struct PictureSize {
+    std::int64_t width = 0;
+    std::optional<std::int64_t> height{};
+};
+std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t most);
+
 /// `A:B:STEP` in seconds: the instants A, A + STEP, ... up to B. STEP is positive, A is not after
 /// B, and there are at most 100,000 instants. B counts as reached if rounding alone keeps the last
 /// step from it.

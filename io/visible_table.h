@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/geometry/types.h"
+#include "earshot/propagation/scene.h"
+#include "earshot/visibility/visible_triangles.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace earshot::io {
+
+/// What a point sees of one material.
+struct MaterialShare {
+    std::uint32_t material = 0;  ///< index into the scene's materials
+    std::size_t triangles = 0;   ///< of it that are seen
+    double solid_angle = 0.0;    ///< steradians of the whole sphere's 4 pi
+};
+
+/// Of every material that is seen, the largest solid angle first, equal ones by index.
+std::vector<MaterialShare> shares_of_materials(const visibility::VisibleTriangles& visible,
+                                               const propagation::Scene& scene);
+
+/// A table with the header `triangle,pixels,solid_angle,x,y,z` and a line per triangle.
+std::string encode_visible_csv(const visibility::VisibleTriangles& visible);
+
+/// Writes the same as JSON, with names and shares of materials, for one instant or several.
+class VisibleJson {
+public:
+    /// `resolution`: of the sweep, radians; written in degrees.
+    VisibleJson(const propagation::Scene& scene, const geometry::Vec3& point, double resolution);
+
+    void add_frame(double time, const visibility::VisibleTriangles& visible);
+    /// To be called once, after the last instant.
+    std::string finish();
+
+private:
+    const propagation::Scene& scene_;
+    std::string text_;
+    bool is_first_ = true;
+};
+
+}  // namespace earshot::io
