@@ -123,21 +123,29 @@ private:
             warn_on_surface(tree->tree(), mesh, kept, loaded.warnings);
             VisibleTriangles visible =
                 visible_triangles(tree->tree(), mesh, point_, options, executor, inner);
-            for (visibility::VisibleTriangle& entry : visible.triangles) {
-                entry.triangle = kept.ids[entry.triangle];
-            }
+            name(visible, kept);
             summary.add_frame(visible);
             write(visible, json, times, frame);
             if (picture_.is_chosen()) {
                 visibility::ItemBuffer buffer =
                     look_around(tree->tree(), mesh, point_, view, executor, inner);
-                for (TriangleId& id : buffer.triangles) {
-                    id = id == visibility::kNothing ? id : kept.ids[id];
-                }
+                name(buffer, kept);
                 io::write_png(scene_.file_of_frame(picture_.file(), frame),
                               picture_.paint(buffer, {positions, scene.mesh.triangles()}, scene));
             }
             progress.report("instants", frame + 1, times.size());
+        }
+    }
+
+    /// Numbers of the scene instead of those among what was kept.
+    static void name(VisibleTriangles& visible, const Kept& kept) {
+        for (visibility::VisibleTriangle& entry : visible.triangles) {
+            entry.triangle = kept.ids[entry.triangle];
+        }
+    }
+    static void name(visibility::ItemBuffer& buffer, const Kept& kept) {
+        for (TriangleId& id : buffer.triangles) {
+            id = id == visibility::kNothing ? id : kept.ids[id];
         }
     }
 

@@ -36,6 +36,16 @@ TEST(Values, PointsMayCarryAName) {
     }
 }
 
+TEST(Values, PicturesHaveAWidthAndMaybeAHeight) {
+    EXPECT_EQ(parse_picture_size("800", 1000)->width, 800);
+    EXPECT_FALSE(parse_picture_size("800", 1000)->height);
+    EXPECT_EQ(parse_picture_size("1x1000", 1000)->height, 1000);
+    for (const char* text :
+         {"", "x", "0", "1001", "10x", "x10", "10x0", "10x1001", "10x10x10", "1.5"}) {
+        EXPECT_FALSE(parse_picture_size(text, 1000)) << text;
+    }
+}
+
 TEST(Values, FramesRunFromTheFirstInstantToTheLast) {
     EXPECT_EQ(parse_frames("0:1:0.25"), (std::vector<double>{0.0, 0.25, 0.5, 0.75, 1.0}));
     EXPECT_EQ(parse_frames("2:2:1"), (std::vector<double>{2.0}));

@@ -112,6 +112,35 @@ TEST(OutputFiles, AreTheSameBytesForContacts) {
     }
 }
 
+TEST(OutputFiles, AreTheSameBytesForWhatAPointSees) {
+    for (const std::string file : {"seen.json", "seen.csv"}) {
+        expect_determinism({"visible",
+                            kScenes + "classroom.gltf",
+                            "--from",
+                            "3.27,1.63,1.14",
+                            "--resolution",
+                            "3",
+                            "--quiet",
+                            "-o",
+                            file});
+    }
+    for (const std::string colour : {"material", "depth"}) {
+        expect_determinism({"visible",
+                            kScenes + "classroom.gltf",
+                            "--from",
+                            "3.27,1.63,1.14",
+                            "--resolution",
+                            "10",
+                            "--quiet",
+                            "--colour",
+                            colour,
+                            "--image-size",
+                            "256",
+                            "--image",
+                            "seen.png"});
+    }
+}
+
 // A refitted hierarchy (the second frame of the sequence) and a freshly built one (that frame
 // alone) give the same paths and the same sound.
 TEST(OutputFiles, DoNotDependOnTheFramesBefore) {
