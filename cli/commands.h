@@ -17,13 +17,14 @@ std::unique_ptr<Command> make_ir_command(CLI::App& program);
 std::unique_ptr<Command> make_los_command(CLI::App& program);
 std::unique_ptr<Command> make_materials_command(CLI::App& program);
 std::unique_ptr<Command> make_metrics_command(CLI::App& program);
+std::unique_ptr<Command> make_pvs_command(CLI::App& program);
+std::unique_ptr<Command> make_visible_command(CLI::App& program);
 
 // Of earshot pvs.
+
 std::unique_ptr<Command> make_pvs_build_command(CLI::App& group);
-std::unique_ptr<Command> make_pvs_command(CLI::App& program);
 std::unique_ptr<Command> make_pvs_extract_command(CLI::App& group);
 std::unique_ptr<Command> make_pvs_query_command(CLI::App& group);
 std::unique_ptr<Command> make_pvs_show_command(CLI::App& group);
-std::unique_ptr<Command> make_visible_command(CLI::App& program);
 
 }  // namespace earshot::cli
