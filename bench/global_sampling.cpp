@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+//
+// bench_global_sampling [SCENE [X,Y,Z X,Y,Z [NX NY NZ [GROUP [MILLIONS]]]]]: entries of the visible
+// sets of all cells of a grid against the number of rays, by mixtures of the kinds of samples; and
+// how many rays with view directions only find as much as the whole mixture. GROUP: most triangles
+// of an object. MILLIONS: of rays for view directions only.
+
+#include "earshot/visibility/global_sampling.h"
+
+#include "earshot/base/error.h"
+#include "earshot/io/scene_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <iterator>
+
+namespace {
+
+using namespace earshot;
+using geometry::Vec3;
+using visibility::GlobalOptions;
+using visibility::GlobalView;
+
+constexpr std::uint64_t kMillion = 1'000'000;
+
+struct Mixture {
+    const char* name;
+    std::array<bool, visibility::kSampleKinds> kinds;
+    std::uint64_t rays;
+};
+
+std::uint64_t entries_after(const GlobalView& view, std::uint64_t rays) {
+    const auto after = std::upper_bound(
+        view.curve.begin(), view.curve.end(), rays, [](std::uint64_t value, const auto& point) {
+            return value < point.rays;
+        });
+    return after == view.curve.begin() ? 0 : std::prev(after)->entries;
+}
+
+/// 0 if never.
+std::uint64_t rays_until(const GlobalView& view, std::uint64_t entries) {
+    const auto place = std::find_if(view.curve.begin(), view.curve.end(), [&](const auto& point) {
+        return point.entries >= entries;
+    });
+    return place == view.curve.end() ? 0 : place->rays;
+}
+
+void print_row(const Mixture& mixture, const GlobalView& view) {
+    std::printf("| %s |", mixture.name);
+    for (const std::uint64_t rays : {kMillion / 10, kMillion, 3 * kMillion, 10 * kMillion}) {
+        std::printf(" %llu |", static_cast<unsigned long long>(entries_after(view, rays)));
+    }
+    std::printf(" %.2g |\n", view.missed_share);
+}
+
+void print_ratios(const GlobalView& all, const GlobalView& plain) {
+    std::printf("\n| rays of the mixture | entries | view directions for as many | times |\n");
+    std::printf("| ---: | ---: | ---: | ---: |\n");
+    for (const std::uint64_t rays : {kMillion / 10, kMillion / 3, kMillion, 3 * kMillion}) {
+        const std::uint64_t entries = entries_after(all, rays);
+        const std::uint64_t until = rays_until(plain, entries);
+        const std::uint64_t shown = until > 0 ? until : plain.rays;
+        std::printf("| %llu | %llu | %s%llu | %.0f |\n",
+                    static_cast<unsigned long long>(rays),
+                    static_cast<unsigned long long>(entries),
+                    until > 0 ? "" : "over ",
+                    static_cast<unsigned long long>(shown),
+                    static_cast<double>(shown) / static_cast<double>(rays));
+    }
+}
+
+Vec3 point_of(const char* text) {
+    Vec3 point;
+    if (std::sscanf(text, "%lf,%lf,%lf", &point.x, &point.y, &point.z) != 3) {
+        throw Error(text, "is not of the form X,Y,Z", "give metres");
+    }
+    return point;
+}
+
+int run(int argc, char** argv) {
+    const auto scene = io::load_scene(argc > 1 ? argv[1] : "scenes/city.gltf").scene;
+    visibility::Region region = {{1.0, 1.0, 1.0}, {239.0, 3.0, 239.0}};
+    if (argc > 3) {
+        region = {point_of(argv[2]), point_of(argv[3])};
+    }
+    std::array<std::uint32_t, 3> counts = {16, 2, 16};
+    for (int k = 0; k < 3 && argc > 4 + k; ++k) {
+        counts[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(std::atoi(argv[4 + k]));
+    }
+    const std::size_t group = argc > 7 ? static_cast<std::size_t>(std::atoi(argv[7])) : 32;
+    const std::uint64_t millions = argc > 8 ? static_cast<std::uint64_t>(std::atoi(argv[8])) : 60;
+
+    Executor executor;
+    const std::vector<Vec3> positions = scene.mesh.positions_at(0.0);
+    const geometry::MeshView mesh = {positions, scene.mesh.triangles()};
+    const auto tree =
+        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh)), mesh, executor);
+    const auto objects = visibility::Objects::groups(mesh, group, executor);
+    const auto cells = visibility::ViewCells::grid(region, counts);
+    std::printf("%zu triangles in %zu objects, %zu cells\n\n",
+                mesh.triangles.size(),
+                objects.size(),
+                cells.size());
+    std::printf("| mixture | 0.1 M rays | 1 M | 3 M | 10 M | late samples that found |\n");
+    std::printf("| --- | ---: | ---: | ---: | ---: | ---: |\n");
+    GlobalView plain;
+    GlobalView last;
+    for (const Mixture& mixture :
+         {Mixture{"view directions", {true, false, false, false, false}, millions * kMillion},
+          Mixture{"two points", {false, false, true, false, false}, 10 * kMillion},
+          Mixture{"these and object directions", {true, true, true, false, false}, 10 * kMillion},
+          Mixture{"and two-point mutations", {true, true, true, true, false}, 10 * kMillion},
+          Mixture{"and silhouettes: all", {true, true, true, true, true}, 10 * kMillion}}) {
+        const GlobalOptions options = {.most_rays = mixture.rays,
+                                       .window = 2 * mixture.rays,
+                                       .samples_per_batch = 10'000,
+                                       .kinds = mixture.kinds};
+        last = visibility::sample_cells(tree, mesh, objects, cells, options, executor);
+        print_row(mixture, last);
+        if (mixture.kinds == std::array{true, false, false, false, false}) {
+            plain = last;
+        }
+    }
+    print_ratios(last, plain);
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return run(argc, argv);
+    } catch (const Error& error) {
+        std::fprintf(stderr, "bench_global_sampling: %s\n", error.line().c_str());
+        return 1;
+    }
+}
