@@ -9,6 +9,7 @@
 #include "earshot/base/error.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/visibility/build_view_cells.h"
+#include "earshot/visibility/cell_shape.h"
 #include "earshot/visibility/merge_cells.h"
 #include "earshot/visibility/sample_free_segments.h"
 
@@ -66,7 +67,7 @@ Sets seen(const ViewCells& cells, std::span<const FreeSegment> segments, const O
     std::vector<std::vector<bool>> is_seen(cells.leaves(), std::vector<bool>(objects.size()));
     std::vector<CellId> pierced;
     for (const FreeSegment& free : segments) {
-        cells.pierced(free.segment, pierced);
+        cells.pierced(shortened(free.segment, plane_slack(cells.region())), pierced);
         for (const CellId cell : pierced) {
             for (const geometry::TriangleId end : {free.at_from, free.at_to}) {
                 if (end != kNothing) {

@@ -16,7 +16,9 @@ using geometry::Vec3;
 
 namespace {
 
+// Of the region's diagonal and of its largest coordinate: see plane_slack().
 constexpr double kPlaneSlack = 1e-9;
+constexpr double kRounding = 1e-14;
 
 using Ring = std::vector<std::uint32_t>;
 
@@ -218,7 +220,9 @@ std::optional<CellShape::Halves> CellShape::divided(const CellNode& plane,
 }
 
 double plane_slack(const Region& region) noexcept {
-    return kPlaneSlack * glm::length(region.size());
+    const Vec3 far = glm::max(glm::abs(region.lower), glm::abs(region.upper));
+    return std::max(kPlaneSlack * glm::length(region.size()),
+                    kRounding * std::max({far.x, far.y, far.z}));
 }
 
 std::vector<CellShape> leaf_shapes(const ViewCells& cells) {

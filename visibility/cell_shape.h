@@ -50,8 +50,9 @@ struct CellShape::Halves {
     CellShape back, front;
 };
 
-/// What counts as on a plane within a region, metres: 1e-9 of its diagonal, which is far more than
-/// what corners lose in a thousand cuts, and far less than any cell is wide.
+/// What counts as on a plane within a region, metres: 1e-9 of its diagonal, far less than any cell
+/// is wide; but no less than 1e-14 of the largest coordinate, some fifty times its rounding, for
+/// small regions far away.
 double plane_slack(const Region& region) noexcept;
 
 /// Of every leaf. A leaf that is thinner than the slack has no faces.

@@ -3,6 +3,8 @@
 
 #include "earshot/bvh/wide_batch.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -73,6 +75,17 @@ std::vector<FreeSegment> cast_both_ways(const bvh::WideTree& tree,
         }
     });
     return result;
+}
+
+geometry::Segment shortened(const geometry::Segment& segment, double metres) noexcept {
+    const Vec3 step = segment.to - segment.from;
+    const double length = glm::length(step);
+    if (length <= 2.0 * metres) {
+        const Vec3 middle = segment.from + 0.5 * step;
+        return {middle, middle};
+    }
+    const Vec3 inward = metres / length * step;
+    return {segment.from + inward, segment.to - inward};
 }
 
 }  // namespace earshot::visibility

@@ -35,4 +35,9 @@ std::vector<FreeSegment> cast_both_ways(const bvh::WideTree& tree,
                                         const Region& region,
                                         Executor& executor = Executor::serial());
 
+/// A segment without so many metres at either end; its middle if it is no longer than both. Cells
+/// may end at the very walls where segments end: with their ends drawn in by plane_slack(),
+/// segments do not reach the cell behind a wall by rounding.
+geometry::Segment shortened(const geometry::Segment& segment, double metres) noexcept;
+
 }  // namespace earshot::visibility
