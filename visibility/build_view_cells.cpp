@@ -83,6 +83,22 @@ std::vector<Viewer> viewers_of(const Region& region, const CellOptions& options)
     return viewers;
 }
 
+/// Triangles whose boxes meet a region.
+std::vector<TriangleId> triangles_about(const geometry::MeshView& mesh, const Region& region) {
+    std::vector<TriangleId> triangles;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const auto& [a, b, c] = mesh.triangles[i];
+        const auto& positions = mesh.positions;
+        const Vec3 lower = glm::min(positions[a], glm::min(positions[b], positions[c]));
+        const Vec3 upper = glm::max(positions[a], glm::max(positions[b], positions[c]));
+        if (!glm::any(glm::lessThan(upper, region.lower)) &&
+            !glm::any(glm::greaterThan(lower, region.upper))) {
+            triangles.push_back(static_cast<TriangleId>(i));
+        }
+    }
+    return triangles;
+}
+
 class CellBuilder {
 public:
     CellBuilder(const Region& region, const CellOptions& options, Executor& executor)
@@ -110,6 +126,7 @@ private:
 
     void make_root(std::span<const FreeSegment> segments, const Objects& objects);
     void divide(LeafId id);
+    LeafId grow_tree(LeafId id, CellNode plane);
     void deal_pieces(const CellLeaf& leaf, const CellNode& plane, CellLeaf& back, CellLeaf& front);
     void deal_triangles(const CellLeaf& leaf,
                         const CellNode& plane,
@@ -159,16 +176,7 @@ void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects
         }
     }
     if (options_.rule == CellRule::cost && options_.most_triangle_planes > 0) {
-        for (std::size_t i = 0; i < options_.mesh.triangles.size(); ++i) {
-            const auto& [a, b, c] = options_.mesh.triangles[i];
-            const auto& positions = options_.mesh.positions;
-            const Vec3 lower = glm::min(positions[a], glm::min(positions[b], positions[c]));
-            const Vec3 upper = glm::max(positions[a], glm::max(positions[b], positions[c]));
-            if (!glm::any(glm::lessThan(upper, build_.region.lower)) &&
-                !glm::any(glm::greaterThan(lower, build_.region.upper))) {
-                root.triangles.push_back(static_cast<TriangleId>(i));
-            }
-        }
+        root.triangles = triangles_about(options_.mesh, build_.region);
     }
     root.viewers.resize(build_.viewers.size());
     for (std::size_t i = 0; i < root.viewers.size(); ++i) {
@@ -288,9 +296,25 @@ void CellBuilder::deal_triangles(const CellLeaf& leaf,
     }
 }
 
+/// Where the tree named a leaf it names a node, and that a new leaf too, whose number is returned.
+LeafId CellBuilder::grow_tree(LeafId id, CellNode plane) {
+    const auto node = static_cast<std::uint32_t>(nodes_.size());
+    const auto added = static_cast<LeafId>(leaves_.size());
+    plane.back = kCellLeaf + id;
+    plane.front = kCellLeaf + added;
+    if (node > 0) {
+        CellNode& parent = nodes_[places_[id].node];
+        (places_[id].is_front ? parent.front : parent.back) = node;
+    }
+    nodes_.push_back(plane);
+    places_[id] = {node, false};
+    places_.push_back({node, true});
+    return added;
+}
+
 void CellBuilder::divide(LeafId id) {
     CellLeaf& leaf = leaves_[id];
-    CellNode plane = proposals_[id].plane;
+    const CellNode plane = proposals_[id].plane;
     const auto node = static_cast<std::uint32_t>(nodes_.size());
     auto halves = leaf.shape.divided(plane, node, build_.slack);
     if (!halves) {
@@ -318,17 +342,7 @@ void CellBuilder::divide(LeafId id) {
     }
     cost_ -= saved;
     splits_.push_back({id, options_.rule == CellRule::cost ? proposals_[id].saving : saved, cost_});
-    // The tree: where it named the leaf it names the node.
-    const auto added = static_cast<LeafId>(leaves_.size());
-    plane.back = kCellLeaf + id;
-    plane.front = kCellLeaf + added;
-    if (node > 0) {
-        CellNode& parent = nodes_[places_[id].node];
-        (places_[id].is_front ? parent.front : parent.back) = node;
-    }
-    nodes_.push_back(plane);
-    places_[id] = {node, false};
-    places_.push_back({node, true});
+    const LeafId added = grow_tree(id, plane);
     leaf = std::move(back);
     leaves_.push_back(std::move(front));
     propose(std::array{id, added});

@@ -25,7 +25,7 @@ constexpr double kLeastPart = 1e-9;
 /// Below this much work threads take longer to start than to do it.
 constexpr std::size_t kPiecesWorthThreads = 20000;
 
-constexpr std::size_t kPlaneGroups = 5;
+constexpr std::size_t kPlaneGroups = 4;
 constexpr std::size_t kTasksPerLeaf = 3 + kPlaneGroups;
 
 /// Unit normals that differ by less are parallel.
@@ -77,6 +77,7 @@ private:
         return share * unseen_behind + std::max(0.0, leaf_.share - share) * unseen_before;
     }
 
+    std::vector<ObjectReach> reaches_along(const Vec3& normal) const;
     std::optional<Proposal> best_along(int axis) const;
     std::optional<Proposal> best_of_triangles(std::size_t group) const;
     void choose_triangle_planes(const CellOptions& options);
@@ -88,13 +89,8 @@ private:
     std::vector<CellNode> triangle_planes_;
 };
 
-/// Which sets a plane at x leaves on its sides changes where an object's first or last end is
-/// passed, and in between the average cost is a monotonous function of the share behind. So the
-/// best plane of an axis goes through one of these ends, two per object, and the ends of all other
-/// pieces need not be tried.
-std::optional<Proposal> LeafSearch::best_along(int axis) const {
-    Vec3 normal(0.0);
-    normal[axis] = 1.0;
+/// One per object of the leaf's set.
+std::vector<ObjectReach> LeafSearch::reaches_along(const Vec3& normal) const {
     std::vector<ObjectReach> reaches(leaf_.set.size());
     for (const SightPiece& piece : leaf_.pieces) {
         const Sight& sight = build_.sights[piece.sight];
@@ -114,6 +110,17 @@ std::optional<Proposal> LeafSearch::best_along(int axis) const {
             }
         }
     }
+    return reaches;
+}
+
+/// Which sets a plane at x leaves on its sides changes where an object's first or last end is
+/// passed, and in between the average cost is a monotonous function of the share behind. So the
+/// best plane of an axis goes through one of these ends, two per object, and the ends of all other
+/// pieces need not be tried.
+std::optional<Proposal> LeafSearch::best_along(int axis) const {
+    Vec3 normal(0.0);
+    normal[axis] = 1.0;
+    const auto reaches = reaches_along(normal);
     // Objects by their first and by their last end, and the costs of those seen later or earlier.
     std::vector<std::pair<double, double>> first, last;
     std::vector<double> offsets;
@@ -153,32 +160,37 @@ std::optional<Proposal> LeafSearch::best_along(int axis) const {
 
 std::optional<Proposal> LeafSearch::best_of_triangles(std::size_t group) const {
     enum Seen : std::uint8_t { kBehind = 1, kBefore = 2 };
-    std::vector<std::uint8_t> seen;
-    std::optional<Proposal> best;
+    std::vector<CellNode> planes;
     for (std::size_t i = group; i < triangle_planes_.size(); i += kPlaneGroups) {
-        const CellNode& plane = triangle_planes_[i];
-        seen.assign(leaf_.set.size(), 0);
-        for (const SightPiece& piece : leaf_.pieces) {
-            const Sight& sight = build_.sights[piece.sight];
-            const Reach reach(sight, piece, plane.normal, build_.slack);
-            const int sides = (reach.first <= plane.offset ? kBehind : 0) |
-                              (reach.last >= plane.offset ? kBefore : 0);
+        planes.push_back(triangle_planes_[i]);
+    }
+    std::vector<std::uint8_t> seen(planes.size() * leaf_.set.size(), 0);
+    for (const SightPiece& piece : leaf_.pieces) {
+        const Sight& sight = build_.sights[piece.sight];
+        for (std::size_t i = 0; i < planes.size(); ++i) {
+            const Reach reach(sight, piece, planes[i].normal, build_.slack);
+            const int sides = (reach.first <= planes[i].offset ? kBehind : 0) |
+                              (reach.last >= planes[i].offset ? kBefore : 0);
             for (const ObjectId object : sight.objects) {
                 if (object != kNoObject) {
-                    seen[place_[object]] |= static_cast<std::uint8_t>(sides);
+                    seen[i * leaf_.set.size() + place_[object]] |= static_cast<std::uint8_t>(sides);
                 }
             }
         }
+    }
+    std::optional<Proposal> best;
+    for (std::size_t i = 0; i < planes.size(); ++i) {
         double unseen_behind = 0.0;
         double unseen_before = 0.0;
-        for (std::size_t k = 0; k < seen.size(); ++k) {
+        for (std::size_t k = 0; k < leaf_.set.size(); ++k) {
             const double cost = build_.costs[leaf_.set[k]];
-            unseen_behind += (seen[k] & kBehind) == 0 ? cost : 0.0;
-            unseen_before += (seen[k] & kBefore) == 0 ? cost : 0.0;
+            const int sides = seen[i * leaf_.set.size() + k];
+            unseen_behind += (sides & kBehind) == 0 ? cost : 0.0;
+            unseen_before += (sides & kBefore) == 0 ? cost : 0.0;
         }
-        const ShareBehind behind(leaf_, build_.viewers, plane.normal);
-        if (const auto saved = saving(behind, plane.offset, unseen_behind, unseen_before)) {
-            keep_better(best, {plane, *saved});
+        const ShareBehind behind(leaf_, build_.viewers, planes[i].normal);
+        if (const auto saved = saving(behind, planes[i].offset, unseen_behind, unseen_before)) {
+            keep_better(best, {planes[i], *saved});
         }
     }
     return best;

@@ -217,6 +217,55 @@ TEST(BuildViewCells, KeepsVolumeAndNeverRaisesTheCost) {
     }));
 }
 
+TEST(BuildViewCells, KeepsVolumeInFlatRegionsAndFarAway) {
+    // A soup squeezed flat, and a soup whose coordinates leave nine digits for what is in it.
+    const std::array<std::pair<Vec3, Vec3>, 2> changes = {
+        std::pair(Vec3(1.0, 1e-4, 1.0), Vec3(0.0)), std::pair(Vec3(1.0), Vec3(3e6, -5e6, 1e6))};
+    for (const auto& [scale, shift] : changes) {
+        Soup soup;
+        for (Vec3& p : soup.mesh.positions) {
+            p = scale * p + shift;
+        }
+        soup.region = {scale * soup.region.lower + shift, scale * soup.region.upper + shift};
+        soup.segments = sampled(soup.mesh, soup.region, 6000);
+        const auto built = soup.build();
+        EXPECT_EQ(built.cells.leaves(), 60U);
+        double volume = 0.0;
+        for (const double part : built.cells.leaf_volumes()) {
+            EXPECT_GT(part, 0.0);
+            volume += part;
+        }
+        EXPECT_NEAR(volume, soup.region.volume(), 1e-9 * soup.region.volume());
+        const auto shapes = leaf_shapes(built.cells);
+        const double slack = 2.0 * plane_slack(soup.region);
+        for (std::uint64_t i = 0; i < 1000; ++i) {
+            const Vec3 part = test::random_point(kSeed, i, 0.0, 1.0);
+            const Vec3 place = soup.region.lower + part * soup.region.size();
+            ASSERT_TRUE(shapes[built.cells.leaf_at(place).value()].contains(place, slack))
+                << "point " << i;
+        }
+    }
+}
+
+// What lies behind a wall gets nothing of what ends at the wall, once the ends are drawn in.
+TEST(BuildViewCells, PutsCellsAtWallsThatShortenedSegmentsDoNotReachThrough) {
+    const Room room = rooms_with_door();
+    Region region = kRooms;
+    region.upper.y = 3.5;  // above the ceiling there is nothing
+    const auto segments = sampled(room.mesh, kRooms, 20000);
+    const Objects objects = Objects::triangles(room.mesh.triangles.size());
+    CellOptions options{.most_cells = 30};
+    options.mesh = room.mesh.view();
+    const auto built = build_view_cells(region, segments, objects, options);
+    const LeafId above = built.cells.leaf_at({8.0, 3.4, 2.0}).value();
+    EXPECT_TRUE(built.sets[above].empty());
+    std::vector<CellId> cells;
+    for (const FreeSegment& free : segments) {
+        built.cells.pierced(shortened(free.segment, plane_slack(region)), cells);
+        EXPECT_FALSE(std::binary_search(cells.begin(), cells.end(), above));
+    }
+}
+
 TEST(BuildViewCells, AlwaysSplitsWhereMostIsSaved) {
     const auto built = Soup().build();
     // A leaf waits from the split that made it to the one that divides it; in between, none that

@@ -53,5 +53,17 @@ TEST(FreeSegments, AreEmptyOutsideAndWithoutAnythingToSee) {
     EXPECT_EQ(segments[1].segment.from, segments[1].segment.to);
 }
 
+TEST(FreeSegments, AreShortenedAtBothEnds) {
+    const auto shorter = shortened({{0.0, 3.0, 0.0}, {4.0, 0.0, 0.0}}, 1.0);
+    EXPECT_NEAR(glm::length(shorter.from - Vec3(0.8, 2.4, 0.0)), 0.0, 1e-15);
+    EXPECT_NEAR(glm::length(shorter.to - Vec3(3.2, 0.6, 0.0)), 0.0, 1e-15);
+    const auto point = shortened({{0.0, 3.0, 0.0}, {4.0, 0.0, 0.0}}, 2.6);
+    EXPECT_EQ(point.from, Vec3(2.0, 1.5, 0.0));
+    EXPECT_EQ(point.to, point.from);
+    const auto none = shortened({Vec3(1.0), Vec3(1.0)}, 0.0);
+    EXPECT_EQ(none.from, Vec3(1.0));
+    EXPECT_EQ(none.to, Vec3(1.0));
+}
+
 }  // namespace
 }  // namespace earshot::visibility

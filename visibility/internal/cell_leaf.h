@@ -4,6 +4,9 @@
 #include "earshot/visibility/cell_shape.h"
 #include "earshot/visibility/objects.h"
 
+#include <glm/geometric.hpp>
+
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -54,7 +57,13 @@ struct Reach {
     double low = 0.0, high = 0.0;    ///< the same in order
     double first = 0.0, last = 0.0;  ///< behind planes of offset >= first, before those <= last
 
-    Reach(const Sight& sight, const SightPiece& piece, const geometry::Vec3& normal, double slack);
+    Reach(const Sight& sight, const SightPiece& piece, const geometry::Vec3& normal, double slack)
+        : at_begin(glm::dot(normal, sight.from + piece.begin * sight.step)),
+          at_end(glm::dot(normal, sight.from + piece.end * sight.step)),
+          low(std::min(at_begin, at_end)),
+          high(std::max(at_begin, at_end)),
+          first(std::min(low + slack, high - slack)),
+          last(std::max(low + slack, high - slack)) {}
 };
 
 }  // namespace earshot::visibility
