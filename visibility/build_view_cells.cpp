@@ -2,6 +2,7 @@
 #include "earshot/visibility/build_view_cells.h"
 
 #include "earshot/base/error.h"
+#include "earshot/base/halton.h"
 #include "earshot/visibility/internal/plane_search.h"
 
 #include <glm/common.hpp>
@@ -50,22 +51,19 @@ void check(const Region& region, const CellOptions& options) {
     }
 }
 
-/// Points for viewers, each with its part of the density: Roberts' sequence, which fills a box
-/// evenly however many there are (Roberts 2018).
+/// Points for viewers, each with its part of the density, evenly through the region.
 std::vector<Viewer> viewers_of(const Region& region, const CellOptions& options) {
     std::vector<Viewer> viewers;
     if (!options.density) {
         return viewers;
     }
-    // The powers of 1 / g, where g^4 = g + 1.
-    constexpr double kStep = 0.81917251339616443970;
-    const std::array<double, 3> steps = {kStep, kStep * kStep, kStep * kStep * kStep};
+    constexpr std::array<std::uint32_t, 3> kBases = {2, 3, 5};
     double sum = 0.0;
     for (std::size_t i = 0; i < options.density_points; ++i) {
         Viewer viewer;
         for (int axis = 0; axis < 3; ++axis) {
-            const double way = 0.5 + static_cast<double>(i) * steps[static_cast<std::size_t>(axis)];
-            viewer.place[axis] = region.lower[axis] + region.size()[axis] * (way - std::floor(way));
+            const double way = radical_inverse(i + 1, kBases[static_cast<std::size_t>(axis)]);
+            viewer.place[axis] = region.lower[axis] + region.size()[axis] * way;
         }
         viewer.share = options.density(viewer.place);
         if (!std::isfinite(viewer.share) || viewer.share < 0.0) {
