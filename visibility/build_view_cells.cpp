@@ -233,7 +233,8 @@ void CellBuilder::deal_pieces(const CellLeaf& leaf,
                               const CellNode& plane,
                               CellLeaf& back,
                               CellLeaf& front) {
-    enum Side : std::uint8_t { kBack = 1, kFront = 2 };
+    constexpr int kBack = 1;
+    constexpr int kFront = 2;
     for (const SightPiece& piece : leaf.pieces) {
         const Sight& sight = build_.sights[piece.sight];
         const Reach reach(sight, piece, plane.normal, build_.slack);

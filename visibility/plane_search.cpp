@@ -159,7 +159,8 @@ std::optional<Proposal> LeafSearch::best_along(int axis) const {
 }
 
 std::optional<Proposal> LeafSearch::best_of_triangles(std::size_t group) const {
-    enum Seen : std::uint8_t { kBehind = 1, kBefore = 2 };
+    constexpr int kBehind = 1;
+    constexpr int kBefore = 2;
     std::vector<CellNode> planes;
     for (std::size_t i = group; i < triangle_planes_.size(); i += kPlaneGroups) {
         planes.push_back(triangle_planes_[i]);

@@ -14,7 +14,6 @@
 
 namespace earshot::visibility {
 
-using geometry::Hit;
 using geometry::MeshView;
 using geometry::Ray;
 using geometry::TriangleId;
