@@ -3,6 +3,7 @@
 
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
+#include "earshot/visibility/cell_shape.h"
 
 #include <glm/geometric.hpp>
 
@@ -147,6 +148,7 @@ std::vector<Sample> GlobalSampler::draw_batch() {
 // What is not known yet, in the order of samples, cells and ends.
 std::vector<GlobalSampler::Find> GlobalSampler::look(std::span<const Sample> samples,
                                                      std::span<const FreeSegment> segments) {
+    const double slack = plane_slack(cells_.region());
     std::vector<std::vector<Find>> parts(chunk_count(samples.size(), kSamplesPerChunk));
     executor_.for_each(samples.size(), kSamplesPerChunk, [&](std::size_t begin, std::size_t end) {
         std::vector<Find>& finds = parts[begin / kSamplesPerChunk];
@@ -155,7 +157,7 @@ std::vector<GlobalSampler::Find> GlobalSampler::look(std::span<const Sample> sam
             if (!segments[i].is_valid()) {
                 continue;
             }
-            cells_.pierced(segments[i].segment, pierced);
+            cells_.pierced(shortened(segments[i].segment, slack), pierced);
             for (const CellId cell : pierced) {
                 for (const bool is_ahead : {false, true}) {
                     const TriangleId met = is_ahead ? segments[i].at_to : segments[i].at_from;
