@@ -4,6 +4,7 @@
 #include "earshot/base/assert.h"
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
@@ -22,7 +23,7 @@ struct Box {
     std::array<double, 3> least{}, size{1.0, 1.0, 1.0};
 };
 
-/// The earliest first, of those the largest.
+/// The earliest first, of those the smallest: where much is near at once, any of it will do.
 struct IsLater {
     bool operator()(const Box& a, const Box& b) const {
         if (a.least[0] != b.least[0]) {
@@ -31,7 +32,7 @@ struct IsLater {
         const double volume_a = a.size[0] * a.size[1] * a.size[2];
         const double volume_b = b.size[0] * b.size[1] * b.size[2];
         if (volume_a != volume_b) {
-            return volume_a < volume_b;
+            return volume_a > volume_b;
         }
         return a.least > b.least;
     }
@@ -55,17 +56,91 @@ Vec3 offset(const MovingPoints& points, double t, double u, double v) {
     }
 }
 
-/// What the offset takes over a box: it is linear in each coordinate, so the corners bound it.
+/// The offset at the corners of a box; it is linear in each coordinate, so it stays within their
+/// convex hull over the box. Bit i of a corner's number tells its end along coordinate i.
+struct Offsets {
+    std::array<std::array<double, 8>, 3> at{};
+
+    Vec3 corner(std::size_t i) const { return {at[0][i], at[1][i], at[2][i]}; }
+
+    /// Whether all lie farther along a direction than anything does that is near. A direction need
+    /// not be exact, as it is scaled to a size at which nothing vanishes.
+    bool is_beyond(const Vec3& direction, double near) const {
+        const Vec3 sizes = glm::abs(direction);
+        const double size = std::max({sizes.x, sizes.y, sizes.z});
+        if (!(size > 1e-200 && size < 1e200)) {
+            return false;
+        }
+        const Vec3 d = direction / size;
+        const double reach = near * (std::abs(d.x) + std::abs(d.y) + std::abs(d.z));
+        double least = std::numeric_limits<double>::infinity(), most = -least;
+        for (std::size_t i = 0; i < 8; ++i) {
+            const double place = d.x * at[0][i] + d.y * at[1][i] + d.z * at[2][i];
+            least = std::min(least, place);
+            most = std::max(most, place);
+        }
+        return least > reach || most < -reach;
+    }
+};
+
 template <bool kIsFace>
-void range_over(const MovingPoints& points, const Box& box, Vec3& least, Vec3& most) {
-    for (int corner = 0; corner < 8; ++corner) {
+Offsets offsets_over(const MovingPoints& points, const Box& box) {
+    Offsets offsets;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
         const auto at = [&](std::size_t i) {
             return box.least[i] + ((corner >> i & 1) != 0 ? box.size[i] : 0.0);
         };
         const Vec3 value = offset<kIsFace>(points, at(0), at(1), at(2));
-        least = corner == 0 ? value : glm::min(least, value);
-        most = corner == 0 ? value : glm::max(most, value);
+        for (int axis = 0; axis < 3; ++axis) {
+            offsets.at[static_cast<std::size_t>(axis)][corner] = value[axis];
+        }
     }
+    return offsets;
+}
+
+/// Whether nothing of a box is near: along the axes, or along what parts the cube of what is near
+/// from a small box's offsets, which are almost those of a parallelepiped: the normals of its
+/// faces, what is normal to an edge of each, and the way to its middle across its longest edge.
+bool is_far(const Offsets& offsets, double near) {
+    constexpr std::array<Vec3, 3> kAxes{Vec3(1.0, 0.0, 0.0), {0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    for (const Vec3& axis : kAxes) {
+        if (offsets.is_beyond(axis, near)) {
+            return true;
+        }
+    }
+    std::array<Vec3, 3> edges;
+    std::size_t longest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        edges[i] = offsets.corner(std::size_t{1} << i) - offsets.corner(0);
+        longest =
+            glm::dot(edges[i], edges[i]) > glm::dot(edges[longest], edges[longest]) ? i : longest;
+    }
+    const Vec3 middle = 0.5 * (offsets.corner(0) + offsets.corner(7));
+    if (offsets.is_beyond(glm::cross(edges[1], edges[2]), near) ||
+        offsets.is_beyond(glm::cross(edges[0], edges[1]), near) ||
+        offsets.is_beyond(glm::cross(edges[0], edges[2]), near) ||
+        offsets.is_beyond(glm::cross(glm::cross(edges[longest], middle), edges[longest]), near)) {
+        return true;
+    }
+    return std::any_of(edges.begin(), edges.end(), [&](const Vec3& edge) {
+        return std::any_of(kAxes.begin(), kAxes.end(), [&](const Vec3& axis) {
+            return offsets.is_beyond(glm::cross(axis, edge), near);
+        });
+    });
+}
+
+/// Whether something of the features is near at the beginning of a box: at one of its corners.
+template <bool kIsFace>
+bool begins_near(const Offsets& offsets, const Box& box, double near) {
+    for (std::size_t corner = 0; corner < 8; corner += 2) {
+        const double u = box.least[1] + ((corner & 2) != 0 ? box.size[1] : 0.0);
+        const double v = box.least[2] + ((corner & 4) != 0 ? box.size[2] : 0.0);
+        const Vec3 sizes = glm::abs(offsets.corner(corner));
+        if ((!kIsFace || u + v <= 1.0) && std::max({sizes.x, sizes.y, sizes.z}) <= near) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /// Lengths that the offset covers along each coordinate of the box, at most.
@@ -87,7 +162,8 @@ std::array<double, 3> extents(const MovingPoints& points) {
     return result;
 }
 
-/// Some 20 roundings of numbers no larger than three times the largest coordinate.
+/// Some 30 roundings of numbers no larger than three times the largest coordinate, and what may
+/// vanish.
 double rounding_of(const MovingPoints& points) {
     double largest = 0.0;
     for (const auto* at : {&points.begin, &points.end}) {
@@ -97,7 +173,7 @@ double rounding_of(const MovingPoints& points) {
             }
         }
     }
-    return 0x1p-46 * largest;
+    return 0x1p-45 * largest + 1e-300;
 }
 
 template <bool kIsFace>
@@ -111,14 +187,13 @@ std::optional<double> time_within(const MovingPoints& points, const SeparationOp
     for (int boxes = 0; !open.empty(); ++boxes) {
         const Box box = open.top();
         open.pop();
-        Vec3 least(0.0), most(0.0);
-        range_over<kIsFace>(points, box, least, most);
-        bool is_far = false;
-        for (int axis = 0; axis < 3; ++axis) {
-            is_far = is_far || least[axis] > near || most[axis] < -near;
-        }
-        if (is_far) {
+        const Offsets offsets = offsets_over<kIsFace>(points, box);
+        if (is_far(offsets, near)) {
             continue;
+        }
+        // Nothing that is left is earlier.
+        if (begins_near<kIsFace>(offsets, box, near)) {
+            return box.least[0];
         }
         std::size_t longest = 0;
         for (std::size_t i = 1; i < 3; ++i) {

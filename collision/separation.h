@@ -18,7 +18,7 @@ struct SeparationOptions {
 /// A lower bound of the first time at which the first point comes as near to the triangle of the
 /// other three as asked; nothing only if it certainly stays farther away. By inclusion (Snyder
 /// 1992; Wang et al. 2021): boxes of time and place are divided until they are seen to hold nothing
-/// or are smaller than the tolerance, the earliest first. After a million boxes the earliest that
+/// or are smaller than the tolerance, the earliest first. After 200,000 boxes the earliest that
 /// is left counts. Coordinates of up to 1e100.
 std::optional<double> vertex_face_time_within(const MovingPoints& points,
                                               const SeparationOptions& options);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Against contacts that are made to measure in exact numbers, against distances by sampling, and
-// the filters against integers.
+// Against contacts that are made to measure in exact numbers, Sturm sequences, distances by
+// sampling, and the filters against integers.
 #include "earshot/collision/moving_points.h"
 
 #include "earshot/collision/internal/exact_contact.h"
@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "made_queries.h"
+#include "moving_points_oracle.h"
 #include "support/dice.h"
 #include <algorithm>
 #include <cmath>
@@ -150,6 +151,57 @@ TEST(MovingPoints, FiltersAndIntegersAgreeOnHardQueries) {
     EXPECT_GT(contacts, 5000);
 }
 
+/// Hard queries at other scales: all coordinates huge or tiny, those of one end only, or far off.
+MovingPoints scaled(MovingPoints points, Dice& dice) {
+    constexpr std::array<int, 8> kExponents{-1074, -600, -200, -40, 40, 200, 330, 900};
+    const auto scale = [&] {
+        return std::ldexp(1.0, kExponents[static_cast<std::size_t>(dice.below(8))]);
+    };
+    const int kind = dice.below(60);
+    const double begin = kind == 0 || kind == 1 ? scale() : 1.0;
+    const double end = kind == 0 ? begin : kind == 2 ? scale() : 1.0;
+    const double off = kind < 10 && kind > 2 ? 1e9 : 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        points.begin[i] = begin * points.begin[i] + off;
+        points.end[i] = end * points.end[i] + off;
+    }
+    return points;
+}
+
+void expect_what_sturm_sequences_say(std::uint64_t seed, int count) {
+    Dice dice(seed);
+    int contacts = 0;
+    for (int i = 0; i < count; ++i) {
+        const bool is_face = dice.chance(0.5);
+        const int kind = dice.below(8);
+        const MovingPoints points = scaled(kind == 0   ? hard_contact(dice, is_face).points
+                                           : kind == 1 ? near_miss(dice, is_face)
+                                                       : adversarial(dice),
+                                           dice);
+        const auto found = time_of(points, is_face);
+        const auto expected = test::first_touch(points, is_face);
+        ASSERT_EQ(found.has_value(), expected.has_value()) << "seed " << seed << ", query " << i;
+        if (found) {
+            ++contacts;
+            ASSERT_GE(*found, 0.0) << i;
+            ASSERT_GE(*found, expected->from.value() - 0x1p-40)
+                << "seed " << seed << ", query " << i;
+            // No double lies between the true time and where it is known not to be after.
+            ASSERT_LE(*found, expected->to.value() * (1.0 + 0x1p-52))
+                << "seed " << seed << ", query " << i;
+        }
+    }
+    EXPECT_GT(contacts, count / 8);
+}
+
+TEST(MovingPoints, AreWhatSturmSequencesSay) {
+    expect_what_sturm_sequences_say(10, 1500);
+}
+
+TEST(SlowMovingPoints, ManyQueriesAreWhatSturmSequencesSay) {
+    expect_what_sturm_sequences_say(11, 300000);
+}
+
 TEST(MovingPoints, AnswersDoNotDependOnTheOrderOfCornersAndEdges) {
     Dice dice(4);
     for (int i = 0; i < 20000; ++i) {
@@ -207,6 +259,73 @@ TEST(RationalPoints, NeedNotBeDoubles) {
     const auto doubles = as_doubles(points);
     ASSERT_TRUE(doubles);
     EXPECT_EQ(doubles->begin[0], Vec3(-0.4375, 1.0, 0.25));
+}
+
+/// Along every axis, at the nearest places of the features at a time: found by ternary search,
+/// since the distance is convex in each coordinate of the place.
+double nearness(const MovingPoints& points, bool is_face, double t) {
+    std::array<Vec3, 4> x;
+    for (std::size_t i = 0; i < 4; ++i) {
+        x[i] = (1.0 - t) * points.begin[i] + t * points.end[i];
+    }
+    const auto least = [](double end, const auto& value) {
+        double low = 0.0, high = end;
+        for (int i = 0; i < 50; ++i) {
+            const double one = low + (high - low) / 3.0, two = high - (high - low) / 3.0;
+            (value(one) <= value(two) ? high : low) = value(one) <= value(two) ? two : one;
+        }
+        return value(0.5 * (low + high));
+    };
+    return least(1.0, [&](double u) {
+        return least(is_face ? 1.0 - u : 1.0, [&](double v) {
+            const Vec3 way = is_face ? x[0] - ((1 - u - v) * x[1] + u * x[2] + v * x[3])
+                                     : ((1 - u) * x[0] + u * x[1]) - ((1 - v) * x[2] + v * x[3]);
+            return std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)});
+        });
+    });
+}
+
+/// Features that slide along each other at a height, or rest there, in a plane of any direction.
+MovingPoints sliding(Dice& dice, bool is_face, double height) {
+    const Vec3 corner = random_point(dice), along = random_point(dice);
+    const Vec3 up = height * glm::normalize(glm::cross(along, random_point(dice)));
+    const Vec3 side = glm::cross(up / height, along);
+    MovingPoints points;
+    points.begin =
+        is_face
+            ? std::array{corner + up + 0.2 * (along + side), corner, corner + along, corner + side}
+            : std::array{corner + up, corner + up + along, corner, corner + along};
+    points.end = points.begin;
+    const Vec3 way = dice.between(-1.0, 1.0) * along;
+    for (std::size_t i = 0; i < (is_face ? 1U : 2U); ++i) {
+        points.end[i] += way;
+    }
+    return points;
+}
+
+TEST(Separation, IsHeldWhereFeaturesSlideAlongEachOther) {
+    Dice dice(9);
+    constexpr double kSeparation = 0.01;
+    int contacts = 0, none = 0;
+    for (int i = 0; i < 200; ++i) {
+        const bool is_face = i % 2 == 0;
+        const MovingPoints points =
+            sliding(dice, is_face, kSeparation * (i % 3 == 0 ? 1.8 : dice.between(0.2, 1.7)));
+        const SeparationOptions options{.least_separation = kSeparation, .tolerance = 1e-6};
+        const auto found = is_face ? vertex_face_time_within(points, options)
+                                   : edge_edge_time_within(points, options);
+        ++(found ? contacts : none);
+        const double until = found.value_or(1.0);
+        for (int k = 0; until > 0.0 && k < 8; ++k) {
+            const double t = until * k / 8.0;
+            EXPECT_GT(nearness(points, is_face, t), kSeparation * (1.0 - 1e-12)) << i;
+        }
+        if (found) {
+            EXPECT_LE(nearness(points, is_face, *found), kSeparation + 2e-6) << i;
+        }
+    }
+    EXPECT_GT(contacts, 50);
+    EXPECT_GT(none, 50);
 }
 
 TEST(Separation, IsSeenBeforeContactAndNeverLate) {
