@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// bench_collision_sequences [THREADS]: time per frame of continuous collision detection, with
-// self-collision, in made sequences: a cloth of 92,450 triangles that falls over a ball, ten layers
-// of a skirt of 49,920 that swing, and 114 balls of 145,920 that fly about.
+// bench_collision_sequences [THREADS [SEQUENCE]]: time per frame of continuous collision detection,
+// with self-collision, in made sequences: a cloth of 92,450 triangles that falls over a ball, ten
+// layers of a skirt of 49,920 that swing, and 114 balls of 145,920 that fly about. Processor time
+// is that of all threads. Then where it goes: trees that follow the step, search over pairs of
+// boxes, tests of elements.
 
 #include "support/collision_sequences.h"
 
 #include "earshot/base/error.h"
+#include "earshot/collision/internal/element_tester.h"
+#include "earshot/collision/internal/elements.h"
+#include "earshot/collision/internal/pair_front.h"
 #include "earshot/collision/world.h"
 
 #include <algorithm>
@@ -14,12 +19,16 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 namespace {
 
 using earshot::Executor;
 using earshot::collision::ContactOptions;
+using earshot::collision::ElementTester;
 using earshot::collision::World;
 using earshot::collision::WorldStatistics;
 using earshot::support::Part;
@@ -30,12 +39,22 @@ struct Variant {
 };
 
 struct Measured {
-    double median_ms = 0.0, worst_ms = 0.0;
+    double median_ms = 0.0, worst_ms = 0.0, processor_ms = 0.0;
     WorldStatistics sum;
     std::size_t contacts = 0;
 };
 
 constexpr int kFrames = 30;
+
+/// Of all threads so far.
+double processor_ms() {
+    return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
 
 Measured measure(const std::vector<Part>& parts,
                  const ContactOptions& options,
@@ -44,7 +63,7 @@ Measured measure(const std::vector<Part>& parts,
     for (const Part& part : parts) {
         world.add_mesh(part.triangles, part.at(0.0).size());
     }
-    std::vector<double> times;
+    std::vector<double> times, processor_times;
     Measured measured;
     for (int frame = 0; frame < kFrames; ++frame) {
         for (std::uint32_t mesh = 0; mesh < parts.size(); ++mesh) {
@@ -53,14 +72,16 @@ Measured measure(const std::vector<Part>& parts,
                          parts[mesh].at((frame + 1) / double(kFrames)));
         }
         const auto start = std::chrono::steady_clock::now();
+        const double processor_start = processor_ms();
         measured.contacts += world.contacts(options, executor).size();
         const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
         times.push_back(1e3 * elapsed.count());
+        processor_times.push_back(processor_ms() - processor_start);
         measured.sum += world.statistics();
     }
-    std::sort(times.begin(), times.end());
-    measured.median_ms = times[kFrames / 2];
-    measured.worst_ms = times.back();
+    measured.median_ms = median(times);
+    measured.worst_ms = *std::max_element(times.begin(), times.end());
+    measured.processor_ms = median(processor_times);
     return measured;
 }
 
@@ -81,12 +102,13 @@ void measure(const char* name, const std::vector<Part>& parts, Executor& executo
     }
     for (const Variant& variant : variants) {
         const Measured measured = measure(parts, variant.options, executor);
-        std::printf("| %s%s | %zu | %.0f | %.0f | %.3f | %.3f | %.3f | %zu |\n",
+        std::printf("| %s%s | %zu | %.0f | %.0f | %.0f | %.3f | %.3f | %.3f | %zu |\n",
                     name,
                     variant.name,
                     triangles,
                     measured.median_ms,
                     measured.worst_ms,
+                    measured.processor_ms,
                     1e-6 * static_cast<double>(measured.sum.box_tests) / kFrames,
                     1e-6 * static_cast<double>(measured.sum.triangle_pairs) / kFrames,
                     1e-6 * static_cast<double>(measured.sum.elementary_tests) / kFrames,
@@ -94,16 +116,100 @@ void measure(const char* name, const std::vector<Part>& parts, Executor& executo
     }
 }
 
+/// The rules of a search that lists the pairs of triangles instead of testing them.
+class PairLister {
+public:
+    explicit PairLister(const ElementTester& rules) : rules_(rules) {}
+
+    bool is_wanted(std::uint32_t a, std::uint32_t b) const { return rules_.is_wanted(a, b); }
+    bool is_free_of_contact(std::uint32_t node) const { return rules_.is_free_of_contact(node); }
+    bool are_leaves_apart(std::uint32_t a, std::uint32_t b) const {
+        return rules_.are_leaves_apart(a, b);
+    }
+    void test(std::uint32_t slot_a, std::uint32_t slot_b) { pairs.emplace_back(slot_a, slot_b); }
+
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+
+private:
+    const ElementTester& rules_;
+};
+
+/// What World::contacts() does on one thread, stage by stage.
+void split(const char* name, const std::vector<Part>& parts) {
+    using namespace earshot::collision;
+    MovingScene scene;
+    for (const Part& part : parts) {
+        scene.add(part.triangles, part.at(0.0).size());
+    }
+    const auto own = own_elements(scene.triangles);
+    const ContactOptions options{.within_meshes = true};
+    Executor& executor = Executor::serial();
+    SweptForest forest;
+    LeafPlates plates;
+    SmoothPatches patches;
+    PairFront front;
+    std::vector<double> follow, search, test;
+    for (int frame = 0; frame < kFrames; ++frame) {
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            const auto first = static_cast<std::ptrdiff_t>(scene.first_vertex[i]);
+            const auto begin = parts[i].at(frame / double(kFrames));
+            const auto end = parts[i].at((frame + 1) / double(kFrames));
+            std::copy(begin.begin(), begin.end(), scene.begin.begin() + first);
+            std::copy(end.begin(), end.end(), scene.end.begin() + first);
+        }
+        const double start = processor_ms();
+        if (forest.update(scene, options.margin(), executor)) {
+            front.reset();
+            plates.build(scene, forest);
+            patches.build(scene, forest);
+        }
+        plates.update(scene, forest, options.margin(), executor);
+        patches.update(scene, forest, executor);
+        const double followed = processor_ms();
+        ElementTester tester(scene, forest, plates, &patches, own, options);
+        PairLister lister(tester);
+        PartSearch<PairLister> pairs(forest, lister);
+        front.prepare(forest.tree(), options.keeps_front, pairs);
+        for (std::size_t part = 0; part < front.parts(); ++part) {
+            pairs.run(front.part(part));
+        }
+        const double searched = processor_ms();
+        for (const auto& [a, b] : lister.pairs) {
+            tester.test(a, b);
+        }
+        follow.push_back(followed - start);
+        search.push_back(searched - followed);
+        test.push_back(processor_ms() - searched);
+    }
+    std::printf(
+        "| %s | %.1f | %.1f | %.1f |\n", name, median(follow), median(search), median(test));
+}
+
 int run(int argc, char** argv) {
     Executor executor(argc > 1 ? std::atoi(argv[1]) : 1);
+    const std::string_view wanted = argc > 2 ? argv[2] : "";
+    std::vector<std::pair<const char*, std::vector<Part>>> sequences{
+        {"cloth on ball", earshot::support::cloth_on_ball(215)},
+        {"skirt", earshot::support::skirt(208, 12)},
+        {"balls", earshot::support::flying_balls(114, 32, 20)}};
+    std::erase_if(sequences, [&](const auto& sequence) {
+        return !wanted.empty() && sequence.first != wanted;
+    });
     std::printf(
-        "%d threads; per frame\n\n| sequence | triangles | median ms | worst ms | M box tests | M "
-        "pairs | M elementary tests | contacts of all frames |\n| --- | ---: | ---: | ---: | ---: "
-        "| ---: | ---: | ---: |\n",
+        "%d threads; per frame\n\n| sequence | triangles | median ms | worst ms | processor ms | M "
+        "box tests | M pairs | M elementary tests | contacts of all frames |\n| --- | ---: | ---: "
+        "| "
+        "---: | ---: | ---: | ---: | ---: | ---: |\n",
         executor.threads());
-    measure("cloth on ball", earshot::support::cloth_on_ball(215), executor);
-    measure("skirt", earshot::support::skirt(208, 12), executor);
-    measure("balls", earshot::support::flying_balls(114, 32, 20), executor);
+    for (const auto& [name, parts] : sequences) {
+        measure(name, parts, executor);
+    }
+    std::printf(
+        "\nOne thread, processor ms\n\n| sequence | trees | search | elements |\n| --- | "
+        "---: | ---: | ---: |\n");
+    for (const auto& [name, parts] : sequences) {
+        split(name, parts);
+    }
     return 0;
 }
 

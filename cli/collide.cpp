@@ -88,6 +88,9 @@ public:
     }
 
     void run() override {
+        if (files_.size() > 1) {
+            check_options_of_poses();
+        }
         use_simd_target(common().simd);
         Executor executor(static_cast<int>(common().threads));
         Warnings warnings;
@@ -112,6 +115,15 @@ public:
     }
 
 private:
+    void check_options_of_poses() {
+        for (const auto& [name, value] :
+             {std::pair("--frames", &frames_), {"--animation", &animation_}}) {
+            if (!value->empty()) {
+                throw wrong_usage(app(), name, "goes with a scene that moves, not with poses");
+            }
+        }
+    }
+
     Motion motion_of_scene(Warnings& warnings) {
         io::LoadedScene loaded = io::load_scene(files_.front(), {.animation = animation_});
         warnings = std::move(loaded.warnings);

@@ -317,7 +317,8 @@ bool are_apart_along(const MovingPoints& points, std::size_t count, const Vec3& 
             place[i] = glm::dot(way, direction);
             largest = std::max(largest, magnitude(way, way));
         }
-        const double error = 8.0 * kRounding * (3.0 * largest * length);
+        // The summand stands for products that vanish.
+        const double error = 8.0 * kRounding * (3.0 * largest * length) + 1e-300;
         const auto split = place.begin() + static_cast<std::ptrdiff_t>(count);
         const auto [least, most] = std::minmax_element(place.begin(), split);
         const auto [other_least, other_most] = std::minmax_element(split, place.end());

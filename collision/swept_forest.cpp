@@ -66,7 +66,8 @@ void SweptForest::build(const MovingScene& scene, Executor& executor) {
     for (std::uint32_t mesh = 0; mesh < scene.meshes(); ++mesh) {
         const std::size_t first = scene.first_triangle[mesh];
         const std::size_t count = scene.first_triangle[mesh + 1] - first;
-        trees.push_back(bvh::Tree::build(std::span(boxes_).subspan(first, count), {}, executor));
+        trees.push_back(bvh::Tree::build(
+            std::span(boxes_).subspan(first, count), {.builder = builder_}, executor));
     }
     JoinedTrees joined = join(trees);
     tree_ = std::move(joined.tree);

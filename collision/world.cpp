@@ -29,6 +29,7 @@ enum class ShapeAge : std::uint8_t { none, outdated, current };
 
 struct World::State {
     MovingScene scene;
+    bvh::Builder builder = bvh::Builder::binned_sah;
     SweptForest forest;
     LeafPlates plates;
     SmoothPatches patches;
@@ -75,7 +76,7 @@ const SmoothPatches* World::State::patches_for(const ContactOptions& options, Ex
 const Shape& World::State::shape_at_begin(std::uint32_t mesh, Executor& executor) {
     const geometry::MeshView view{scene.begin, scene.triangles_of(mesh)};
     if (shape_ages[mesh] == ShapeAge::none) {
-        shapes[mesh] = Shape::build(view, {}, executor);
+        shapes[mesh] = Shape::build(view, {.builder = builder}, executor);
     } else if (shape_ages[mesh] == ShapeAge::outdated) {
         shapes[mesh].refit(view);
     }
@@ -111,7 +112,10 @@ WorldStatistics& WorldStatistics::operator+=(const WorldStatistics& other) noexc
     return *this;
 }
 
-World::World() : state_(std::make_unique<State>()) {}
+World::World(bvh::Builder builder) : state_(std::make_unique<State>()) {
+    state_->forest = SweptForest(builder);
+    state_->builder = builder;
+}
 World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/bvh/tree.h"
 #include "earshot/collision/contact.h"
 #include "earshot/collision/discrete.h"
 #include "earshot/geometry/mesh.h"
@@ -64,7 +65,8 @@ struct WorldStatistics {
 /// is far away, and each contact is decided by vertex_face_time() or edge_edge_time().
 class World {
 public:
-    World();
+    /// The builder of the trees changes what a search costs, not what it finds.
+    explicit World(bvh::Builder builder = bvh::Builder::binned_sah);
     ~World();
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;

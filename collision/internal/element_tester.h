@@ -38,7 +38,7 @@ public:
         return patches_ != nullptr && patches_->is_free_of_contact(scene_, forest_, node);
     }
     bool are_leaves_apart(std::uint32_t a, std::uint32_t b) const {
-        return plates_.are_apart(scene_, a, b);
+        return plates_.are_apart(a, b);
     }
     void test(std::uint32_t slot_a, std::uint32_t slot_b);
 

@@ -5,14 +5,16 @@
 #include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/internal/swept_forest.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace earshot::collision {
 
 /// What the triangles of each leaf cover along a mean normal of theirs, at the beginning and at the
-/// end of a step. Tells apart layers that lie close, which fixed directions do not.
+/// end of a step. Tells apart layers that lie close, which fixed directions do not. In single
+/// precision, from the middle of the scene, with room for all rounding.
 class LeafPlates {
 public:
     /// Lists the vertices of the leaves of a new tree.
@@ -26,37 +28,45 @@ public:
 
     /// True only if no triangle of one leaf meets one of the other during the step. Precondition:
     /// nodes that are leaves.
-    bool are_apart(const MovingScene& scene, std::uint32_t a, std::uint32_t b) const noexcept {
+    bool are_apart(std::uint32_t a, std::uint32_t b) const noexcept {
         const std::uint32_t one = leaf_of_node_[a], other = leaf_of_node_[b];
-        return is_beside(scene, plates_[one], vertices_of_[other]) ||
-               is_beside(scene, plates_[other], vertices_of_[one]);
+        return is_beside(plates_[one], blocks_of_[other]) ||
+               is_beside(plates_[other], blocks_of_[one]);
     }
 
 private:
-    /// Of places along a normal, and the largest coordinate that they were taken from.
+    static constexpr std::size_t kLanes = 4;
+    using Lanes = std::array<float, kLanes>;
+
+    /// Four vertices of a leaf; the last of a leaf is repeated.
+    struct Block {
+        alignas(16) std::array<Lanes, 3> begin, end;
+    };
+    /// Of places along a normal.
     struct Extent {
-        double lower = 0.0, upper = 0.0, size = 0.0;
+        float lower = 0.0F, upper = 0.0F;
     };
     struct Plate {
-        geometry::Vec3 origin{0.0}, normal{0.0};
+        std::array<float, 3> normal{};  // the largest component is 1, or all are 0
+        float room = 0.0F;              // that must be between what is apart
         Extent begin, end;
-        double length = 0.0;  // of the normal, as a sum of magnitudes
     };
 
+    void place_vertices(const MovingScene& scene, std::size_t leaf);
     Plate plate(const MovingScene& scene, const SweptForest& forest, std::size_t leaf) const;
-    Extent extent(std::span<const geometry::Vec3> points,
-                  SlotRange vertices,
-                  const Plate& plate) const noexcept;
-    /// 1 or -1 if what has an extent lies beyond the plate to one side for sure, 0 if not.
-    int side(const Extent& own, const Extent& other, double length) const noexcept;
-    bool is_beside(const MovingScene& scene, const Plate& plate, SlotRange vertices) const noexcept;
+    Extent extent(std::array<Lanes, 3> Block::*time,
+                  SlotRange blocks,
+                  const std::array<float, 3>& normal) const noexcept;
+    bool is_beside(const Plate& plate, SlotRange blocks) const noexcept;
 
     std::vector<std::uint32_t> leaf_of_node_;
-    std::vector<std::uint32_t> nodes_;    // of each leaf
-    std::vector<SlotRange> vertices_of_;  // of each leaf, within vertices_
-    std::vector<geometry::VertexId> vertices_;
+    std::vector<std::uint32_t> nodes_;          // of each leaf
+    std::vector<SlotRange> blocks_of_;          // of each leaf, within blocks_
+    std::vector<geometry::VertexId> vertices_;  // of each block's lanes
+    std::vector<Block> blocks_;
     std::vector<Plate> plates_;
-    double margin_ = 0.0;
+    geometry::Vec3 origin_{0.0};
+    float room_ = 0.0F;  // for the length of a normal, as a sum of magnitudes
 };
 
 }  // namespace earshot::collision

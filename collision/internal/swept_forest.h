@@ -26,6 +26,8 @@ public:
     /// For nodes above the meshes' own.
     static constexpr std::uint32_t kManyMeshes = std::numeric_limits<std::uint32_t>::max();
 
+    explicit SweptForest(bvh::Builder builder = bvh::Builder::binned_sah) : builder_(builder) {}
+
     /// Follows the scene: refits, or builds anew where meshes were added or the tree has aged.
     /// Returns true if it was built. `margin` widens boxes, metres.
     bool update(const MovingScene& scene, double margin, Executor& executor);
@@ -42,6 +44,7 @@ private:
     void build(const MovingScene& scene, Executor& executor);
     void fill_slots(const MovingScene& scene, double margin, Executor& executor);
 
+    bvh::Builder builder_;
     bvh::Tree tree_;
     double cost_when_built_ = 0.0;
     std::vector<std::uint32_t> mesh_of_node_;

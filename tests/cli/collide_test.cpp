@@ -121,18 +121,65 @@ TEST_F(Collide, AnAnimationIsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(texts[0], texts[2]);
 }
 
-TEST_F(Collide, SaysWhatIsWrong) {
-    std::ofstream(folder_ / "other.off") << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
-    const RunResult other = run_earshot(
-        {"collide", pose("a.off", 1.0), path("other.off"), "-o", path("contacts.json")});
-    EXPECT_EQ(other.status, 1);
-    EXPECT_NE(other.err.find("other.off"), std::string::npos) << other.err;
-    EXPECT_FALSE(fs::exists(folder_ / "contacts.json"));
-    EXPECT_EQ(run_earshot({"collide", path("no.gltf"), "-o", path("c.json")}).status, 1);
-    EXPECT_EQ(run_earshot({"collide", pose("a.off", 1.0)}).status, 2);
-    EXPECT_EQ(
-        run_earshot({"collide", pose("a.off", 1.0), "-o", path("c.json"), "--frames", "1"}).status,
-        2);
+TEST_F(Collide, SaysInOneLineWhatIsWrongAndWritesNothing) {
+    std::ofstream(path("other.off")) << "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    std::ofstream(path("nan.off")) << "OFF\n3 1 0\n0 nan 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    std::ofstream(path("empty.off")) << "OFF\n0 0 0\n";
+    const std::string a = pose("a.off", 1.0), b = pose("b.off", -0.5), out = path("contacts.json");
+    struct Case {
+        int status;
+        std::string says;
+        std::vector<std::string> arguments;
+    };
+    const std::vector<Case> cases{
+        {1, "other.off", {a, path("other.off"), "-o", out}},
+        {1, "nan.off", {a, path("nan.off"), "-o", out}},
+        {1, "empty.off", {path("empty.off"), "-o", out}},
+        {1, "no.gltf", {path("no.gltf"), "-o", out}},
+        {1, "none/contacts.json", {a, b, "-o", path("none/contacts.json")}},
+        {1, "is a directory", {a, b, "-o", folder_.string()}},
+        {2, "--output", {a}},
+        {2, "FILES", {"-o", out}},
+        {2, "--frames", {a, "-o", out, "--frames", "1"}},
+        {2, "--frames", {a, b, "-o", out, "--frames", "0:1:0.1"}},
+        {2, "--animation", {a, b, "-o", out, "--animation", "walk"}},
+        {2, "--min-separation", {a, b, "-o", out, "--min-separation", "-1"}},
+        {2, "--min-separation", {a, b, "-o", out, "--min-separation", "nan"}},
+        {2, "--tolerance", {a, b, "-o", out, "--tolerance", "0"}},
+    };
+    const auto files = [&] {
+        return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
+    };
+    const auto before = files();
+    for (const Case& each : cases) {
+        std::vector<std::string> arguments{"collide"};
+        arguments.insert(arguments.end(), each.arguments.begin(), each.arguments.end());
+        const RunResult result = run_earshot(arguments);
+        EXPECT_EQ(result.status, each.status) << each.says;
+        EXPECT_TRUE(result.err.starts_with("earshot: error: ")) << result.err;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+        EXPECT_NE(result.err.find(each.says), std::string::npos) << result.err;
+        EXPECT_EQ(result.out, "") << each.says;
+        EXPECT_EQ(files(), before) << each.says;
+    }
+}
+
+TEST_F(Collide, TakesTrianglesWithoutArea) {
+    // A vertex that falls onto a segment, which is what the floor is.
+    const auto write = [&](const char* name, double height) {
+        std::ofstream(path(name)) << "OFF\n6 2 0\n-4 0 0\n4 0 0\n0 0 0\n0 " << height << " 0\n1 "
+                                  << height + 1 << " 0\n0 " << height + 1
+                                  << " 1\n3 0 1 2\n3 3 4 5\n";
+        return path(name);
+    };
+    const RunResult result = run_earshot(
+        {"collide", write("a.off", 1.0), write("b.off", -1.0), "-o", path("contacts.json")});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const Json contacts = Json::parse(read_file(folder_ / "contacts.json"))["steps"][0]["contacts"];
+    ASSERT_FALSE(contacts.empty());
+    EXPECT_EQ(contacts[0]["kind"], "vertex_face");
+    EXPECT_LE(contacts[0]["toi"].get<double>(), 0.5);
+    EXPECT_NEAR(contacts[0]["toi"].get<double>(), 0.5, 1e-11);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #include "earshot/collision/world.h"
 
 #include "earshot/base/error.h"
+#include "earshot/base/simd.h"
+#include "earshot/bvh/builder_names.h"
 
 #include <gtest/gtest.h>
 
@@ -10,6 +12,8 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <string>
+#include <vector>
 
 namespace earshot::collision {
 namespace {
@@ -88,6 +92,53 @@ TEST(World, DoesNotDependOnThreadsAndStepsBefore) {
             ASSERT_EQ(found(contacts[i]), found(expected[i]));
             ASSERT_EQ(contacts[i].point, expected[i].point);
             ASSERT_EQ(contacts[i].normal, expected[i].normal);
+        }
+    }
+}
+
+/// All of two contacts that a file would show.
+bool are_same(const Contact& a, const Contact& b) {
+    return found(a) == found(b) && a.point == b.point && a.normal == b.normal;
+}
+
+TEST(World, DoesNotDependOnBuilderThreadsOrInstructions) {
+    // One world per builder lives through three steps: built, refitted, and with cloth so crumpled
+    // that its tree is built anew.
+    Dice dice(4);
+    std::vector<MovingMesh> meshes{cloth(9, 0.02, 0.0, dice), cloth(9, 0.02, 0.03, dice)};
+    std::vector<World> worlds;
+    for (const bvh::NamedBuilder& named : bvh::named_builders()) {
+        World& world = worlds.emplace_back(named.builder);
+        for (const MovingMesh& mesh : meshes) {
+            world.add_mesh(mesh.triangles, mesh.begin.size());
+        }
+    }
+    for (const double crumple : {0.05, 0.06, 0.3}) {
+        for (MovingMesh& mesh : meshes) {
+            mesh.begin = mesh.end;
+            mesh.end = cloth(9, crumple, 0.01, dice).end;
+        }
+        const auto expected = world_of(meshes).contacts({.within_meshes = true});
+        ASSERT_GT(expected.size(), 100U);
+        for (std::size_t i = 0; i < worlds.size(); ++i) {
+            for (std::uint32_t m = 0; m < meshes.size(); ++m) {
+                worlds[i].update(m, meshes[m].begin, meshes[m].end);
+            }
+            const auto expect_same = [&](int threads, const std::string& target) {
+                use_simd_target(target);
+                Executor executor(threads);
+                const auto contacts = worlds[i].contacts({.within_meshes = true}, executor);
+                EXPECT_TRUE(std::equal(
+                    contacts.begin(), contacts.end(), expected.begin(), expected.end(), are_same))
+                    << bvh::named_builders()[i].name << ", " << target << ", " << threads;
+            };
+            for (const int threads : {1, 2, 8}) {
+                expect_same(threads, "auto");
+            }
+            for (const std::string& target : simd_targets()) {
+                expect_same(2, target);
+            }
+            use_simd_target("auto");
         }
     }
 }
