@@ -28,6 +28,14 @@ TEST(Random, StartsAsSplitMix64Does) {
     EXPECT_EQ(random_bits(0, kFirst, kFirst), kFirst);
 }
 
+TEST(Random, AStreamGivesTheSameNumbers) {
+    const RandomStream stream(1, 2);
+    for (std::uint64_t index = 0; index < 100; ++index) {
+        EXPECT_EQ(stream.bits(index), random_bits(1, 2, index));
+        EXPECT_EQ(stream.at(index), random(1, 2, index));
+    }
+}
+
 TEST(Random, LiesInTheUnitIntervalEvenly) {
     constexpr std::size_t kBins = 64;
     constexpr std::size_t kCount = 64000;
