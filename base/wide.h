@@ -63,11 +63,35 @@ HWY_INLINE Doubles lesser(Doubles a, Doubles b) {
 HWY_INLINE Doubles greater(Doubles a, Doubles b) {
     return hn::Max(a, b);
 }
+using DoublesMask = hn::Mask<DoubleTag>;
+HWY_INLINE DoublesMask at_most(Doubles a, Doubles b) {
+    return hn::Le(a, b);
+}
+HWY_INLINE DoublesMask below(Doubles a, Doubles b) {
+    return hn::Lt(a, b);
+}
+HWY_INLINE DoublesMask both(DoublesMask a, DoublesMask b) {
+    return hn::And(a, b);
+}
+HWY_INLINE DoublesMask either(DoublesMask a, DoublesMask b) {
+    return hn::Or(a, b);
+}
+/// The first and not the second.
+HWY_INLINE DoublesMask but_not(DoublesMask a, DoublesMask b) {
+    return hn::AndNot(b, a);
+}
+HWY_INLINE Doubles choose(DoublesMask mask, Doubles yes, Doubles no) {
+    return hn::IfThenElse(mask, yes, no);
+}
+/// Bit i is lane i.
+HWY_INLINE std::uint32_t bits(DoublesMask mask) {
+    alignas(8) std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(DoubleTag(), mask, bytes);
+    return bytes[0];
+}
 /// Bit i: a <= b in lane i.
 HWY_INLINE std::uint32_t at_most_bits(Doubles a, Doubles b) {
-    alignas(8) std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(DoubleTag(), hn::Le(a, b), bytes);
-    return bytes[0];
+    return bits(at_most(a, b));
 }
 HWY_INLINE bool any_less(Doubles a, Doubles b) {
     return !hn::AllFalse(DoubleTag(), hn::Lt(a, b));

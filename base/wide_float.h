@@ -129,6 +129,10 @@ HWY_INLINE Mask8 both(const Mask8& a, const Mask8& b) {
 HWY_INLINE Mask8 either(const Mask8& a, const Mask8& b) {
     return mask_per_part([&](std::size_t i) { return hn::Or(a.part[i], b.part[i]); });
 }
+/// The first and not the second.
+HWY_INLINE Mask8 but_not(const Mask8& a, const Mask8& b) {
+    return mask_per_part([&](std::size_t i) { return hn::AndNot(b.part[i], a.part[i]); });
+}
 /// The first `count` lanes, 1 ... 8.
 HWY_INLINE Mask8 first_lanes(std::size_t count) {
     return mask_per_part([&](std::size_t i) {

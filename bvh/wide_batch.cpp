@@ -49,7 +49,7 @@ bool closest_hits(const WideTree& tree,
     }
     return for_each_part(rays.size(), executor, interrupt, [&](std::size_t begin, std::size_t end) {
         find_closest_of_many(
-            tree, mesh, rays.subspan(begin, end - begin), hits.subspan(begin, end - begin));
+            tree, mesh, {rays.subspan(begin, end - begin), {}}, hits.subspan(begin, end - begin));
     });
 }
 
@@ -77,7 +77,7 @@ bool occluded(const WideTree& tree,
         segments.size(), executor, interrupt, [&](std::size_t begin, std::size_t end) {
             find_any_of_many(tree,
                              mesh,
-                             segments.subspan(begin, end - begin),
+                             {segments.subspan(begin, end - begin), {}},
                              blocked.subspan(begin, end - begin));
         });
 }
@@ -89,6 +89,31 @@ std::vector<std::uint8_t> occluded(const WideTree& tree,
     std::vector<std::uint8_t> blocked(segments.size());
     occluded(tree, mesh, segments, blocked, executor);
     return blocked;
+}
+
+void closest_hits(const WideTree& tree,
+                  const geometry::MeshView& mesh,
+                  const LeavingRays& leaving,
+                  std::span<std::optional<Hit>> hits) {
+    EARSHOT_ASSERT(leaving.rays.size() == hits.size() && leaving.left.size() == hits.size());
+    if (tree.nodes().empty()) {
+        std::fill(hits.begin(), hits.end(), std::nullopt);
+        return;
+    }
+    find_closest_of_many(tree, mesh, leaving, hits);
+}
+
+void occluded(const WideTree& tree,
+              const geometry::MeshView& mesh,
+              const LeavingSegments& leaving,
+              std::span<std::uint8_t> blocked) {
+    EARSHOT_ASSERT(leaving.segments.size() == blocked.size() &&
+                   leaving.left.size() == blocked.size());
+    if (tree.nodes().empty()) {
+        std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
+        return;
+    }
+    find_any_of_many(tree, mesh, leaving, blocked);
 }
 
 }  // namespace earshot::bvh

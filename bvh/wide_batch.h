@@ -48,4 +48,30 @@ bool occluded(const WideTree& tree,
               Executor& executor = Executor::serial(),
               const Interrupt& interrupt = {});
 
+/// Rays that leave surfaces, as reflections do: ray i starts beside the triangle left[i] and goes
+/// away from it, so that it does not meet it and no time is spent on finding that out. As many of
+/// each.
+struct LeavingRays {
+    std::span<const geometry::Ray> rays;
+    std::span<const geometry::TriangleId> left;
+};
+
+/// closest_hit() of each, into a caller's array of as many places.
+void closest_hits(const WideTree& tree,
+                  const geometry::MeshView& mesh,
+                  const LeavingRays& leaving,
+                  std::span<std::optional<geometry::Hit>> hits);
+
+/// The same of segments.
+struct LeavingSegments {
+    std::span<const geometry::Segment> segments;
+    std::span<const geometry::TriangleId> left;
+};
+
+/// occluded() of each, 1 or 0, into a caller's array of as many places.
+void occluded(const WideTree& tree,
+              const geometry::MeshView& mesh,
+              const LeavingSegments& leaving,
+              std::span<std::uint8_t> blocked);
+
 }  // namespace earshot::bvh

@@ -12,6 +12,21 @@
 
 namespace earshot::geometry {
 
+/// Which axes a ray's directions go by: z is that of its largest component.
+struct RayAxes {
+    std::size_t x = 1, y = 2, z = 0;
+
+    /// From the components' sizes and the largest of them. Free of branches, which nobody could
+    /// foresee.
+    template <typename Real>
+    static RayAxes of(Real size_x, Real size_y, Real largest) noexcept {
+        constexpr std::size_t kNext[] = {1, 2, 0, 1};
+        const auto z = static_cast<std::size_t>(static_cast<int>(size_x != largest) *
+                                                (1 + static_cast<int>(size_y != largest)));
+        return {kNext[z], kNext[z + 1], z};
+    }
+};
+
 /// A ray prepared for many triangles: the one place where a ray's hits are decided.
 ///
 /// Triangles by the watertight test of Woop, Benthin and Wald 2013, in double precision: vertices
@@ -29,9 +44,7 @@ public:
     explicit ShearedRay(const Ray& ray) noexcept {
         const Vec3& d = ray.direction;
         const double size = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-        const double sum = (ray.origin.x + ray.origin.y + ray.origin.z) + (d.x + d.y + d.z);
-        // A sum is finite only if its terms are; it overflows only where no scene is.
-        if (!(sum - sum == 0.0 && size >= kShortest && size <= kLongest && ray.t_max >= 0.0)) {
+        if (!takes(ray, size)) {
             return;
         }
         t_max_ = ray.t_max;
@@ -41,6 +54,14 @@ public:
         origin_ = along(ray.origin);
         direction_ = along(d);
         shear_ = {direction_.x / direction_.z, direction_.y / direction_.z, 1.0 / direction_.z};
+    }
+
+    /// Whether a ray may hit anything; `size` is the largest component of its direction.
+    static bool takes(const Ray& ray, double size) noexcept {
+        const Vec3& d = ray.direction;
+        const double sum = (ray.origin.x + ray.origin.y + ray.origin.z) + (d.x + d.y + d.z);
+        // A sum is finite only if its terms are; it overflows only where no scene is.
+        return sum - sum == 0.0 && size >= kShortest && size <= kLongest && ray.t_max >= 0.0;
     }
 
     /// False: the ray hits nothing, because a component of origin or direction is not finite (or

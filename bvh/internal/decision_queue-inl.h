@@ -43,50 +43,95 @@ struct Verdicts {
     alignas(64) double v[Pairs::kMost];
 };
 
-/// The steps and their order are those of ShearedRay::hit().
+/// Rays along their axes, one per lane.
+struct ShearedRays {
+    Doubles origin[3], shear[3];
+
+    HWY_INLINE ShearedRays(const Doubles (&from)[3], const Doubles (&direction)[3])
+        : origin{from[0], from[1], from[2]},
+          shear{divide(direction[0], direction[2]),
+                divide(direction[1], direction[2]),
+                divide(broadcast(1.0), direction[2])} {}
+};
+
+/// Corners of triangles as the rays see them.
+struct ShearedCorners {
+    Doubles x, y, z;
+    Doubles off;  ///< |x| + |y|
+};
+
+/// The steps of these two and their order are those of ShearedRay::hit().
+HWY_INLINE ShearedCorners shear(const ShearedRays& rays, Doubles x, Doubles y, Doubles z) {
+    ShearedCorners seen;
+    seen.z = subtract(z, rays.origin[2]);
+    seen.x = subtract(subtract(x, rays.origin[0]), multiply(rays.shear[0], seen.z));
+    seen.y = subtract(subtract(y, rays.origin[1]), multiply(rays.shear[1], seen.z));
+    seen.off = add(absolute(seen.x), absolute(seen.y));
+    return seen;
+}
+
+/// What ShearedRay::hit() finds before it asks for the range of t.
+struct Piercings {
+    DoublesMask inside;
+    DoublesMask clear;  ///< it lies in its own box; the rest is not valid else
+    Doubles t, v, w, determinant;
+};
+
+HWY_INLINE Piercings pierce(const ShearedRays& rays,
+                            const ShearedCorners& a,
+                            const ShearedCorners& b,
+                            const ShearedCorners& c) {
+    const Doubles zero = broadcast(0.0);
+    const Doubles u = subtract(multiply(c.x, b.y), multiply(c.y, b.x));
+    const Doubles v = subtract(multiply(a.x, c.y), multiply(a.y, c.x));
+    const Doubles w = subtract(multiply(b.x, a.y), multiply(b.y, a.x));
+    const Doubles determinant = add(add(u, v), w);
+    const Doubles weighted = add(add(multiply(u, a.z), multiply(v, b.z)), multiply(w, c.z));
+    const Doubles t = divide(multiply(rays.shear[2], weighted), determinant);
+    const Doubles size = add(add(a.off, b.off), c.off);
+    const Doubles depth = subtract(greater(greater(a.z, b.z), c.z), lesser(lesser(a.z, b.z), c.z));
+    const Doubles magnitude = absolute(determinant);
+    const Doubles least = lesser(lesser(u, v), w);
+    const Doubles most = greater(greater(u, v), w);
+    const DoublesMask in_own_box =
+        at_most(multiply(size, greater(size, multiply(broadcast(4.0), depth))),
+                multiply(broadcast(64.0), magnitude));
+    return {.inside = either(at_most(zero, least), at_most(most, zero)),
+            .clear = but_not(in_own_box, at_most(magnitude, zero)),
+            .t = t,
+            .v = v,
+            .w = w,
+            .determinant = determinant};
+}
+
 HWY_INLINE void decide(const Pairs& pairs, Verdicts& verdicts) {
     verdicts.clear = 0;
     verdicts.hit = 0;
     const Doubles zero = broadcast(0.0);
     for (std::size_t i = 0; i < Pairs::kMost; i += lanes()) {
-        const Doubles dz = load(pairs.direction[2] + i);
-        const Doubles shear_x = divide(load(pairs.direction[0] + i), dz);
-        const Doubles shear_y = divide(load(pairs.direction[1] + i), dz);
-        const Doubles shear_z = divide(broadcast(1.0), dz);
-        Doubles x[3], y[3], z[3];
+        const auto along_axes = [&](const double(&values)[3][Pairs::kMost], Doubles(&out)[3]) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                out[axis] = load(values[axis] + i);
+            }
+        };
+        Doubles origin[3], direction[3], corner[3];
+        along_axes(pairs.origin, origin);
+        along_axes(pairs.direction, direction);
+        const ShearedRays rays(origin, direction);
+        ShearedCorners corners[3];
         for (std::size_t k = 0; k < 3; ++k) {
-            z[k] = subtract(load(pairs.corner[k][2] + i), load(pairs.origin[2] + i));
-            x[k] = subtract(subtract(load(pairs.corner[k][0] + i), load(pairs.origin[0] + i)),
-                            multiply(shear_x, z[k]));
-            y[k] = subtract(subtract(load(pairs.corner[k][1] + i), load(pairs.origin[1] + i)),
-                            multiply(shear_y, z[k]));
+            along_axes(pairs.corner[k], corner);
+            corners[k] = shear(rays, corner[0], corner[1], corner[2]);
         }
-        const Doubles u = subtract(multiply(x[2], y[1]), multiply(y[2], x[1]));
-        const Doubles v = subtract(multiply(x[0], y[2]), multiply(y[0], x[2]));
-        const Doubles w = subtract(multiply(x[1], y[0]), multiply(y[1], x[0]));
-        const Doubles determinant = add(add(u, v), w);
-        const Doubles weighted = add(add(multiply(u, z[0]), multiply(v, z[1])), multiply(w, z[2]));
-        const Doubles t = divide(multiply(shear_z, weighted), determinant);
-        const Doubles size =
-            add(add(add(absolute(x[0]), absolute(y[0])), add(absolute(x[1]), absolute(y[1]))),
-                add(absolute(x[2]), absolute(y[2])));
-        const Doubles depth =
-            subtract(greater(greater(z[0], z[1]), z[2]), lesser(lesser(z[0], z[1]), z[2]));
-        const Doubles magnitude = absolute(determinant);
-        const Doubles least = lesser(lesser(u, v), w);
-        const Doubles most = greater(greater(u, v), w);
-        const std::uint32_t clear =
-            at_most_bits(multiply(size, greater(size, multiply(broadcast(4.0), depth))),
-                         multiply(broadcast(64.0), magnitude)) &
-            ~at_most_bits(magnitude, zero);
-        const std::uint32_t inside = at_most_bits(zero, least) | at_most_bits(most, zero);
-        const std::uint32_t between = at_most_bits(zero, t) & at_most_bits(t, load(pairs.most + i));
-        verdicts.clear |= clear << i;
-        verdicts.hit |= (inside & between) << i;
+        const Piercings found = pierce(rays, corners[0], corners[1], corners[2]);
+        const DoublesMask between =
+            both(at_most(zero, found.t), at_most(found.t, load(pairs.most + i)));
+        verdicts.clear |= bits(found.clear) << i;
+        verdicts.hit |= bits(both(found.inside, between)) << i;
         // Adding 0 turns -0 into 0.
-        store(add(t, zero), verdicts.t + i);
-        store(add(divide(v, determinant), zero), verdicts.u + i);
-        store(add(divide(w, determinant), zero), verdicts.v + i);
+        store(add(found.t, zero), verdicts.t + i);
+        store(add(divide(found.v, found.determinant), zero), verdicts.u + i);
+        store(add(divide(found.w, found.determinant), zero), verdicts.v + i);
     }
 }
 
@@ -154,11 +199,10 @@ private:
         const geometry::Ray& ray = rays_[pair.ray];
         const double* d = glm::value_ptr(ray.direction);
         const double* o = glm::value_ptr(ray.origin);
-        const double size = std::max({std::abs(d[0]), std::abs(d[1]), std::abs(d[2])});
-        std::size_t axis[3];
-        axis[2] = std::abs(d[0]) == size ? 0 : std::abs(d[1]) == size ? 1 : 2;
-        axis[0] = axis[2] == 2 ? 0 : axis[2] + 1;
-        axis[1] = axis[0] == 2 ? 0 : axis[0] + 1;
+        const double sizes[3] = {std::abs(d[0]), std::abs(d[1]), std::abs(d[2])};
+        const auto [x, y, z] = geometry::RayAxes::of(
+            sizes[0], sizes[1], std::max(std::max(sizes[0], sizes[1]), sizes[2]));
+        const std::size_t axis[3] = {x, y, z};
         const geometry::Triangle& triangle = mesh_.triangles[pair.triangle];
         for (std::size_t k = 0; k < 3; ++k) {
             pairs_.origin[k][lane] = o[axis[k]];

@@ -4,6 +4,7 @@
 
 #include "earshot/bvh/internal/float_ray.h"
 #include "earshot/geometry/aabb.h"
+#include "earshot/geometry/sheared_ray.h"
 
 #include <bit>
 #include <cmath>
@@ -79,12 +80,10 @@ HWY_INLINE bool set_ray(FloatRay& ray, const geometry::Ray& source, float reach)
         ray.far_plane[k] = 8 * (2 * k + 1 - backward);
         ray.order_shift += static_cast<int>(3 * backward) << k;
     }
-    const std::uint32_t z = sizes[0] == size ? 0 : sizes[1] == size ? 1 : 2;
-    const std::uint32_t x = z == 2 ? 0 : z + 1;
-    const std::uint32_t y = x == 2 ? 0 : x + 1;
-    ray.axis[0] = x;
-    ray.axis[1] = y;
-    ray.axis[2] = z;
+    const auto [x, y, z] = geometry::RayAxes::of(sizes[0], sizes[1], size);
+    ray.axis[0] = static_cast<std::uint32_t>(x);
+    ray.axis[1] = static_cast<std::uint32_t>(y);
+    ray.axis[2] = static_cast<std::uint32_t>(z);
     for (std::size_t k = 0; k < 3; ++k) {
         ray.origin[k] = o[ray.axis[k]];
     }

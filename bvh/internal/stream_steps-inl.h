@@ -4,6 +4,7 @@
 // needs next, the others go on. Included by kernels once per instruction set, after
 // wide_steps-inl.h, float_ray-inl.h and decision_queue-inl.h.
 
+#include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
 
 #include <optional>
@@ -56,11 +57,14 @@ public:
         bool goes_on = false;
         if (is_leaf(walk_.child)) {
             LeafRoom room;
-            visit_leaf(open_leaf(tree, walk_.child, room), ray_, *search);
+            visit_leaf(open_leaf(tree, walk_.child, room), ray_, *search, left_);
             goes_on = walk_.pop(search->bound);
         } else {
-            goes_on = descend(
-                tree.nodes()[walk_.child], Passing(ray_), ray_.order_shift, search->bound, walk_);
+            goes_on = descend(tree.nodes()[walk_.child],
+                              PassingFromPlane(ray_, left_plane_),
+                              ray_.order_shift,
+                              search->bound,
+                              walk_);
         }
         if (goes_on) {
             prefetch(tree, walk_.child);
@@ -68,10 +72,18 @@ public:
         return goes_on;
     }
 
+    /// The triangle that the ray leaves.
+    HWY_INLINE void leave(const geometry::MeshView& mesh, std::uint32_t triangle) {
+        left_ = triangle;
+        left_plane_ = LeftPlane(mesh, triangle);
+    }
+
     std::size_t index = 0;  ///< of the ray
     std::optional<ClosestSearch> search;
 
 private:
+    std::uint32_t left_ = kNoTriangle;
+    LeftPlane left_plane_;
     FloatRay ray_;
     Walk walk_;
 };
@@ -79,7 +91,7 @@ private:
 /// Searches for the closest hits of rays [begin, end), and leaves the last word to the queue.
 HWY_INLINE void trace_stream(const WideTree& tree,
                              const geometry::MeshView& mesh,
-                             std::span<const geometry::Ray> rays,
+                             const LeavingRays& leaving,
                              std::size_t begin,
                              std::size_t end,
                              std::span<std::optional<geometry::Hit>> hits,
@@ -89,11 +101,14 @@ HWY_INLINE void trace_stream(const WideTree& tree,
     std::size_t next = begin;
     const auto start = [&](ClosestLane& lane) {
         for (; next < end; ++next) {
-            if (lane.start(tree, mesh, rays[next], reach)) {
+            if (lane.start(tree, mesh, leaving.rays[next], reach)) {
+                if (!leaving.left.empty()) {
+                    lane.leave(mesh, leaving.left[next]);
+                }
                 lane.index = next++;
                 return true;
             }
-            hits[next] = closest_hit(tree, mesh, rays[next]);
+            hits[next] = closest_hit(tree, mesh, leaving.rays[next]);
         }
         return false;
     };
@@ -139,11 +154,15 @@ public:
         bool goes_on = false;
         if (is_leaf(walk_.child)) {
             LeafRoom room;
-            is_blocked = touches_leaf(open_leaf(tree, walk_.child, room), ray_, mesh, segment_);
+            is_blocked =
+                touches_leaf(open_leaf(tree, walk_.child, room), ray_, mesh, segment_, left_);
             goes_on = !is_blocked && walk_.pop(ray_.t_max);
         } else {
-            goes_on = descend(
-                tree.nodes()[walk_.child], Passing(ray_), ray_.order_shift, ray_.t_max, walk_);
+            goes_on = descend(tree.nodes()[walk_.child],
+                              PassingFromPlane(ray_, left_plane_),
+                              ray_.order_shift,
+                              ray_.t_max,
+                              walk_);
         }
         if (goes_on) {
             prefetch(tree, walk_.child);
@@ -151,10 +170,18 @@ public:
         return goes_on;
     }
 
+    /// The triangle that the segment leaves.
+    HWY_INLINE void leave(const geometry::MeshView& mesh, std::uint32_t triangle) {
+        left_ = triangle;
+        left_plane_ = LeftPlane(mesh, triangle);
+    }
+
     std::size_t index = 0;
     bool is_blocked = false;
 
 private:
+    std::uint32_t left_ = kNoTriangle;
+    LeftPlane left_plane_;
     FloatRay ray_;
     geometry::Segment segment_;
     Walk walk_;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/bvh/wide_tree.h"
-#include "earshot/geometry/mesh.h"
+#include "earshot/bvh/wide_batch.h"
 
 #include <cstdint>
 #include <optional>
@@ -10,18 +9,18 @@
 
 namespace earshot::bvh {
 
-// Compiled for every instruction set. Precondition: the tree is not empty.
+// Compiled for every instruction set; `left` may be empty. Precondition: the tree is not empty.
 
-/// Sets hits[i] to closest_hit() of rays[i].
+/// Sets hits[i] to closest_hit() of ray i.
 void find_closest_of_many(const WideTree& tree,
                           const geometry::MeshView& mesh,
-                          std::span<const geometry::Ray> rays,
+                          const LeavingRays& leaving,
                           std::span<std::optional<geometry::Hit>> hits) noexcept;
 
-/// Sets blocked[i] to occluded() of segments[i].
+/// Sets blocked[i] to occluded() of segment i.
 void find_any_of_many(const WideTree& tree,
                       const geometry::MeshView& mesh,
-                      std::span<const geometry::Segment> segments,
+                      const LeavingSegments& leaving,
                       std::span<std::uint8_t> blocked) noexcept;
 
 }  // namespace earshot::bvh

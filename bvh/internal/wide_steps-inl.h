@@ -8,8 +8,11 @@
 #include "earshot/bvh/internal/wide_node.h"
 #include "earshot/bvh/wide_tree.h"
 
+#include <glm/gtc/type_ptr.hpp>
+
 #include <bit>
 #include <cstring>
+#include <limits>
 
 #if defined(EARSHOT_BVH_WIDE_STEPS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef EARSHOT_BVH_WIDE_STEPS_INL_H
@@ -25,6 +28,29 @@ using namespace earshot::HWY_NAMESPACE;
 
 // Of each node on the way down at most seven children wait, and compress_ordered() writes eight.
 constexpr std::size_t kMostWaiting = (WideNode::kWidth - 1) * (kMaxDepth + 1) + WideNode::kWidth;
+
+/// The plane across an axis that a triangle lies in.
+struct LeftPlane {
+    std::uint32_t planes = 0;  ///< first of the axis in WideNode::planes
+    /// Its place along the axis; not a number: the triangle lies in no such plane, or its place is
+    /// none in single precision.
+    float at = std::numeric_limits<float>::quiet_NaN();
+
+    LeftPlane() = default;
+    HWY_INLINE LeftPlane(const geometry::MeshView& mesh, std::uint32_t triangle) {
+        const geometry::Triangle& corners = mesh.triangles[triangle];
+        const double* a = glm::value_ptr(mesh.positions[corners[0]]);
+        const double* b = glm::value_ptr(mesh.positions[corners[1]]);
+        const double* c = glm::value_ptr(mesh.positions[corners[2]]);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const auto place = static_cast<float>(a[k]);
+            if (a[k] == b[k] && a[k] == c[k] && static_cast<double>(place) == a[k]) {
+                planes = 2 * WideNode::kWidth * k;
+                at = place;
+            }
+        }
+    }
+};
 
 /// The children of wide nodes that a ray passes.
 class Passing {
@@ -64,7 +90,28 @@ private:
     Float8 inverse_near_[3], offset_near_[3], inverse_far_[3], offset_far_[3];
 };
 
-/// The triangles of a leaf as Piercing wants them: nine runs of `count` floats, then the indices.
+/// Passing for a ray that leaves a triangle which lies in a plane across an axis: children that lie
+/// in the same plane are left out, because the ray goes away from it.
+class PassingFromPlane {
+public:
+    PassingFromPlane(const FloatRay& ray, const LeftPlane& left)
+        : passing_(ray), planes_(left.planes), at_(set8(left.at)) {}
+
+    HWY_INLINE Mask8 operator()(const WideNode& node, const Float8& bound, Float8& near) const {
+        const Mask8 passed = passing_(node, bound, near);
+        const float* planes = node.planes[0] + planes_;
+        return but_not(
+            passed,
+            both(at_most(at_, load8(planes)), at_most(load8(planes + WideNode::kWidth), at_)));
+    }
+
+private:
+    Passing passing_;
+    std::uint32_t planes_;
+    Float8 at_;
+};
+
+/// The triangles of a leaf as pierce() wants them: nine runs of `count` floats, then the indices.
 struct LeafWords {
     const std::uint32_t* words;
     std::size_t count;
@@ -114,69 +161,74 @@ struct LeafHits {
     Float8 near, far;            // bounds of where
 };
 
-/// The test of Woop, Benthin and Wald 2013 with the bounds of FloatRay.
-class Piercing {
-public:
-    explicit Piercing(const FloatRay& ray) : ray_(ray) {}
+/// Triangles and rays, a pair per lane: corners from the ray's origin, sheared along it.
+struct ShearedLanes {
+    Float8 x[3], y[3], z[3];
+    Float8 slack;          // metres, by which corners are off
+    Float8 inverse_depth;  // of FloatRay
+};
 
-    HWY_INLINE LeafHits operator()(const LeafWords& leaf) const {
-        const std::size_t count = leaf.count;
-        const float slack = leaf.slack(ray_.slack);
-        Float8 x[3], y[3], z[3];
-        for (std::size_t i = 0; i < 3; ++i) {
-            const std::uint32_t* corner = leaf.words + 3 * i * count;
-            z[i] = load8_words(corner + ray_.axis[2] * count) - set8(ray_.origin[2]);
-            x[i] =
-                subtract_product(set8(ray_.shear_x),
-                                 z[i],
-                                 load8_words(corner + ray_.axis[0] * count) - set8(ray_.origin[0]));
-            y[i] =
-                subtract_product(set8(ray_.shear_y),
-                                 z[i],
-                                 load8_words(corner + ray_.axis[1] * count) - set8(ray_.origin[1]));
-        }
-        const Float8 u = subtract_product(y[2], x[1], x[2] * y[1]);
-        const Float8 v = subtract_product(y[0], x[2], x[0] * y[2]);
-        const Float8 w = subtract_product(y[1], x[0], x[1] * y[0]);
-        const Float8 size =
-            ((magnitude(x[0]) + magnitude(y[0])) + (magnitude(x[1]) + magnitude(y[1]))) +
-            (magnitude(x[2]) + magnitude(y[2]));
-        const Float8 off = set8(FloatRay::kEdge * slack) * (size + set8(slack));
-        const Float8 least = minimum(minimum(u, v), w);
-        const Float8 most = maximum(maximum(u, v), w);
-        const Float8 minus_off = set8(0.0F) - off;
-        const Mask8 maybe = either(at_most(minus_off, least), at_most(most, off));
-        LeafHits hits;
-        hits.possible = bits(maybe) & ((1U << count) - 1U);
-        if (hits.possible == 0) {
-            return hits;
-        }
-        // Where the weights are known within `share`, the depth is known within that share of the
-        // triangle's depth: of three weights each is off by `off` and so is thrice its sum, over a
-        // sum that may be smaller by half.
-        const Float8 sum = (u + v) + w;
-        const Float8 share = set8(12.0F) * off / magnitude(sum);
-        const Float8 shallow = minimum(minimum(z[0], z[1]), z[2]);
-        const Float8 deep = maximum(maximum(z[0], z[1]), z[2]);
-        const Float8 weighted = multiply_add(u, z[0], multiply_add(v, z[1], w * z[2])) / sum;
-        const Mask8 known = below(share, set8(1.0F));
-        const Float8 middle = minimum(maximum(weighted, shallow), deep);
-        const Float8 spread = share * (deep - shallow);
-        const Float8 margin = set8(3.0F * slack);
-        const Float8 from = choose(known, maximum(middle - spread, shallow), shallow) - margin;
-        const Float8 to = choose(known, minimum(middle + spread, deep), deep) + margin;
-        const Float8 t_from = from * set8(ray_.inverse_depth);
-        const Float8 t_to = to * set8(ray_.inverse_depth);
-        hits.near = minimum(t_from, t_to);
-        hits.far = maximum(t_from, t_to);
-        hits.certain = both(first_lanes(count),
-                            both(known, either(below(off, least), below(most, minus_off))));
+/// The test of Woop, Benthin and Wald 2013 with the bounds of FloatRay, for the first `count`
+/// lanes.
+HWY_INLINE LeafHits pierce(const ShearedLanes& at, std::size_t count) {
+    const auto& [x, y, z, slack, inverse_depth] = at;
+    const Float8 u = subtract_product(y[2], x[1], x[2] * y[1]);
+    const Float8 v = subtract_product(y[0], x[2], x[0] * y[2]);
+    const Float8 w = subtract_product(y[1], x[0], x[1] * y[0]);
+    const Float8 size =
+        ((magnitude(x[0]) + magnitude(y[0])) + (magnitude(x[1]) + magnitude(y[1]))) +
+        (magnitude(x[2]) + magnitude(y[2]));
+    const Float8 off = set8(FloatRay::kEdge) * slack * (size + slack);
+    const Float8 least = minimum(minimum(u, v), w);
+    const Float8 most = maximum(maximum(u, v), w);
+    const Float8 minus_off = set8(0.0F) - off;
+    const Mask8 maybe = either(at_most(minus_off, least), at_most(most, off));
+    LeafHits hits;
+    hits.possible = bits(maybe) & ((1U << count) - 1U);
+    if (hits.possible == 0) {
         return hits;
     }
+    // Where the weights are known within `share`, the depth is known within that share of the
+    // triangle's depth: of three weights each is off by `off` and so is thrice its sum, over a
+    // sum that may be smaller by half.
+    const Float8 sum = (u + v) + w;
+    const Float8 share = set8(12.0F) * off / magnitude(sum);
+    const Float8 shallow = minimum(minimum(z[0], z[1]), z[2]);
+    const Float8 deep = maximum(maximum(z[0], z[1]), z[2]);
+    const Float8 weighted = multiply_add(u, z[0], multiply_add(v, z[1], w * z[2])) / sum;
+    const Mask8 known = below(share, set8(1.0F));
+    const Float8 middle = minimum(maximum(weighted, shallow), deep);
+    const Float8 spread = share * (deep - shallow);
+    const Float8 margin = set8(3.0F) * slack;
+    const Float8 from = choose(known, maximum(middle - spread, shallow), shallow) - margin;
+    const Float8 to = choose(known, minimum(middle + spread, deep), deep) + margin;
+    const Float8 t_from = from * inverse_depth;
+    const Float8 t_to = to * inverse_depth;
+    hits.near = minimum(t_from, t_to);
+    hits.far = maximum(t_from, t_to);
+    hits.certain =
+        both(first_lanes(count), both(known, either(below(off, least), below(most, minus_off))));
+    return hits;
+}
 
-private:
-    const FloatRay& ray_;
-};
+/// A ray and the triangles of a leaf.
+HWY_INLINE LeafHits pierce(const FloatRay& ray, const LeafWords& leaf) {
+    const std::size_t count = leaf.count;
+    ShearedLanes at;
+    at.slack = set8(leaf.slack(ray.slack));
+    at.inverse_depth = set8(ray.inverse_depth);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t* corner = leaf.words + 3 * i * count;
+        at.z[i] = load8_words(corner + ray.axis[2] * count) - set8(ray.origin[2]);
+        at.x[i] = subtract_product(set8(ray.shear_x),
+                                   at.z[i],
+                                   load8_words(corner + ray.axis[0] * count) - set8(ray.origin[0]));
+        at.y[i] = subtract_product(set8(ray.shear_y),
+                                   at.z[i],
+                                   load8_words(corner + ray.axis[1] * count) - set8(ray.origin[1]));
+    }
+    return pierce(at, count);
+}
 
 /// Where a search for the closest hit stands.
 struct Walk {
@@ -204,9 +256,15 @@ struct Walk {
     }
 };
 
-/// Adds what a leaf may hold to a search.
-HWY_INLINE void visit_leaf(const LeafWords& leaf, const FloatRay& ray, ClosestSearch& search) {
-    const LeafHits hits = Piercing(ray)(leaf);
+/// The triangle that a ray leaves which leaves none.
+inline constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFU;
+
+/// Adds what a leaf may hold to a search, but for the triangle that the ray leaves.
+HWY_INLINE void visit_leaf(const LeafWords& leaf,
+                           const FloatRay& ray,
+                           ClosestSearch& search,
+                           std::uint32_t left_triangle = kNoTriangle) {
+    const LeafHits hits = pierce(ray, leaf);
     if (hits.possible == 0) {
         return;
     }
@@ -222,14 +280,17 @@ HWY_INLINE void visit_leaf(const LeafWords& leaf, const FloatRay& ray, ClosestSe
         store8(hits.near, near);
         for (; left != 0; left &= left - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-            search.add(leaf.triangle(lane), near[lane]);
+            if (leaf.triangle(lane) != left_triangle) {
+                search.add(leaf.triangle(lane), near[lane]);
+            }
         }
     }
 }
 
 /// Goes on to the nearest child of a node; false if none is passed and none waits.
+template <typename Passes>
 HWY_INLINE bool descend(
-    const WideNode& node, const Passing& passing, int order_shift, float bound, Walk& walk) {
+    const WideNode& node, const Passes& passing, int order_shift, float bound, Walk& walk) {
     Float8 near;
     const Mask8 passed = passing(node, set8(bound), near);
     walk.push(near, passed, node, order_shift);
@@ -237,8 +298,9 @@ HWY_INLINE bool descend(
 }
 
 /// The same for a ray that goes alone: where one child is passed, it is taken without a detour.
+template <typename Passes>
 HWY_INLINE bool descend_alone(
-    const WideNode& node, const Passing& passing, int order_shift, float bound, Walk& walk) {
+    const WideNode& node, const Passes& passing, int order_shift, float bound, Walk& walk) {
     Float8 near;
     const Mask8 passed = passing(node, set8(bound), near);
     const std::uint32_t lanes = bits(passed);
@@ -252,12 +314,13 @@ HWY_INLINE bool descend_alone(
     return walk.pop(bound);
 }
 
-/// Whether a leaf holds a triangle that touches the segment.
+/// Whether a leaf holds a triangle that touches the segment, but for the one that it leaves.
 HWY_INLINE bool touches_leaf(const LeafWords& leaf,
                              const FloatRay& ray,
                              const geometry::MeshView& mesh,
-                             const geometry::Segment& segment) {
-    const LeafHits hits = Piercing(ray)(leaf);
+                             const geometry::Segment& segment,
+                             std::uint32_t left_triangle = kNoTriangle) {
+    const LeafHits hits = pierce(ray, leaf);
     if (hits.possible == 0) {
         return false;
     }
@@ -271,7 +334,8 @@ HWY_INLINE bool touches_leaf(const LeafWords& leaf,
     for (std::uint32_t left = bits(in_reach) & hits.possible; left != 0; left &= left - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(left));
         const geometry::Triangle& triangle = mesh.triangles[leaf.triangle(lane)];
-        if (geometry::touches(segment,
+        if (leaf.triangle(lane) != left_triangle &&
+            geometry::touches(segment,
                               mesh.positions[triangle[0]],
                               mesh.positions[triangle[1]],
                               mesh.positions[triangle[2]])) {

@@ -114,6 +114,22 @@ TEST(WideBatch, EqualsBruteForceWithEverySimdTarget) {
     use_simd_target("auto");
 }
 
+TEST(WideBatch, EqualsBruteForceOnFewTriangles) {
+    Mesh doubled = test::cube(1, 1.0);
+    doubled.triangles.resize(8);
+    const auto once = doubled.triangles;
+    doubled.triangles.insert(doubled.triangles.end(), once.rbegin(), once.rend());
+    for (const std::string& target : simd_targets()) {
+        use_simd_target(target);
+        expect_equal_answers(test::cube(1, 1.0), 31, Executor::serial());
+        expect_equal_answers(doubled, 32, Executor::serial());
+        expect_equal_answers(test::triangle_soup(33, 9), 33, Executor::serial());
+        expect_equal_answers(moved(test::cube(1, 1.0), 1e6, Vec3(0.0)), 34, Executor::serial());
+        expect_equal_answers(moved(test::cube(1, 1.0), 1e-30, Vec3(0.0)), 35, Executor::serial());
+    }
+    use_simd_target("auto");
+}
+
 TEST(WideBatch, EqualsBruteForceAtAnyScaleAndPlace) {
     const Mesh mesh = test::triangle_soup(2, 200);
     expect_equal_answers(moved(mesh, 1e-6, Vec3(0.0)), 2, Executor::serial());

@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: MIT
+//
+// Rays through so few triangles that asking all of them is faster than asking boxes first. Included
+// by kernels once per instruction set, after decision_queue-inl.h, float_ray-inl.h and
+// wide_steps-inl.h.
+
+#include "earshot/bvh/wide_batch.h"
+#include "earshot/bvh/wide_ray.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#if defined(EARSHOT_BVH_FEW_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_FEW_TRIANGLES_INL_H
+#undef EARSHOT_BVH_FEW_TRIANGLES_INL_H
+#else
+#define EARSHOT_BVH_FEW_TRIANGLES_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::bvh::HWY_NAMESPACE {
+
+/// A mesh of so few triangles.
+inline constexpr std::size_t kFewTriangles = 16;
+
+/// The triangles of such a mesh, and the places of their corners, each once.
+struct FewTriangles {
+    explicit FewTriangles(const geometry::MeshView& mesh) : count(mesh.triangles.size()) {
+        for (std::size_t id = 0; id < count; ++id) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double* place = glm::value_ptr(mesh.positions[mesh.triangles[id][k]]);
+                std::size_t i = 0;
+                while (i < places && !std::equal(place, place + 3, position[i])) {
+                    ++i;
+                }
+                if (i == places) {
+                    std::copy_n(place, 3, position[places++]);
+                }
+                corner[id][k] = static_cast<std::uint32_t>(i);
+            }
+        }
+    }
+
+    static constexpr std::size_t kMostPlaces = 3 * kFewTriangles;
+
+    std::size_t count;
+    std::size_t places = 0;
+    double position[kMostPlaces][3];
+    std::uint32_t corner[kFewTriangles][3];
+};
+
+/// Rays with the same largest component of direction, along the axes that go with it: z is that
+/// component.
+struct RayLanes {
+    static constexpr std::size_t kMost = 8;
+
+    alignas(64) double origin[3][kMost];
+    alignas(64) double direction[3][kMost];
+    alignas(64) double t_max[kMost];
+    std::size_t axis[3];  ///< of x, y and z
+    std::size_t index[kMost];
+    std::size_t count = 0;
+
+    explicit RayLanes(std::size_t z) : axis{z == 2 ? 0 : z + 1, z == 0 ? 2 : z - 1, z} {}
+
+    HWY_INLINE void add(const geometry::Ray& ray, std::size_t ray_index) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            origin[k][count] = glm::value_ptr(ray.origin)[axis[k]];
+            direction[k][count] = glm::value_ptr(ray.direction)[axis[k]];
+        }
+        t_max[count] = ray.t_max;
+        index[count++] = ray_index;
+    }
+
+    /// Repeats the first ray in the places that are left.
+    HWY_INLINE void fill_up() {
+        for (std::size_t i = count; i < kMost; ++i) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                origin[k][i] = origin[k][0];
+                direction[k][i] = direction[k][0];
+            }
+            t_max[i] = t_max[0];
+        }
+    }
+};
+
+/// The closest hits of rays among few triangles, decided in double precision, several rays at a
+/// time, as geometry::ShearedRay::hit() decides them.
+class ClosestOfFew {
+public:
+    ClosestOfFew(const geometry::MeshView& mesh,
+                 std::span<const geometry::Ray> rays,
+                 std::span<std::optional<geometry::Hit>> hits,
+                 DecisionQueue& queue)
+        : triangles_(mesh), rays_(rays), hits_(hits), queue_(queue) {}
+
+    HWY_INLINE void add(std::size_t ray) {
+        const geometry::Vec3& d = rays_[ray].direction;
+        const double x = std::abs(d.x);
+        const double y = std::abs(d.y);
+        const double size = std::max(std::max(x, y), std::abs(d.z));
+        if (!geometry::ShearedRay::takes(rays_[ray], size)) {
+            hits_[ray].reset();
+            return;
+        }
+        RayLanes& rays = groups_[geometry::RayAxes::of(x, y, size).z];
+        rays.add(rays_[ray], ray);
+        if (rays.count == RayLanes::kMost) {
+            decide_all(rays);
+        }
+    }
+
+    HWY_INLINE void finish() {
+        for (RayLanes& rays : groups_) {
+            if (rays.count > 0) {
+                rays.fill_up();
+                decide_all(rays);
+            }
+        }
+    }
+
+private:
+    /// The best so far, per lane.
+    struct Best {
+        Doubles t, triangle, v, w, determinant;
+    };
+
+    void decide_all(RayLanes& rays) {
+        alignas(64) double t[RayLanes::kMost];
+        alignas(64) double triangle[RayLanes::kMost];
+        alignas(64) double u[RayLanes::kMost];
+        alignas(64) double v[RayLanes::kMost];
+        for (std::size_t i = 0; i < RayLanes::kMost; i += lanes()) {
+            const Best best = decide(rays, i);
+            // Adding 0 turns -0 into 0.
+            const Doubles zero = broadcast(0.0);
+            store(earshot::HWY_NAMESPACE::add(best.t, zero), t + i);
+            store(best.triangle, triangle + i);
+            store(earshot::HWY_NAMESPACE::add(divide(best.v, best.determinant), zero), u + i);
+            store(earshot::HWY_NAMESPACE::add(divide(best.w, best.determinant), zero), v + i);
+        }
+        for (std::size_t i = 0; i < rays.count; ++i) {
+            std::optional<geometry::Hit>& hit = hits_[rays.index[i]];
+            hit.reset();
+            if (triangle[i] >= 0.0) {
+                hit = {static_cast<geometry::TriangleId>(triangle[i]), t[i], u[i], v[i]};
+            }
+        }
+        for (std::size_t k = 0; k < doubts_; ++k) {
+            if (doubtful_[k].lane < rays.count) {
+                queue_.push(rays.index[doubtful_[k].lane], doubtful_[k].triangle);
+            }
+        }
+        doubts_ = 0;
+        rays.count = 0;
+    }
+
+    HWY_INLINE Best decide(const RayLanes& rays, std::size_t first) {
+        Doubles origin[3], direction[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            origin[k] = load(rays.origin[k] + first);
+            direction[k] = load(rays.direction[k] + first);
+        }
+        const ShearedRays sheared(origin, direction);
+        ShearedCorners corners[FewTriangles::kMostPlaces];
+        for (std::size_t i = 0; i < triangles_.places; ++i) {
+            const double* place = triangles_.position[i];
+            corners[i] = shear(sheared,
+                               broadcast(place[rays.axis[0]]),
+                               broadcast(place[rays.axis[1]]),
+                               broadcast(place[rays.axis[2]]));
+        }
+        const Doubles zero = broadcast(0.0);
+        Best best = {.t = load(rays.t_max + first),
+                     .triangle = broadcast(-1.0),
+                     .v = zero,
+                     .w = zero,
+                     .determinant = broadcast(1.0)};
+        for (std::uint32_t id = 0; id < triangles_.count; ++id) {
+            const std::uint32_t* corner = triangles_.corner[id];
+            const Piercings found =
+                pierce(sheared, corners[corner[0]], corners[corner[1]], corners[corner[2]]);
+            const DoublesMask doubt = but_not(found.inside, found.clear);
+            for (std::uint32_t left = bits(doubt); left != 0; left &= left - 1) {
+                const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+                doubtful_[doubts_++] = {first + lane, id};
+            }
+            // Of hits at the same t that of the lowest triangle stays.
+            const DoublesMask nearer = either(
+                below(found.t, best.t), both(at_most(found.t, best.t), below(best.triangle, zero)));
+            const DoublesMask better =
+                both(both(found.inside, found.clear), both(at_most(zero, found.t), nearer));
+            best.t = choose(better, found.t, best.t);
+            best.triangle = choose(better, broadcast(id), best.triangle);
+            best.v = choose(better, found.v, best.v);
+            best.w = choose(better, found.w, best.w);
+            best.determinant = choose(better, found.determinant, best.determinant);
+        }
+        return best;
+    }
+
+    struct Doubt {
+        std::size_t lane;
+        std::uint32_t triangle;
+    };
+
+    FewTriangles triangles_;
+    std::span<const geometry::Ray> rays_;
+    std::span<std::optional<geometry::Hit>> hits_;
+    DecisionQueue& queue_;
+    RayLanes groups_[3] = {RayLanes(0), RayLanes(1), RayLanes(2)};
+    Doubt doubtful_[RayLanes::kMost * kFewTriangles];
+    std::size_t doubts_ = 0;
+};
+
+/// Segments as RayLanes, in single precision.
+struct SegmentLanes {
+    static constexpr std::size_t kMost = 8;
+
+    alignas(32) float origin[3][kMost];
+    alignas(32) float shear[2][kMost];
+    alignas(32) float inverse_depth[kMost];
+    alignas(32) float slack[kMost];
+    alignas(32) float left[kMost];  ///< the triangle that the segment leaves
+    std::size_t index[kMost];
+    std::size_t count = 0;
+
+    HWY_INLINE void add(const FloatRay& ray, std::uint32_t left_triangle, std::size_t segment) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            origin[k][count] = ray.origin[k];
+        }
+        shear[0][count] = ray.shear_x;
+        shear[1][count] = ray.shear_y;
+        inverse_depth[count] = ray.inverse_depth;
+        slack[count] = ray.slack;
+        left[count] = static_cast<float>(left_triangle);
+        index[count++] = segment;
+    }
+};
+
+/// Which segments few triangles block.
+class AnyOfFew {
+public:
+    AnyOfFew(const WideTree& tree,
+             const geometry::MeshView& mesh,
+             const LeavingSegments& leaving,
+             std::span<std::uint8_t> blocked)
+        : tree_(tree),
+          reach_(static_cast<float>(tree.reach())),
+          mesh_(mesh),
+          triangles_(mesh),
+          leaving_(leaving),
+          blocked_(blocked) {}
+
+    HWY_INLINE void add(std::size_t segment) {
+        const geometry::Segment& asked = leaving_.segments[segment];
+        FloatRay ray;
+        if (!set_ray(ray, ray_along(asked), reach_)) {
+            blocked_[segment] = occluded(tree_, mesh_, asked) ? 1 : 0;
+            return;
+        }
+        SegmentLanes& group = groups_[ray.axis[2]];
+        group.add(ray, leaving_.left.empty() ? kFewTriangles : leaving_.left[segment], segment);
+        if (group.count == SegmentLanes::kMost) {
+            decide_all(ray.axis[2]);
+        }
+    }
+
+    HWY_INLINE void finish() {
+        for (std::size_t z = 0; z < 3; ++z) {
+            if (groups_[z].count > 0) {
+                decide_all(z);
+            }
+        }
+    }
+
+private:
+    void decide_all(std::size_t z) {
+        SegmentLanes& group = groups_[z];
+        const std::size_t x = z == 2 ? 0 : z + 1;
+        const std::size_t y = x == 2 ? 0 : x + 1;
+        ShearedLanes at;
+        at.slack = load8(group.slack);
+        at.inverse_depth = load8(group.inverse_depth);
+        std::uint32_t blocked = 0;
+        Float8 seen[3][FewTriangles::kMostPlaces];
+        for (std::size_t i = 0; i < triangles_.places; ++i) {
+            const double* place = triangles_.position[i];
+            const auto from_origin = [&](std::size_t k, std::size_t axis) {
+                return set8(static_cast<float>(place[axis])) - load8(group.origin[k]);
+            };
+            seen[2][i] = from_origin(2, z);
+            seen[0][i] = subtract_product(load8(group.shear[0]), seen[2][i], from_origin(0, x));
+            seen[1][i] = subtract_product(load8(group.shear[1]), seen[2][i], from_origin(1, y));
+        }
+        for (std::uint32_t id = 0; id < triangles_.count; ++id) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t corner = triangles_.corner[id][k];
+                at.x[k] = seen[0][corner];
+                at.y[k] = seen[1][corner];
+                at.z[k] = seen[2][corner];
+            }
+            const LeafHits hits = pierce(at, group.count);
+            if (hits.possible != 0) {
+                blocked |= blocked_by(hits, id, group, blocked);
+            }
+        }
+        for (std::size_t i = 0; i < group.count; ++i) {
+            blocked_[group.index[i]] = static_cast<std::uint8_t>(blocked >> i & 1U);
+        }
+        group.count = 0;
+    }
+
+    /// As touches_leaf(), a bit per segment; not of those that are blocked anyway.
+    HWY_INLINE std::uint32_t blocked_by(const LeafHits& hits,
+                                        std::uint32_t id,
+                                        const SegmentLanes& group,
+                                        std::uint32_t before) const {
+        const Float8 zero = set8(0.0F);
+        const Float8 one = set8(1.0F);
+        const Float8 left = load8(group.left);
+        const Float8 triangle = set8(static_cast<float>(id));
+        const Mask8 stays = either(below(left, triangle), below(triangle, left));
+        const Mask8 inside = both(below(zero, hits.near), below(hits.far, one));
+        std::uint32_t blocked = bits(both(both(hits.certain, inside), stays));
+        const Mask8 in_reach = both(at_most(hits.near, one), at_most(zero, hits.far));
+        std::uint32_t open = bits(both(in_reach, stays)) & hits.possible & ~blocked & ~before;
+        for (; open != 0; open &= open - 1) {
+            const auto lane = static_cast<std::size_t>(std::countr_zero(open));
+            const geometry::Triangle& corners = mesh_.triangles[id];
+            const bool touches = geometry::touches(leaving_.segments[group.index[lane]],
+                                                   mesh_.positions[corners[0]],
+                                                   mesh_.positions[corners[1]],
+                                                   mesh_.positions[corners[2]]);
+            blocked |= (touches ? 1U : 0U) << lane;
+        }
+        return blocked;
+    }
+
+    const WideTree& tree_;
+    float reach_;
+    const geometry::MeshView& mesh_;
+    FewTriangles triangles_;
+    const LeavingSegments& leaving_;
+    std::span<std::uint8_t> blocked_;
+    SegmentLanes groups_[3] = {};
+};
+
+}  // namespace earshot::bvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
