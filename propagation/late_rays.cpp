@@ -56,6 +56,7 @@ public:
         add(tally.balance.absorbed, balance_.absorbed);
         add(tally.balance.escaped, balance_.escaped);
         add(tally.balance.left, balance_.left);
+        add(tally.balance.played, balance_.played);
         balance_.bounces += tally.balance.bounces;
     }
 

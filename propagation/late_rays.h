@@ -47,10 +47,13 @@ struct RayOptions {
     bool tells_directions = false;  ///< the histograms hold EnergyHistogram::directions
 };
 
-/// What became of the energy that left the source, per band: emitted = absorbed + escaped + left,
-/// but for what a band's scattering, being another than the mean's, makes of a ray's weight.
+/// What became of the energy that left the source, per band: emitted + played = absorbed + escaped
+/// + left, to rounding.
 struct EnergyBalance {
     audio::Spectrum emitted{}, absorbed{}, escaped{}, left{};
+    /// What chance gave a band that a surface shares out otherwise than the mean of all bands: 0 in
+    /// the mean, 0 in the sum over bands, and 0 where all bands scatter alike.
+    audio::Spectrum played{};
     std::uint64_t bounces = 0;
 };
 

@@ -17,6 +17,25 @@ struct RayTally {
     double cubed_first_legs = 0.0;  ///< sum over rays that hit something, cubic metres
 };
 
+/// What becomes of sound at a surface.
+struct RaySurface {
+    /// Shares of what arrives, per band.
+    audio::Spectrum absorbed{}, mirrored{}, scattered{}, through{};
+    audio::Spectrum kept{};  ///< mirrored + scattered + through
+    bool one_sided = false;
+    /// What is kept is shared out alike in every band: then a ray's chances do not depend on it.
+    bool is_even = false;
+    double chance_scattered = 0.0, chance_through = 0.0;  ///< if so
+    double chance_heard = 0.0;                            ///< likewise: of rain
+};
+
+/// A listener as rays meet it.
+struct RayEar {
+    geometry::Vec3 position;
+    double radius_squared = 0.0;
+    double inverse_volume = 0.0;  ///< of the sphere
+};
+
 /// Follows rays of one source through one scene. Only reads what it was given, which must outlive
 /// it; const members may be called from many threads at once.
 class RayTracer {
@@ -34,72 +53,32 @@ public:
     RayTally trace(std::uint64_t begin, std::uint64_t end) const;
 
 private:
-    /// What becomes of sound at a surface, per band.
-    struct Surface {
-        std::vector<double> absorbed, mirrored, scattered, through;  // shares of what arrives
-        bool one_sided = false;
-    };
-    struct Path {
-        double travelled = 0.0;  // metres
-        std::uint64_t id = 0;
-        int mirrors = 0;
-        bool was_scattered = false;  // ever
-        bool is_rain = false;        // the leg that begins has been heard as rain
-    };
-    /// Rays under way; entry i of each belongs together, energies are band after band.
-    struct Flock {
-        std::vector<geometry::Ray> rays;
-        std::vector<Path> paths;
-        std::vector<double> energy;
-    };
-    /// Energy that leaves a point of a surface after Lambert.
-    struct Drop {
-        geometry::Vec3 from, normal;
-        double travelled = 0.0;
-    };
-    struct Rain {
-        std::vector<Drop> drops;
-        std::vector<double> energy;  // drop after drop
+    template <std::size_t kBands>
+    friend class RayBatch;
+
+    /// A triangle as a ray meets it.
+    struct Wall {
+        geometry::Vec3 normal;
+        std::uint32_t surface = 0;
     };
 
     void describe_surfaces();
+    void describe_walls();
     double radius_for_space() const;
     geometry::Vec3 direction_of(std::uint64_t id, double count) const;
-    void emit(std::uint64_t id, Flock& flock, EnergyBalance& balance) const;
-    void advance(Flock& flock, std::uint64_t bounce, Rain& rain, RayTally& tally) const;
-    void count_passages(const geometry::Ray& ray,
-                        const Path& path,
-                        const double* energy,
-                        double reach,
-                        RayTally& tally) const;
-    void hear(std::size_t listener,
-              double travelled,
-              const geometry::Vec3& towards,
-              const double* energy,
-              double share,
-              RayTally& tally) const;
-    bool reflect(const geometry::Hit& hit,
-                 std::uint64_t bounce,
-                 geometry::Ray& ray,
-                 Path& path,
-                 double* energy,
-                 Rain& rain,
-                 EnergyBalance& balance) const;
-    bool stays(double die, double* energy, EnergyBalance& balance) const;
-    void let_it_rain(const Rain& rain, RayTally& tally) const;
 
     const RayScene& scene_;
     const RaySource& source_;
-    std::span<const geometry::Vec3> listeners_;
     const RayOptions& options_;
     bvh::WideTree wide_;
     std::size_t bands_;
-    double speed_;
+    double reach_;  // metres that sound travels until the histogram ends
+    double bins_per_metre_;
     std::size_t bins_;
     double lift_;
-    std::vector<Surface> surfaces_;        // per material
-    std::vector<geometry::Vec3> normals_;  // per triangle
-    std::vector<double> radii_;            // per listener
+    std::vector<RaySurface> surfaces_;  // per material
+    std::vector<Wall> walls_;           // per triangle
+    std::vector<RayEar> ears_;          // per listener
 };
 
 }  // namespace earshot::propagation

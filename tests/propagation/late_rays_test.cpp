@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <tuple>
 
 namespace earshot::propagation {
 namespace {
@@ -114,6 +115,59 @@ TEST(LateRays, TheEnergyThatLeftTheSourceIsAccountedFor) {
                 1.0,
                 1e-10);
     EXPECT_GT(balance.absorbed[kBand], 0.99 * balance.emitted[kBand]);
+}
+
+/// Bands that absorb and scatter unlike each other.
+void make_uneven(Material& material) {
+    material.absorption = EnergyCoefficient({{125.0, 0.1}, {1000.0, 0.3}, {8000.0, 0.5}});
+    material.scattering = EnergyCoefficient({{125.0, 0.05}, {1000.0, 0.4}, {8000.0, 0.9}});
+}
+
+TEST(LateRays, TheBalanceHoldsInEveryBandWhereBandsScatterUnlike) {
+    BoxRoom room({5, 3, 4}, 0.3, 0.4);
+    make_uneven(room.materials[0]);
+    RayOptions options = options_for(0.4);
+    options.rays = 20000;
+    const EnergyBalance balance =
+        trace_late_rays(room.scene(), source_at({1, 1, 1}), {}, options).balance;
+    double emitted = 0.0, ended = 0.0;
+    for (std::size_t band = 0; band < options.bands.count(); ++band) {
+        const double end = balance.absorbed[band] + balance.escaped[band] + balance.left[band];
+        EXPECT_NEAR((balance.emitted[band] + balance.played[band]) / end, 1.0, 1e-10) << band;
+        // Chance alone: its mean is 0.
+        EXPECT_NEAR(balance.played[band] / balance.emitted[band], 0.0, 0.05) << band;
+        EXPECT_EQ(balance.escaped[band], 0.0);
+        emitted += balance.emitted[band];
+        ended += end;
+    }
+    EXPECT_NE(balance.played[kBand], 0.0);
+    EXPECT_NEAR(ended / emitted, 1.0, 1e-10);
+}
+
+// A band among others has the mean that it has on its own.
+TEST(LateRays, BandsThatScatterUnlikeDoNotDisturbEachOther) {
+    BoxRoom together({5, 3, 4}, 0.3, 0.4);
+    make_uneven(together.materials[0]);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}};
+    RayOptions options = options_for(0.2);
+    options.rays = 60000;
+    options.bin = 0.02;
+    const auto energies_of = [&](const BoxRoom& room) {
+        return trace_late_rays(room.scene(), source_at({1, 1, 1}), listeners, options).listeners[0];
+    };
+    const audio::EnergyHistogram all = energies_of(together);
+    for (const auto& [band, absorption, scattering] : {std::tuple{std::size_t{2}, 0.1, 0.05},
+                                                       {std::size_t{5}, 0.3, 0.4},
+                                                       {std::size_t{8}, 0.5, 0.9}}) {
+        const audio::EnergyHistogram alone =
+            energies_of(BoxRoom({5, 3, 4}, absorption, scattering));
+        for (std::size_t n = 1; n < 8; ++n) {
+            const double error = std::hypot(all.error[n][band], alone.error[n][band]);
+            EXPECT_NEAR(all.energy[n][band], alone.energy[n][band], 4.0 * error)
+                << "band " << band << ", interval " << n;
+            EXPECT_LT(error, 0.2 * alone.energy[n][band]);
+        }
+    }
 }
 
 TEST(LateRays, DiffuseRoomsDecayAsEyringAndKuttruffSay) {
