@@ -71,6 +71,7 @@ public:
             .response = {.sample_rate = static_cast<double>(sample_rate_hz_), .length = length_},
             .listening = hearing,
             .writes_sofa = writes_sofa_,
+            .writes_histograms = writes_histograms_,
             .checks_visibility = checks_visibility_,
             .times = instants,
             .is_sequence = scene_.is_sequence(),
@@ -131,6 +132,10 @@ private:
                     rays_,
                     {0, 1000000000},
                     "of late sound: reverberation and scattering; 0: none");
+        app().add_flag("--histograms",
+                       writes_histograms_,
+                       "also write the energy of late sound over time, with standard errors, into "
+                       "histograms.json");
     }
 
     void add_format_options() {
@@ -240,6 +245,7 @@ private:
     std::string format_ = "mono", head_file_;
     EmitterOptions emitters_;
     bool writes_sofa_ = false;
+    bool writes_histograms_ = false;
     std::string visibility_file_;
     std::optional<visibility::VisibleSets> visible_sets_;
     bool checks_visibility_ = false;

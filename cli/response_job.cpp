@@ -201,6 +201,9 @@ private:
             .speed_of_sound = propagation::speed_of_sound(job_.simulation.air)};
         write("paths.json", io::encode_paths(header, all_pairs_));
         write("metrics.json", io::encode_metrics(header, metrics_));
+        if (job_.writes_histograms) {
+            write("histograms.json", io::encode_histograms(header, all_pairs_));
+        }
         if (job_.writes_sofa) {
             write("responses.sofa", io::encode_room_responses(job_.scene.name, measurements_));
         }

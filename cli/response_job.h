@@ -18,6 +18,7 @@ struct ResponseJob {
     audio::ResponseOptions response;
     Listening listening{};
     bool writes_sofa = false;        ///< responses.sofa besides
+    bool writes_histograms = false;  ///< histograms.json besides
     /// Also count the paths that simulation.visible_sets cost; takes a complete search.
     bool checks_visibility = false;
     std::vector<double> times{0.0};  ///< seconds

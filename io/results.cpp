@@ -99,6 +99,37 @@ std::string encode_paths(const ResultHeader& header,
 
 namespace {
 
+/// A line per band.
+std::string bands_text(const std::vector<audio::Spectrum>& intervals, std::size_t bands) {
+    std::vector<std::string> lines;
+    for (std::size_t band = 0; band < bands; ++band) {
+        Json values = Json::array();
+        for (const audio::Spectrum& interval : intervals) {
+            values.push_back(interval[band]);
+        }
+        lines.push_back(dump(values));
+    }
+    return "[" + join_lines(lines, "  ") + "]";
+}
+
+}  // namespace
+
+std::string encode_histograms(const ResultHeader& header,
+                              const std::vector<propagation::PairResult>& pairs) {
+    std::vector<std::string> lines;
+    for (const propagation::PairResult& pair : pairs) {
+        const std::size_t bands = header.bands.count();
+        lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) +
+                        ",\"bin\":" + dump(pair.late.bin) +
+                        ",\n \"energy\":" + bands_text(pair.late.energy, bands) +
+                        ",\n \"error\":" + bands_text(pair.late.error, bands) + "}");
+    }
+    return "{\"version\":1,\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) +
+           ",\n\"pairs\":[" + join_lines(lines, " ") + "]}\n";
+}
+
+namespace {
+
 Json to_json(const std::vector<std::optional<double>>& values) {
     Json json = Json::array();
     for (const auto& value : values) {

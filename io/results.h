@@ -35,6 +35,10 @@ struct PairMetrics {
 std::string encode_paths(const ResultHeader& header,
                          const std::vector<propagation::PairResult>& pairs);
 
+/// The text of histograms.json: the late energy of each pair and its standard errors, band by band.
+std::string encode_histograms(const ResultHeader& header,
+                              const std::vector<propagation::PairResult>& pairs);
+
 /// The text of metrics.json; a value that the response cannot support is null.
 std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs);
 

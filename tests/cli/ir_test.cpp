@@ -241,6 +241,7 @@ TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
                                           "2000",
                                           "--format",
                                           "ambisonic:2",
+                                          "--histograms",
                                           "--sofa"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json pair = json_of("metrics.json")["pairs"][0];
@@ -257,6 +258,17 @@ TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
     EXPECT_TRUE(pair["energy"]["t30"][5].is_number());
     EXPECT_GT(pair["schroeder_hz"].get<double>(), 20.0);
     EXPECT_TRUE(fs::exists(folder_ / "out" / "responses.sofa"));
+    const Json histogram = json_of("histograms.json")["pairs"][0];
+    const auto energy = histogram["energy"][5].get<std::vector<double>>();
+    const auto error = histogram["error"][5].get<std::vector<double>>();
+    ASSERT_EQ(error.size(), energy.size());
+    double all = 0.0, errors = 0.0;
+    for (std::size_t n = 0; n < energy.size(); ++n) {
+        all += energy[n];
+        errors += error[n];
+    }
+    EXPECT_GT(errors, 0.0);
+    EXPECT_LT(errors, all);
 }
 
 TEST_F(Ir, ACardioidIsSilentBehind) {

@@ -52,6 +52,27 @@ TEST(EncodePaths, NumbersReadBackAsTheSameDoubles) {
     EXPECT_EQ(read["materials"][0], "br\xef\xbf\xbdick");
 }
 
+TEST(EncodeHistograms, HoldEnergiesAndErrorsBandByBand) {
+    const Fixture fixture;
+    propagation::PairResult pair;
+    pair.late.bin = 0.002;
+    pair.late.energy.resize(3);
+    pair.late.error.resize(3);
+    pair.late.energy[2][9] = 0.1 + 0.2;
+    pair.late.error[1][0] = 1.0 / 3.0;
+    const Json json = Json::parse(encode_histograms(fixture.header, {pair, {}}));
+    EXPECT_EQ(json["version"], 1);
+    EXPECT_EQ(json["bands_hz"].size(), 10U);
+    const Json& read = json["pairs"][0];
+    EXPECT_EQ(read["source"], "s");
+    EXPECT_EQ(read["bin"], 0.002);
+    ASSERT_EQ(read["energy"].size(), 10U);
+    ASSERT_EQ(read["energy"][9].size(), 3U);
+    EXPECT_EQ(read["energy"][9][2].get<double>(), 0.1 + 0.2);
+    EXPECT_EQ(read["error"][0][1].get<double>(), 1.0 / 3.0);
+    EXPECT_EQ(json["pairs"][1]["energy"][0], Json::array());
+}
+
 TEST(EncodePaths, APairWithoutPathsHasAnEmptyList) {
     const Fixture fixture;
     const Json json = Json::parse(encode_paths(fixture.header, {{}}));
