@@ -19,8 +19,10 @@ Command::Command(CLI::App& program,
 CommandGroup::CommandGroup(CLI::App& program,
                            const std::string& name,
                            const std::string& description,
+                           const std::string& footer,
                            const Makers& makers)
     : Command(program, name, description, WithoutOptions{}) {
+    app().footer(footer);
     app().require_subcommand(1);
     for (const auto make : makers) {
         commands_.push_back(make(app()));

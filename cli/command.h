@@ -48,6 +48,7 @@ public:
     CommandGroup(CLI::App& program,
                  const std::string& name,
                  const std::string& description,
+                 const std::string& footer,
                  const Makers& makers);
 
     /// Runs the one that was chosen.

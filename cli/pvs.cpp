@@ -17,6 +17,33 @@ namespace {
 using geometry::TriangleId;
 using visibility::VisibleSets;
 
+constexpr const char* kFooter =
+    "earshot pvs COMMAND --help explains a command.\n\n"
+    "Examples:\n"
+    "  earshot pvs build scenes/city.gltf --region 1,1,1:239,3,239 --cells 200 -o streets.pvs\n"
+    "      what can be seen from each of 200 cells of the streets\n"
+    "  earshot pvs show streets.pvs\n"
+    "      which cells see the most, and what fewer would cost\n"
+    "  earshot pvs extract streets.pvs --cost-ratio 1.2 -o fewer.pvs\n"
+    "      as few cells as cost at most a fifth more than these, on average\n"
+    "  earshot pvs query fewer.pvs --at 126,1.7,130 -o seen.csv\n"
+    "      the triangles that can be seen from where this point is";
+
+constexpr const char* kQueryFooter =
+    "Example:\n"
+    "  earshot pvs query streets.pvs --at 126,1.7,130 -o seen.csv\n"
+    "      the triangles that can be seen from the cell of a point";
+
+constexpr const char* kShowFooter =
+    "Example:\n"
+    "  earshot pvs show streets.pvs\n"
+    "      which cells see the most, and what fewer would cost";
+
+constexpr const char* kExtractFooter =
+    "Example:\n"
+    "  earshot pvs extract streets.pvs --memory 100000 -o small.pvs\n"
+    "      as many cells as fit into 100 kB while sets are in use";
+
 class PvsQueryCommand : public Command {
 public:
     explicit PvsQueryCommand(CLI::App& group)
@@ -25,6 +52,7 @@ public:
         app().add_option("--at", at_option_, "X,Y,Z in metres")->required();
         app().add_option(
             "-o,--output", output_, "a list of its triangles to write: .csv, or .json");
+        app().footer(kQueryFooter);
     }
 
     void run() override {
@@ -83,6 +111,7 @@ public:
     explicit PvsShowCommand(CLI::App& group)
         : Command(group, "show", "Report on a file: cells, sets, what fewer cells would cost") {
         app().add_option("FILE", file_, "of earshot pvs build")->required();
+        app().footer(kShowFooter);
     }
 
     void run() override {
@@ -114,6 +143,7 @@ public:
                                         "as few as cost on average at most so many times as much");
         cells->excludes(bytes)->excludes(ratio);
         bytes->excludes(ratio);
+        app().footer(kExtractFooter);
     }
 
     void run() override {
@@ -162,6 +192,7 @@ std::unique_ptr<Command> make_pvs_command(CLI::App& program) {
     return std::make_unique<CommandGroup>(program,
                                           "pvs",
                                           "Visible sets from regions: build, query, show, extract",
+                                          kFooter,
                                           CommandGroup::Makers{make_pvs_build_command,
                                                                make_pvs_query_command,
                                                                make_pvs_show_command,

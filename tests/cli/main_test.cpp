@@ -14,21 +14,39 @@ TEST(Program, HelpListsTheCommandsAndExitStatus) {
     }
 }
 
-TEST(Program, EveryCommandListedHasHelpThatShowsAnExample) {
-    const std::string help = run_earshot({"--help"}).out;
-    std::size_t line = help.find('\n', help.find("Commands:")) + 1;
+/// Every command that the help of `words` lists, and those that theirs list; returns how many.
+int expect_help_of_commands(const std::vector<std::string>& words) {
+    const auto help_of = [](std::vector<std::string> command) {
+        command.emplace_back("--help");
+        return run_earshot(command);
+    };
+    const std::string help = help_of(words).out;
+    const std::size_t list = help.find("\nCommands:\n");
+    if (list == std::string::npos) {
+        EXPECT_NE(help.find("--threads"), std::string::npos) << help;
+        return 0;
+    }
     int commands = 0;
+    std::size_t line = help.find('\n', list + 1) + 1;
     while (help.compare(line, 2, "  ") == 0) {
         const std::size_t begin = line + 2;
-        const std::string name = help.substr(begin, help.find(' ', begin) - begin);
-        const RunResult result = run_earshot({name, "--help"});
-        EXPECT_EQ(result.status, 0) << name;
-        EXPECT_NE(result.out.find("  earshot " + name), std::string::npos) << result.out;
-        EXPECT_NE(result.out.find("--threads"), std::string::npos) << result.out;
+        std::vector<std::string> command = words;
+        command.push_back(help.substr(begin, help.find(' ', begin) - begin));
+        std::string example = "  earshot";
+        for (const std::string& word : command) {
+            example += " " + word;
+        }
+        const RunResult result = help_of(command);
+        EXPECT_EQ(result.status, 0) << example;
+        EXPECT_NE(result.out.find(example), std::string::npos) << result.out;
+        commands += 1 + expect_help_of_commands(command);
         line = help.find('\n', line) + 1;
-        ++commands;
     }
-    EXPECT_GE(commands, 1);
+    return commands;
+}
+
+TEST(Program, EveryCommandListedHasHelpThatShowsAnExample) {
+    EXPECT_GE(expect_help_of_commands({}), 12);
 }
 
 TEST(Program, PrintsItsVersion) {

@@ -199,7 +199,7 @@ TEST(MovingPoints, AreWhatSturmSequencesSay) {
 }
 
 TEST(SlowMovingPoints, ManyQueriesAreWhatSturmSequencesSay) {
-    expect_what_sturm_sequences_say(11, 300000);
+    expect_what_sturm_sequences_say(11, 60000);
 }
 
 TEST(MovingPoints, AnswersDoNotDependOnTheOrderOfCornersAndEdges) {
