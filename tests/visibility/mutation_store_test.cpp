@@ -36,5 +36,17 @@ TEST(MutationStore, LetsGoWhatWasVariedTheMostOften) {
     EXPECT_EQ(taken(store, 4), (std::vector<ObjectId>{2, 3, 2, 3}));
 }
 
+// A scene in which little is found varies that all the time.
+TEST(MutationStore, TakesNoMoreMemoryTheMoreOftenItIsAsked) {
+    MutationStore store;
+    store.add({.object = 1});
+    store.add({.object = 2});
+    for (int i = 0; i < 10001; ++i) {
+        store.take();
+        ASSERT_LE(store.levels(), store.size());
+    }
+    EXPECT_EQ(store.take()->object, 2U);
+}
+
 }  // namespace
 }  // namespace earshot::visibility

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
-#include <vector>
 
 namespace earshot::visibility {
 
@@ -30,15 +30,17 @@ public:
     explicit MutationStore(std::size_t most = kMost) : most_(most) {}
 
     std::size_t size() const noexcept { return size_; }
+    /// How many different numbers of uses there are among the candidates: never more than these.
+    std::size_t levels() const noexcept { return by_uses_.size(); }
     void add(const Candidate& candidate);
     /// Empty if nothing was ever added.
     std::optional<Candidate> take();
 
 private:
-    std::vector<std::deque<Candidate>> by_uses_;
+    // The oldest first; no level is empty. Few candidates are varied a million times each.
+    std::map<std::uint64_t, std::deque<Candidate>> by_uses_;
     std::size_t size_ = 0;
     std::size_t most_;
-    std::size_t least_ = 0;  // no candidate was varied less often
 };
 
 }  // namespace earshot::visibility
