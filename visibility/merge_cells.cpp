@@ -6,6 +6,8 @@
 #include "earshot/visibility/leaf_contacts.h"
 #include "earshot/visibility/render_cost.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
 #include <iterator>
 #include <numeric>
@@ -14,6 +16,8 @@
 #include <utility>
 
 namespace earshot::visibility {
+
+using geometry::Vec3;
 
 namespace {
 
@@ -179,6 +183,21 @@ MergeHistory Merger::run(std::span<const double> shares) {
     return {leaf_cost, std::move(entries), std::move(merges_)};
 }
 
+/// A flat region's cells at some thickness: leaves touch in faces then, not only in edges.
+ViewCells thickened(const ViewCells& cells) {
+    Region region = cells.region();
+    const Vec3 size = region.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (size[axis] == 0.0) {
+            region.lower[axis] -= 0.5 * glm::length(size);
+            region.upper[axis] += 0.5 * glm::length(size);
+        }
+    }
+    return {region,
+            {cells.nodes().begin(), cells.nodes().end()},
+            {cells.leaf_volumes().begin(), cells.leaf_volumes().end()}};
+}
+
 [[noreturn]] void fail(const char* what) {
     throw Error("merging cells", what, "give what belongs to these cells");
 }
@@ -201,9 +220,11 @@ MergeHistory merge_cells(const ViewCells& cells,
     std::vector<double> by_volume(cells.leaf_volumes().begin(), cells.leaf_volumes().end());
     const double volume = std::accumulate(by_volume.begin(), by_volume.end(), 0.0);
     for (double& share : by_volume) {
-        share = volume > 0.0 ? share / volume : 0.0;
+        // A flat region is divided as if it were a little thick.
+        share = volume > 0.0 ? share / volume : 1.0 / static_cast<double>(by_volume.size());
     }
-    return Merger(cells, sets, costs, executor).run(shares.empty() ? by_volume : shares);
+    return Merger(volume > 0.0 ? cells : thickened(cells), sets, costs, executor)
+        .run(shares.empty() ? by_volume : shares);
 }
 
 std::vector<std::vector<ObjectId>> merged_sets(std::span<const std::vector<ObjectId>> sets,

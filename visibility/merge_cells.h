@@ -12,9 +12,9 @@ namespace earshot::visibility {
 /// Merges neighbouring leaves, always the two whose merging adds least to the average render cost,
 /// of equals the lowest numbers, until one is left; parts of the region that are no neighbours are
 /// joined last. `sets` holds one ascending set per leaf, sampled or final; `costs` one number per
-/// object; `shares` how many of the viewers are in each leaf, by volume if empty. The result does
-/// not depend on the executor. Throws Error if there is not one set, or share, per leaf, or an
-/// object without cost.
+/// object; `shares` how many of the viewers are in each leaf; if empty, by volume, or the same for
+/// all leaves of a flat region. The result does not depend on the executor. Throws Error if there
+/// is not one set, or share, per leaf, or an object without cost.
 MergeHistory merge_cells(const ViewCells& cells,
                          std::span<const std::vector<ObjectId>> sets,
                          std::span<const double> costs,

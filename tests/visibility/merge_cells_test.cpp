@@ -10,6 +10,7 @@
 
 #include "visibility/random_cells.h"
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -216,6 +217,28 @@ TEST(MergeCells, IsTheSameForAnyThreads) {
     for (const int threads : {2, 8}) {
         Executor executor(threads);
         EXPECT_EQ(history, merge_cells(cells, sets, costs, {}, executor));
+    }
+}
+
+// A floor at the height of ears, say.
+TEST(MergeCells, OfAFlatRegionAreThoseOfAThickOne) {
+    const Sets sets = random_sets(20, 30);
+    const auto costs = random_numbers(30, 1);
+    for (const int axis : {0, 1, 2}) {
+        Region region = {Vec3(0.0), Vec3(20.0)};
+        std::array<std::uint32_t, 3> counts = {5, 5, 5};
+        counts[static_cast<std::size_t>((axis + 1) % 3)] = 4;
+        counts[static_cast<std::size_t>(axis)] = 1;
+        const auto thick = merge_cells(ViewCells::grid(region, counts), sets, costs);
+        region.lower[axis] = region.upper[axis] = 1.6;
+        const auto flat = merge_cells(ViewCells::grid(region, counts), sets, costs);
+        ASSERT_EQ(flat.merges().size(), thick.merges().size());
+        EXPECT_NEAR(flat.leaf_cost(), thick.leaf_cost(), 1e-12);
+        for (std::size_t i = 0; i < flat.merges().size(); ++i) {
+            EXPECT_EQ(flat.merges()[i].first, thick.merges()[i].first);
+            EXPECT_EQ(flat.merges()[i].second, thick.merges()[i].second);
+            EXPECT_NEAR(flat.merges()[i].cost, thick.merges()[i].cost, 1e-12);
+        }
     }
 }
 
