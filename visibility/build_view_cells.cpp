@@ -27,14 +27,9 @@ namespace {
 // ViewCells takes trees of up to 4096 nodes from the root to a leaf.
 constexpr int kMostDepth = 4096;
 
-void check(const Region& region, const CellOptions& options) {
-    const auto is_finite = [](const Vec3& p) {
-        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
-    };
+void check_options(const Region& region, const CellOptions& options) {
+    check(region);
     const Vec3 size = region.size();
-    if (!is_finite(region.lower) || !is_finite(region.upper) || !std::isfinite(region.volume())) {
-        throw Error("region", "its corners are not finite, or too far away", "give another");
-    }
     if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0 && region.volume() > 0.0)) {
         throw Error("region", "it has no volume", "make it thicker");
     }
@@ -385,7 +380,7 @@ BuiltCells build_view_cells(const Region& region,
                             const Objects& objects,
                             const CellOptions& options,
                             Executor& executor) {
-    check(region, options);
+    check_options(region, options);
     return CellBuilder(region, options, executor).run(segments, objects);
 }
 

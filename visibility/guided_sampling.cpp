@@ -1,31 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/guided_sampling.h"
 
-#include "earshot/base/error.h"
 #include "earshot/geometry/overlap.h"
 #include "earshot/visibility/internal/guided_sampler.h"
-
-#include <glm/geometric.hpp>
-
-#include <cmath>
 
 namespace earshot::visibility {
 
 using geometry::TriangleId;
-
-namespace {
-
-void check(const Region& region) {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(region.size()[axis]) || !(region.size()[axis] >= 0.0)) {
-            throw Error("region",
-                        "its corners are not finite, or not in order",
-                        "give the lower corner first, in metres");
-        }
-    }
-}
-
-}  // namespace
 
 RegionView sample_region(const bvh::WideTree& tree,
                          const geometry::MeshView& mesh,

@@ -50,7 +50,7 @@ struct RegionView {
 /// sampling): random rays from its border, and from each triangle that is found rays by its own
 /// border, between these where they fall apart, and past what blocks them. A region may be flat or
 /// a point. Triangles that reach into it are seen. The set depends on mesh, region and options
-/// alone, unless it is interrupted. Throws Error if the region is not finite or upside down.
+/// alone, unless it is interrupted. Throws Error as check(region).
 /// Precondition: the tree was built over or refitted to this mesh.
 RegionView sample_region(const bvh::WideTree& tree,
                          const geometry::MeshView& mesh,

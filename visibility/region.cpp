@@ -1,9 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/region.h"
 
+#include "earshot/base/error.h"
+
 #include <algorithm>
+#include <cmath>
 
 namespace earshot::visibility {
+
+void check(const Region& region) {
+    const geometry::Vec3 size = region.size();
+    if (!(size.x >= 0.0 && size.y >= 0.0 && size.z >= 0.0) || !std::isfinite(region.volume())) {
+        throw Error("region",
+                    "its corners are not in order, not finite or too far apart",
+                    "give the lower corner first, in metres");
+    }
+}
 
 Passage passage(const geometry::Vec3& origin,
                 const geometry::Vec3& step,

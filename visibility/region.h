@@ -23,6 +23,9 @@ struct Region {
     friend bool operator==(const Region&, const Region&) = default;
 };
 
+/// Throws Error unless the corners are finite and in order and the volume is finite.
+void check(const Region& region);
+
 /// The part of a line that lies in a region, as parameters: of a segment from 0 at `from` to 1 at
 /// `to`.
 struct Passage {

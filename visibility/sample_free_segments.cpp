@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/sample_free_segments.h"
 
-#include "earshot/base/error.h"
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_batch.h"
@@ -106,15 +105,6 @@ void leave_solids(const bvh::WideTree& tree,
 bool is_free_of_solids(const MeshView& mesh, const FreeSegment& free, const Vec3& direction) {
     return (free.at_to == kNothing || !meets_back(mesh, free.at_to, direction)) &&
            (free.at_from == kNothing || !meets_back(mesh, free.at_from, -direction));
-}
-
-void check(const Region& region) {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (!std::isfinite(region.lower[axis]) || !std::isfinite(region.upper[axis]) ||
-            region.lower[axis] > region.upper[axis]) {
-            throw Error("region", "its corners are not finite or not in order", "give another");
-        }
-    }
 }
 
 }  // namespace

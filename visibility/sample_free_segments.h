@@ -21,7 +21,7 @@ struct SegmentSampling {
 /// Free segments through points uniform in the region, with directions uniform on the sphere, that
 /// end at a triangle at least on one side; in the order of the samples (GameTools 2007, the
 /// sampling of view cells). Sample i is a function of seed and i alone. Precondition: the tree was
-/// built over or refitted to this mesh. Throws Error if the region is not finite or is empty.
+/// built over or refitted to this mesh. Throws Error as check(region).
 std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
                                               const geometry::MeshView& mesh,
                                               const Region& region,

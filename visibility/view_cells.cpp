@@ -113,6 +113,7 @@ ViewCells::ViewCells(const Region& region) : ViewCells(region, {}, {region.volum
 
 ViewCells::ViewCells(const Region& region, std::vector<CellNode> nodes, std::vector<double> volumes)
     : region_(region), nodes_(std::move(nodes)), leaf_volumes_(std::move(volumes)) {
+    check(region_);
     check_tree(nodes_, leaf_volumes_.size());
     cell_of_leaf_.resize(leaf_volumes_.size());
     std::iota(cell_of_leaf_.begin(), cell_of_leaf_.end(), CellId{0});

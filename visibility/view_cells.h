@@ -33,6 +33,8 @@ inline constexpr std::uint32_t kCellLeaf = 0x80000000U;
 /// precision by the planes alone.
 class ViewCells {
 public:
+    // All of them throw Error as check(region).
+
     /// One cell: the region.
     explicit ViewCells(const Region& region);
 

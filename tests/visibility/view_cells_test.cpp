@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace earshot::visibility {
@@ -127,6 +128,20 @@ TEST(ViewCells, RefusesWhatIsNoTree) {
     EXPECT_THROW(ViewCells::grid(kHall, {2, 1, 1}).merged({0}), Error);
     EXPECT_THROW(ViewCells::grid(kHall, {2, 1, 1}).merged({0, 2}), Error);
     EXPECT_THROW(ViewCells::grid(kHall, {2, 1, 1}).merged({1, 1}), Error);
+}
+
+TEST(ViewCells, RefusesRegionsThatAreUpsideDownOrNotFinite) {
+    constexpr double kMost = std::numeric_limits<double>::max();
+    constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+    for (const Region& region : {Region{{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}},
+                                 Region{{0.0, 1.0, 0.0}, {1.0, 0.0, 1.0}},
+                                 Region{Vec3(-kMost), Vec3(kMost)},
+                                 Region{Vec3(0.0), {1.0, kNoNumber, 1.0}},
+                                 Region{Vec3(-kMost), {-kMost, -kMost, kMost}}}) {
+        EXPECT_THROW(ViewCells{region}, Error);
+        EXPECT_THROW(ViewCells::grid(region, {2, 2, 2}), Error);
+    }
+    EXPECT_EQ(ViewCells::grid({Vec3(1.0), Vec3(1.0)}, {2, 1, 1}).cell_at(Vec3(1.0)), CellId{1});
 }
 
 }  // namespace
