@@ -6,7 +6,11 @@
 #include "earshot/io/internal/bytes.h"
 #include "earshot/io/whole_file.h"
 
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -27,6 +31,15 @@ std::uint64_t checksum(std::string_view bytes) {
     Digest digest;
     digest.add_bytes(std::as_bytes(std::span(bytes)));
     return digest.value();
+}
+
+/// Numbers of cells, objects and groups.
+std::uint32_t read_id(ByteReader& in) {
+    const std::uint64_t id = in.varying();
+    if (id > std::numeric_limits<std::uint32_t>::max()) {
+        in.fail("a number is too large");
+    }
+    return static_cast<std::uint32_t>(id);
 }
 
 void write_point(ByteWriter& out, const Vec3& point) {
@@ -93,7 +106,7 @@ ViewCells read_cells(ByteReader& in) {
     std::vector<CellId> cell_of_leaf(leaves);
     for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
         volumes[leaf] = in.number();
-        cell_of_leaf[leaf] = static_cast<CellId>(in.varying());
+        cell_of_leaf[leaf] = read_id(in);
     }
     return ViewCells(region, std::move(nodes), std::move(volumes)).merged(std::move(cell_of_leaf));
 }
@@ -101,7 +114,7 @@ ViewCells read_cells(ByteReader& in) {
 Objects read_objects(ByteReader& in) {
     std::vector<ObjectId> object_of_triangle(in.count(1));
     for (ObjectId& object : object_of_triangle) {
-        object = static_cast<ObjectId>(in.varying());
+        object = read_id(in);
     }
     return Objects(std::move(object_of_triangle));
 }
@@ -145,8 +158,8 @@ MergeHistory read_history(ByteReader& in, const std::vector<std::vector<ObjectId
     }
     std::vector<CellMerge> merges(sets.size() - 1);
     for (CellMerge& merge : merges) {
-        merge.first = static_cast<std::uint32_t>(in.varying());
-        merge.second = static_cast<std::uint32_t>(in.varying());
+        merge.first = read_id(in);
+        merge.second = read_id(in);
         merge.cost = in.number();
         merge.entries = in.varying();
     }
@@ -228,7 +241,9 @@ VisibleSets read_visible_sets(const std::filesystem::path& file) {
         return read_body(body);
     } catch (const Error& error) {
         // What does not fit together inside of a file is the file's fault.
-        throw error.subject() == name ? error : Error(name, error.line(), "make it anew");
+        throw error.subject() == name
+            ? error
+            : Error(name, error.subject() + ": " + error.what(), "it is damaged; make it anew");
     }
 }
 

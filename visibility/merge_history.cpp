@@ -38,6 +38,11 @@ MergeHistory::MergeHistory(double leaf_cost,
             std::exchange(is_used[merge.second], 1) != 0) {
             fail("a step joins what is not there");
         }
+        const std::uint64_t first = entries_in(merge.first);
+        const std::uint64_t second = entries_in(merge.second);
+        if (merge.entries < std::max(first, second) || merge.entries - first > second) {
+            fail("a set is no union of its parts");
+        }
         if (!(merge.cost >= cost)) {
             fail("the cost falls");
         }

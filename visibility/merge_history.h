@@ -26,7 +26,8 @@ struct CellMerge {
 class MergeHistory {
 public:
     /// Of steps made elsewhere; `leaf_entries` holds the size of every leaf's set. Throws Error if
-    /// they do not make one group out of all leaves, or costs fall.
+    /// they do not make one group out of all leaves, if costs fall, or if a group's set is smaller
+    /// than one of its parts' or larger than both together.
     MergeHistory(double leaf_cost,
                  std::vector<std::uint64_t> leaf_entries,
                  std::vector<CellMerge> merges);

@@ -12,7 +12,9 @@
 
 #include "support/temporary_folder.h"
 #include <limits>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace earshot::io {
@@ -105,6 +107,33 @@ TEST_F(VisibilityFile, IsRefusedIfAByteIsWrong) {
     }
 }
 
+std::string with_checksum(const std::string& body) {
+    Digest digest;
+    digest.add_bytes(std::as_bytes(std::span(body)));
+    ByteWriter checksum;
+    checksum.fixed(digest.value(), 8);
+    return body + checksum.bytes();
+}
+
+// Triangle 0 is of object 2^32: not of object 0.
+TEST_F(VisibilityFile, IsRefusedIfANumberIsTooLargeForWhatItNames) {
+    const VisibleSets sets = {visibility::ViewCells({{0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}}),
+                              visibility::Objects::triangles(1),
+                              {{0}},
+                              {}};
+    write_visible_sets(path("a"), sets);
+    const std::string bytes = read_whole_file(path("a"));
+    const std::string body = bytes.substr(0, bytes.size() - 8);
+    // At the end: one triangle, of object 0, one set of one object, 0, and no history.
+    ASSERT_EQ(body.substr(body.size() - 5), std::string("\x01\x00\x01\x00\x00", 5));
+    ByteWriter wrong;
+    wrong.raw(std::string_view(body).substr(0, body.size() - 4));
+    wrong.varying(std::uint64_t{1} << 32U);
+    wrong.raw(std::string_view(body).substr(body.size() - 3));
+    EXPECT_EQ(fault_of(with_checksum(body)), "");
+    EXPECT_NE(fault_of(with_checksum(wrong.bytes())).find("too large"), std::string::npos);
+}
+
 // With a checksum that fits, nothing but an Error or a proper file may come of any bytes.
 TEST_F(VisibilityFile, OutlivesBytesThatAreWrongInEveryPlace) {
     write_visible_sets(path("a"), made_sets(true));
@@ -115,11 +144,7 @@ TEST_F(VisibilityFile, OutlivesBytesThatAreWrongInEveryPlace) {
         std::string wrong = body;
         const std::size_t place = 12 + random_bits(kSeed, 1, i) % (wrong.size() - 12);
         wrong[place] = static_cast<char>(random_bits(kSeed, 2, i));
-        Digest digest;
-        digest.add_bytes(std::as_bytes(std::span(wrong)));
-        ByteWriter checksum;
-        checksum.fixed(digest.value(), 8);
-        refused += fault_of(wrong + checksum.bytes()).empty() ? 0 : 1;
+        refused += fault_of(with_checksum(wrong)).empty() ? 0 : 1;
     }
     EXPECT_GT(refused, 25U);
 }

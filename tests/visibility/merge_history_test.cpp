@@ -211,6 +211,10 @@ TEST(MergeHistory, RefusesStepsThatAreNone) {
     EXPECT_THROW(MergeHistory(1.0, {1, 1}, Merges{{0, 1, 0.5, 1}}), Error);
     EXPECT_THROW(MergeHistory(1.0, {1, 1}, Merges{{0, 1, nan, 1}}), Error);
     EXPECT_THROW(MergeHistory(1.0, {1, 1, 1}, Merges{{0, 1, 1.0, 1}, {0, 3, 1.0, 1}}), Error);
+    // A union has as many entries as its largest part at least, and as all together at most.
+    EXPECT_THROW(MergeHistory(1.0, {2, 3}, Merges{{0, 1, 1.0, 2}}), Error);
+    EXPECT_THROW(MergeHistory(1.0, {2, 3}, Merges{{0, 1, 1.0, 6}}), Error);
+    EXPECT_NO_THROW(MergeHistory(1.0, {2, 3}, Merges{{0, 1, 1.0, 5}}));
 }
 
 }  // namespace
