@@ -88,8 +88,8 @@ public:
 
 private:
     std::vector<Vec3> points_of(const std::string& option, const std::string& text) const {
-        if (const auto point = parse_named_point(text); point && point->name.empty()) {
-            return {{point->position[0], point->position[1], point->position[2]}};
+        if (const auto point = parse_point(text)) {
+            return {*point};
         }
         if (text.find(',') != std::string::npos && !std::filesystem::exists(text)) {
             throw Error(option, "'" + text + "' is not of the form X,Y,Z", "give metres or a file");

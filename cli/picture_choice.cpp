@@ -30,12 +30,11 @@ void PictureChoice::add_to(CLI::App& app) {
 visibility::View PictureChoice::view_from(const CLI::App& app, const geometry::Vec3& point) const {
     visibility::View view;
     if (!look_at_.empty()) {
-        const auto target = parse_named_point(look_at_);
-        if (!target || !target->name.empty()) {
+        const auto target = parse_point(look_at_);
+        if (!target) {
             throw wrong_usage(app, "--look-at", "'" + look_at_ + "' is not of the form X,Y,Z");
         }
-        const auto& to = target->position;
-        view.front = geometry::Vec3(to[0], to[1], to[2]) - point;
+        view.front = *target - point;
         if (*view.front == geometry::Vec3(0.0)) {
             throw wrong_usage(app, "--look-at", "is the point that looks");
         }

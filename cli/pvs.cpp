@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,12 +57,12 @@ public:
     }
 
     void run() override {
-        const auto at = parse_named_point(at_option_);
-        if (!at || !at->name.empty()) {
+        const auto at = parse_point(at_option_);
+        if (!at) {
             throw wrong_usage(app(), "--at", "'" + at_option_ + "' is not of the form X,Y,Z");
         }
         const VisibleSets sets = io::read_visible_sets(file_);
-        const auto cell = sets.cells().cell_at({at->position[0], at->position[1], at->position[2]});
+        const auto cell = sets.cells().cell_at(*at);
         if (!cell) {
             throw Error("--at", at_option_ + " lies outside of the region", "see earshot pvs show");
         }
@@ -116,9 +117,8 @@ public:
 
     void run() override {
         const VisibleSets sets = io::read_visible_sets(file_);
-        constexpr double kNotMade = -1.0;
         if (common().json || !common().quiet) {
-            write_output(pvs_summary(sets, file_, kNotMade, common().json) +
+            write_output(pvs_summary(sets, file_, std::nullopt, common().json) +
                          (common().json ? "" : pvs_tables(sets)));
         }
     }
@@ -161,9 +161,8 @@ public:
                 : sets.history()->cells_by_cost(ratio_);
         const VisibleSets fewer = sets.merged(count);
         io::write_visible_sets(output_, fewer);
-        constexpr double kNotMade = -1.0;
         if (common().json || !common().quiet) {
-            write_output(pvs_summary(fewer, output_, kNotMade, common().json));
+            write_output(pvs_summary(fewer, output_, std::nullopt, common().json));
         }
     }
 

@@ -40,7 +40,7 @@ constexpr const char* kFooter =
     "  earshot pvs build scenes/city.gltf --region 1,1,1:239,3,239 --cells 200 -o streets.pvs\n"
     "      the same from everywhere in the streets, in cells that follow what is seen\n"
     "  earshot ir scenes/classroom.gltf --visibility classroom.pvs -o out\n"
-    "      sound paths whose first surface the source's cell can see";
+    "      sound paths that are first reflected by what the source's cell can see";
 
 class PvsBuildCommand : public Command {
 public:
@@ -126,11 +126,11 @@ private:
         if (grid_option_.empty()) {
             return std::nullopt;
         }
-        const auto counts = parse_named_point(grid_option_);
+        const auto counts = parse_point(grid_option_);
         std::array<std::uint32_t, 3> result{};
-        bool is_right = counts && counts->name.empty();
+        bool is_right = counts.has_value();
         for (std::size_t k = 0; is_right && k < 3; ++k) {
-            const double count = counts->position[k];
+            const double count = (*counts)[static_cast<int>(k)];
             is_right = count >= 1.0 && count <= kMostCells && count == std::floor(count);
             result[k] = is_right ? static_cast<std::uint32_t>(count) : 0;
         }
@@ -145,16 +145,12 @@ private:
         if (region_option_.empty()) {
             return std::nullopt;
         }
-        const std::size_t colon = region_option_.find(':');
-        const auto lower = parse_named_point(region_option_.substr(0, colon));
-        const auto upper = parse_named_point(
-            colon == std::string::npos ? std::string() : region_option_.substr(colon + 1));
-        if (!lower || !upper || !lower->name.empty() || !upper->name.empty()) {
+        const auto corners = parse_corners(region_option_);
+        if (!corners) {
             throw wrong_usage(
                 app(), "--region", "'" + region_option_ + "' is not of the form X,Y,Z:X,Y,Z");
         }
-        const auto point = [](const auto& p) { return Vec3(p[0], p[1], p[2]); };
-        return Region{point(lower->position), point(upper->position)};
+        return Region{(*corners)[0], (*corners)[1]};
     }
 
     static Region box_of(const bvh::WideTree& tree) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/pvs_report.h"
 
+#include "earshot/cli/output.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -37,11 +39,13 @@ std::vector<std::size_t> triangles_per_cell(const VisibleSets& sets) {
     return counts;
 }
 
-std::string as_text(const VisibleSets& sets, const std::string& file, double seconds) {
+std::string as_text(const VisibleSets& sets,
+                    const std::string& file,
+                    std::optional<double> seconds) {
     const auto& origin = sets.origin();
     const auto cells = static_cast<double>(sets.cells().size());
     const visibility::Region& region = sets.cells().region();
-    std::string text = "scene      " + origin.scene + line(" at %g s\n", origin.time);
+    std::string text = "scene      " + on_one_line(origin.scene) + line(" at %g s\n", origin.time);
     text += line("region     %g,%g,%g to %g,%g,%g m\n",
                  region.lower.x,
                  region.lower.y,
@@ -59,8 +63,8 @@ std::string as_text(const VisibleSets& sets, const std::string& file, double sec
     text += line("rays       %llu; of late ones %.2g met something new\n",
                  static_cast<unsigned long long>(origin.rays),
                  origin.missed_share);
-    if (seconds >= 0.0) {
-        text += line("time       %.3f s\n", seconds);
+    if (seconds) {
+        text += line("time       %.3f s\n", *seconds);
     }
     return text + "file       " + file + "\n";
 }
@@ -69,7 +73,7 @@ std::string as_text(const VisibleSets& sets, const std::string& file, double sec
 
 std::string pvs_summary(const VisibleSets& sets,
                         const std::string& file,
-                        double seconds,
+                        std::optional<double> seconds,
                         bool as_json) {
     if (!as_json) {
         return as_text(sets, file, seconds);
@@ -87,8 +91,8 @@ std::string pvs_summary(const VisibleSets& sets,
                                    {"missed_share", origin.missed_share},
                                    {"seed", origin.seed},
                                    {"file", file}};
-    if (seconds >= 0.0) {
-        json["seconds"] = seconds;
+    if (seconds) {
+        json["seconds"] = *seconds;
     }
     return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }

@@ -70,6 +70,22 @@ std::optional<NamedPoint> parse_named_point(std::string_view text) {
     return point;
 }
 
+std::optional<geometry::Vec3> parse_point(std::string_view text) {
+    const auto position = parse_three(text, ',');
+    return position ? std::optional(geometry::Vec3((*position)[0], (*position)[1], (*position)[2]))
+                    : std::nullopt;
+}
+
+std::optional<std::array<geometry::Vec3, 2>> parse_corners(std::string_view text) {
+    const std::size_t colon = text.find(':');
+    if (colon == std::string_view::npos) {
+        return std::nullopt;
+    }
+    const auto first = parse_point(text.substr(0, colon));
+    const auto second = parse_point(text.substr(colon + 1));
+    return first && second ? std::optional(std::array{*first, *second}) : std::nullopt;
+}
+
 std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t most) {
     const std::size_t cross = text.find('x');
     const auto width = parse_integer(text.substr(0, cross));

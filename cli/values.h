@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/geometry/types.h"
+
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -22,6 +24,12 @@ struct NamedPoint {
     std::array<double, 3> position{};
 };
 std::optional<NamedPoint> parse_named_point(std::string_view text);
+
+/// `X,Y,Z`.
+std::optional<geometry::Vec3> parse_point(std::string_view text);
+
+/// `X,Y,Z:X,Y,Z`, the corners of a box; which is the lower one is not looked at.
+std::optional<std::array<geometry::Vec3, 2>> parse_corners(std::string_view text);
 
 /// `WIDTH` or `WIDTHxHEIGHT` in pixels, each 1 ... `most`.
 struct PictureSize {

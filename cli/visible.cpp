@@ -68,11 +68,11 @@ public:
         use_simd_target(common().simd);
         Executor executor(static_cast<int>(common().threads));
         const std::vector<double> times = scene_.times(app());
-        const auto from = parse_named_point(from_option_);
-        if (!from || !from->name.empty()) {
+        const auto from = parse_point(from_option_);
+        if (!from) {
             throw wrong_usage(app(), "--from", "'" + from_option_ + "' is not of the form X,Y,Z");
         }
-        point_ = {from->position[0], from->position[1], from->position[2]};
+        point_ = *from;
         const visibility::View view = picture_.view_from(app(), point_);
         if (output_.empty() && !picture_.is_chosen() && common().quiet && !common().json) {
             throw wrong_usage(app(), "--quiet", "leaves nothing to do without -o or --image");

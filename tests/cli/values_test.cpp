@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace earshot::cli {
 namespace {
 
@@ -56,6 +58,18 @@ TEST(Values, FramesRunFromTheFirstInstantToTheLast) {
     for (const char* text :
          {"", "0:1", "0:1:0", "0:1:-1", "1:0:1", "0:1e9:1e-3", "a:1:1", "0:1:1:1"}) {
         EXPECT_FALSE(parse_frames(text)) << text;
+    }
+}
+
+TEST(Values, PointsAndCornersHaveNoNames) {
+    using geometry::Vec3;
+    EXPECT_EQ(parse_point("1,-2.5,3e2"), Vec3(1.0, -2.5, 300.0));
+    for (const char* text : {"", "1,2", "1,2,3,4", "1,2,", "a=1,2,3", "1,2,nan", "1, 2,3"}) {
+        EXPECT_FALSE(parse_point(text)) << text;
+    }
+    EXPECT_EQ(parse_corners("1,2,3:4,5,6"), (std::array{Vec3(1.0, 2.0, 3.0), Vec3(4.0, 5.0, 6.0)}));
+    for (const char* text : {"", ":", "1,2,3", "1,2,3:", "1,2,3:4,5", "1,2,3:4,5,6:7,8,9"}) {
+        EXPECT_FALSE(parse_corners(text)) << text;
     }
 }
 
