@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/leaf_contacts.h"
+#include "earshot/visibility/internal/leaf_contacts.h"
 
 #include "earshot/visibility/cell_shape.h"
 

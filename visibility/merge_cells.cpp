@@ -3,7 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-#include "earshot/visibility/leaf_contacts.h"
+#include "earshot/visibility/internal/leaf_contacts.h"
 #include "earshot/visibility/render_cost.h"
 
 #include <glm/geometric.hpp>
