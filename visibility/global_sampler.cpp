@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 namespace earshot::visibility {
@@ -94,14 +95,22 @@ GlobalView GlobalSampler::run() {
     view_.visible.resize(cells_.size());
     executor_.for_each(cells_.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
-            for (ObjectId object = 0; object < objects_.size(); ++object) {
-                if (is_known(static_cast<CellId>(cell), object)) {
-                    view_.visible[cell].push_back(object);
-                }
-            }
+            view_.visible[cell] = set_of(static_cast<CellId>(cell));
         }
     });
     return std::move(view_);
+}
+
+std::vector<ObjectId> GlobalSampler::set_of(CellId cell) const {
+    std::vector<ObjectId> set;
+    set.reserve(static_cast<std::size_t>(sizes_[cell]));
+    for (std::size_t i = 0; i < words_; ++i) {
+        for (std::uint64_t bits = bits_[cell * words_ + i]; bits != 0; bits &= bits - 1) {
+            set.push_back(
+                static_cast<ObjectId>(64 * i + static_cast<std::size_t>(std::countr_zero(bits))));
+        }
+    }
+    return set;
 }
 
 bool GlobalSampler::is_finished() const {

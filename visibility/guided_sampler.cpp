@@ -2,9 +2,9 @@
 #include "earshot/visibility/internal/guided_sampler.h"
 
 #include "earshot/base/halton.h"
-#include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_batch.h"
+#include "earshot/visibility/internal/unit.h"
 
 #include <glm/geometric.hpp>
 
@@ -165,12 +165,11 @@ Ray GuidedSampler::random_ray(std::uint64_t index) const {
     ray.origin[axis] = face % 2 == 0 ? region_.lower[axis] : region_.upper[axis];
     ray.origin[across] = region_.lower[across] + number(3) * region_.size()[across];
     ray.origin[along] = region_.lower[along] + number(5) * region_.size()[along];
-    const double height = 1.0 - number(7);  // never 0
-    const double radius = std::sqrt(std::max(0.0, 1.0 - height * height));
-    const double turn = 2.0 * std::numbers::pi * number(11);
-    ray.direction[axis] = face % 2 == 0 ? -height : height;
-    ray.direction[across] = radius * math::cos(turn);
-    ray.direction[along] = radius * math::sin(turn);
+    // The height is never 0.
+    const Vec3 outward = on_sphere(1.0 - number(7), 2.0 * std::numbers::pi * number(11));
+    ray.direction[axis] = face % 2 == 0 ? -outward.z : outward.z;
+    ray.direction[across] = outward.x;
+    ray.direction[along] = outward.y;
     return ray;
 }
 

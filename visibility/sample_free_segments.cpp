@@ -4,11 +4,11 @@
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_batch.h"
+#include "earshot/visibility/internal/unit.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace earshot::visibility {
@@ -45,11 +45,8 @@ Ray drawn(const Region& region, std::uint64_t seed, std::uint64_t sample) {
                                           region.lower[axis],
                                           region.upper[axis]);
     }
-    // Slices of a sphere of equal thickness have equal areas.
-    const double z = random_between(seed, kHeight, sample, -1.0, 1.0);
-    const double turn = 2.0 * math::kPi * random(seed, kTurn, sample);
-    const double radius = std::sqrt(std::max(0.0, 1.0 - z * z));
-    ray.direction = {radius * math::cos(turn), radius * math::sin(turn), z};
+    ray.direction = on_sphere(random_between(seed, kHeight, sample, -1.0, 1.0),
+                              2.0 * math::kPi * random(seed, kTurn, sample));
     return ray;
 }
 

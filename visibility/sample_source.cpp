@@ -6,6 +6,7 @@
 #include "earshot/base/random.h"
 #include "earshot/geometry/aabb.h"
 #include "earshot/geometry/sheared_ray.h"
+#include "earshot/visibility/internal/unit.h"
 
 #include <glm/geometric.hpp>
 
@@ -105,11 +106,8 @@ SampleSource::Spot SampleSource::on_object(std::uint64_t index) const noexcept {
 void SampleSource::draw(Sample& sample, std::uint64_t index) const {
     switch (sample.kind) {
         case SampleKind::view_direction: {
-            const double height = 1.0 - 2.0 * number(index, 7);
-            const double radius = std::sqrt(std::max(0.0, 1.0 - height * height));
-            const double turn = kTurn * number(index, 11);
             sample.ray = {in_region(index),
-                          {radius * math::cos(turn), radius * math::sin(turn), height}};
+                          on_sphere(1.0 - 2.0 * number(index, 7), kTurn * number(index, 11))};
             return;
         }
         case SampleKind::object_direction: {

@@ -48,6 +48,7 @@ private:
     void follow_silhouette(const Sample& sample, const FreeSegment& segment);
     void choose_anew(const std::array<GlobalView::Count, kSampleKinds>& before);
     void close_window();
+    std::vector<ObjectId> set_of(CellId cell) const;
 
     std::uint64_t& word(CellId cell, ObjectId object) { return bits_[cell * words_ + object / 64]; }
     bool is_known(CellId cell, ObjectId object) const {
