@@ -116,7 +116,7 @@ private:
             app()
                 .add_option("--visibility",
                             visibility_file_,
-                            "leave out paths that first meet what their source's cell does not "
+                            "leave out paths first reflected by what their source's cell does not "
                             "see, a file of earshot pvs build; sets may lack something")
                 ->type_name("FILE");
         app()

@@ -11,8 +11,8 @@
 
 namespace earshot::frustum {
 
-/// Per facet: 1 if it may be the first that a path meets; empty: all may. For what is known of
-/// where a source is; paths that begin with another facet are left out.
+/// Per facet: 1 if it may be the first that reflects a path; empty: all may. For what is known of
+/// where a source is; paths that another facet reflects first are left out.
 using FirstFacets = std::span<const std::uint8_t>;
 
 /// What the frusta from one source see, kept so that listeners may move. Made by a PathFinder and

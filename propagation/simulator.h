@@ -38,9 +38,10 @@ struct Options {
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
     /// does not. Costs memory and changes no result.
     bool keeps_traces = false;
-    /// Paths are left out that first meet a facet of which the cell of their source sees no
-    /// triangle; of a source outside of the region none are. Must outlive the simulator. Sets may
-    /// lack what can be seen (VisibleSets), and then paths are missing.
+    /// Paths are left out that are first reflected by a facet of which the cell of their source
+    /// sees no triangle; of a source outside of the region none are. Must outlive the simulator.
+    /// Sets may lack what can be seen (VisibleSets), and know nothing of what is heard through
+    /// facets (transmission): then paths are missing.
     const visibility::VisibleSets* visible_sets = nullptr;
     audio::Bands bands = audio::Bands::octaves();
 };
