@@ -14,12 +14,28 @@ namespace earshot::collision::HWY_NAMESPACE {
 /// Which slots of a node the guest may meet.
 HWY_INLINE std::uint32_t met(const BoxNode& node,
                              const Slot& guest,
-                             const geometry::MeshView& guest_mesh,
+                             std::span<const Corners> guest_corners,
                              const GuestFrame& frame,
                              bool is_aligned) {
     return guest.is_triangle()
-               ? overlapping(node, GuestTriangle(guest, guest_mesh, frame), frame.padding)
+               ? overlapping(node, GuestTriangle(guest, guest_corners, frame), frame.padding)
                : overlapping(node, guest, frame, is_aligned);
+}
+
+/// Asks memory for what a child will be tested with: its node, or its triangle's corners.
+HWY_INLINE void fetch(std::span<const BoxNode> nodes,
+                      std::span<const Corners> corners,
+                      std::uint32_t child) {
+    if ((child & kTriangleFlag) != 0) {
+        const Corners& own = corners[child & ~kTriangleFlag];
+        __builtin_prefetch(&own.front());
+        __builtin_prefetch(&own.back());
+        return;
+    }
+    const auto* const place = reinterpret_cast<const std::byte*>(&nodes[child]);
+    for (std::size_t line = 0; line < sizeof(BoxNode); line += 64) {
+        __builtin_prefetch(place + line);
+    }
 }
 
 /// Lists the pairs that a pair is opened into. Precondition: it is not of two triangles.
@@ -29,13 +45,15 @@ HWY_INLINE void open(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
     const Slot b(trees.b, pair.b);
     const RelativePose& pose = trees.pose;
     if (is_opened_first(a, b)) {
-        for_each_bit(met(trees.a[a.child], b, trees.b_mesh, pose.b_in_a, pose.is_aligned),
+        for_each_bit(met(trees.a[a.child], b, trees.b_corners, pose.b_in_a, pose.is_aligned),
                      [&](std::uint32_t slot) {
+                         fetch(trees.a, trees.a_corners, trees.a[a.child].child[slot]);
                          visit(BoxPair{a.child * 8 + slot, pair.b});
                      });
     } else {
-        for_each_bit(met(trees.b[b.child], a, trees.a_mesh, pose.a_in_b, pose.is_aligned),
+        for_each_bit(met(trees.b[b.child], a, trees.a_corners, pose.a_in_b, pose.is_aligned),
                      [&](std::uint32_t slot) {
+                         fetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
                          visit(BoxPair{pair.a, b.child * 8 + slot});
                      });
     }
@@ -109,6 +127,11 @@ void nearest(const BoxPairs& trees, DistanceSearch& search) {
         // The nearest on top.
         const std::size_t first = count;
         for_each_bit(mask, [&](std::uint32_t slot) {
+            if (opens_a) {
+                fetch(trees.a, trees.a_corners, trees.a[a.child].child[slot]);
+            } else {
+                fetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
+            }
             std::size_t place = count++;
             for (; place > first && waiting[place - 1].squared < squares[slot]; --place) {
                 waiting[place] = waiting[place - 1];

@@ -23,7 +23,7 @@ bool is_empty(const Body& body) noexcept {
 }
 
 BoxPairs trees_of(const Body& a, const Body& b, const RelativePose& pose) noexcept {
-    return {a.shape.nodes(), b.shape.nodes(), pose, a.shape.mesh(), b.shape.mesh()};
+    return {a.shape.nodes(), b.shape.nodes(), pose, a.shape.corners(), b.shape.corners()};
 }
 
 /// Runs search(item, found) over items in chunks; what they find, sorted.
@@ -42,6 +42,18 @@ std::vector<TrianglePair> collect(std::size_t items,
     }
     std::sort(found.begin(), found.end());
     return found;
+}
+
+void fetch_triangle(const Body& body, geometry::TriangleId id) noexcept {
+    __builtin_prefetch(&body.shape.mesh().triangles[id]);
+}
+
+/// Precondition: fetch_triangle(), and time for it.
+void fetch_corners(const Body& body, geometry::TriangleId id) noexcept {
+    const geometry::MeshView& mesh = body.shape.mesh();
+    for (const geometry::VertexId vertex : mesh.triangles[id]) {
+        __builtin_prefetch(&mesh.positions[vertex]);
+    }
 }
 
 /// Pairs of boxes that between them hold all contacts, enough for every thread to have some.
@@ -94,22 +106,24 @@ bool are_parted(const Corners& one,
 
 }  // namespace
 
-bool ContactSearch::add(geometry::TriangleId a, geometry::TriangleId b) {
-    const Corners& one = a_.corners(a);
-    const Corners& other = b_.corners(b);
-    if (wanted_ == Wanted::all_of_one_mesh) {
-        if (meet_beyond_shared(triangles_[a], one, triangles_[b], other)) {
-            found.push_back(a < b ? TrianglePair{a, b} : TrianglePair{b, a});
+void ContactSearch::decide() {
+    for (std::size_t i = 0; i < count_; ++i) {
+        const auto [a, b] = waiting_[i];
+        const Corners& one = a_.corners(a);
+        const Corners& other = b_.corners(b);
+        const TrianglePair pair{a_.triangle(a), b_.triangle(b)};
+        if (wanted_ == Wanted::all_of_one_mesh) {
+            if (meet_beyond_shared(triangles_[pair.a], one, triangles_[pair.b], other)) {
+                found.push_back(pair.a < pair.b ? pair : TrianglePair{pair.b, pair.a});
+            }
+        } else if (meet(one, other)) {
+            found.push_back(pair);
         }
-        return true;
     }
-    if (meet(one, other)) {
-        found.push_back({a, b});
-    }
-    return wanted_ == Wanted::all || found.empty();
+    count_ = 0;
 }
 
-void DistanceSearch::add(geometry::TriangleId a, geometry::TriangleId b) noexcept {
+void DistanceSearch::add(std::uint32_t a, std::uint32_t b) noexcept {
     const Corners& one = a_.corners(a);
     const Corners& other = b_.corners(b);
     // Near the best pair most others are parted by more than its distance in its direction, and
@@ -119,7 +133,7 @@ void DistanceSearch::add(geometry::TriangleId a, geometry::TriangleId b) noexcep
         return;
     }
     const TriangleDistance here = distance_apart(one, other);
-    const TrianglePair pair{a, b};
+    const TrianglePair pair{a_.triangle(a), b_.triangle(b)};
     if (here.distance < best.distance ||
         (here.distance == best.distance && pair < best.triangles)) {
         best = {here.distance, pair, here.on_one, here.on_other};
@@ -154,6 +168,7 @@ std::vector<TrianglePair> find_contacts(const Body& a, const Body& b, Executor& 
         for (std::size_t i = begin; i < end; ++i) {
             find_touching(trees, tasks[i], search);
         }
+        search.decide();
         return std::move(search.found);
     });
 }
@@ -166,6 +181,7 @@ std::vector<TrianglePair> find_self_contacts(const Body& body, Executor& executo
         for (std::size_t i = begin; i < end; ++i) {
             find_touching_within(trees, static_cast<std::uint32_t>(i), search);
         }
+        search.decide();
         return std::move(search.found);
     });
 }
@@ -175,8 +191,18 @@ std::vector<geometry::Segment> contact_segments(const Body& a,
                                                 std::span<const TrianglePair> pairs) {
     std::vector<geometry::Segment> segments;
     segments.reserve(pairs.size());
-    for (const TrianglePair& pair : pairs) {
-        segments.push_back(intersection(corners_of(a, pair.a), corners_of(b, pair.b))
+    // Each pair's corners are far from those of the last, and asked for in time.
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (i + 2 * kAhead < pairs.size()) {
+            fetch_triangle(a, pairs[i + 2 * kAhead].a);
+            fetch_triangle(b, pairs[i + 2 * kAhead].b);
+        }
+        if (i + kAhead < pairs.size()) {
+            fetch_corners(a, pairs[i + kAhead].a);
+            fetch_corners(b, pairs[i + kAhead].b);
+        }
+        segments.push_back(intersection(corners_of(a, pairs[i].a), corners_of(b, pairs[i].b))
                                .value_or(geometry::Segment{}));
     }
     return segments;

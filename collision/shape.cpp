@@ -22,8 +22,10 @@ namespace {
 /// opened until there are eight, but what fits into one node stays together.
 class Collapse {
 public:
-    Collapse(const bvh::Tree& tree, LargeArray<BoxNode>& nodes)
-        : tree_(tree), nodes_(nodes), counts_(tree.nodes().size()) {
+    Collapse(const bvh::Tree& tree,
+             LargeArray<BoxNode>& nodes,
+             LargeArray<geometry::TriangleId>& triangles)
+        : tree_(tree), nodes_(nodes), triangles_(triangles), counts_(tree.nodes().size()) {
         for (std::size_t i = counts_.size(); i-- > 0;) {
             const Node& node = tree.nodes()[i];
             counts_[i] = node.is_leaf() ? 1 : counts_[node.first] + counts_[node.first + 1];
@@ -32,6 +34,7 @@ public:
 
     void place_all() {
         nodes_.reserve(tree_.nodes().size() / 3 + 2);
+        triangles_.reserve(tree_.primitives().size());
         BoxNode root{};
         root.count = 1;
         nodes_.push_back(root);
@@ -40,11 +43,13 @@ public:
     }
 
 private:
-    /// What stands for a binary node: its triangle, or a new wide node.
+    /// What stands for a binary node: a leaf, or a new wide node.
     std::uint32_t child_of(std::uint32_t index) {
         const Node& node = tree_.nodes()[index];
         if (node.is_leaf()) {
-            return kTriangleFlag | tree_.primitives()[node.first];
+            const auto leaf = static_cast<std::uint32_t>(triangles_.size());
+            triangles_.push_back(tree_.primitives()[node.first]);
+            return kTriangleFlag | leaf;
         }
         const auto place = static_cast<std::uint32_t>(nodes_.size());
         nodes_.push_back(BoxNode{});
@@ -84,6 +89,7 @@ private:
 
     const bvh::Tree& tree_;
     LargeArray<BoxNode>& nodes_;
+    LargeArray<geometry::TriangleId>& triangles_;
     std::vector<std::uint32_t> counts_;  // of the triangles below
 };
 
@@ -101,23 +107,21 @@ void set_slot(BoxNode& node, std::size_t slot, const Aabb& box) {
 /// Slabs of a hierarchy, from the leaves up.
 class Slabs {
 public:
-    Slabs(const geometry::MeshView& mesh, std::span<BoxNode> nodes) : mesh_(mesh), nodes_(nodes) {
-        corners_.reserve(mesh.triangles.size());
-        normals_.reserve(mesh.triangles.size());
+    Slabs(std::span<const Corners> corners, std::span<BoxNode> nodes)
+        : corners_(corners), nodes_(nodes) {
+        normals_.reserve(corners.size());
     }
 
     /// Fills the slots of a node and all below.
     void fill(std::uint32_t index) {
         BoxNode& node = nodes_[index];
         for (std::size_t slot = 0; slot < node.count; ++slot) {
-            const std::size_t first = corners_.size();
+            const std::size_t first = normals_.size();
             const std::uint32_t child = node.child[slot];
             if ((child & kTriangleFlag) == 0) {
                 fill(child);
             } else {
-                const auto& [a, b, c] = mesh_.triangles[child & ~kTriangleFlag];
-                corners_.push_back({mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]});
-                const auto& t = corners_.back();
+                const auto& t = corners_[first];
                 normals_.push_back(glm::cross(t[1] - t[0], t[2] - t[0]));
             }
             set_slot(node, slot, first);
@@ -125,7 +129,7 @@ public:
     }
 
 private:
-    /// The slab of all triangles from one on.
+    /// The slab of all triangles from one on that have a normal.
     void set_slot(BoxNode& node, std::size_t slot, std::size_t first) const {
         geometry::Vec3 sum(0.0);
         for (std::size_t i = first; i < normals_.size(); ++i) {
@@ -145,7 +149,7 @@ private:
         }
         double low = std::numeric_limits<double>::infinity();
         double high = -low;
-        for (std::size_t i = first; i < corners_.size(); ++i) {
+        for (std::size_t i = first; i < normals_.size(); ++i) {
             for (const geometry::Vec3& corner : corners_[i]) {
                 const double height = glm::dot(normal, corner - centre);
                 low = std::min(low, height);
@@ -158,17 +162,15 @@ private:
             std::max(high - static_cast<double>(middle), static_cast<double>(middle) - low));
     }
 
-    const geometry::MeshView& mesh_;
+    std::span<const Corners> corners_;
     std::span<BoxNode> nodes_;
-    // Of the triangles in the order of the leaves; normals are twice the areas long.
-    std::vector<std::array<geometry::Vec3, 3>> corners_;
-    std::vector<geometry::Vec3> normals_;
+    std::vector<geometry::Vec3> normals_;  // of the leaves so far, twice the areas long
 };
 
 }  // namespace
 
 void Shape::set_slabs() {
-    Slabs(mesh_, {nodes_.data(), nodes_.size()}).fill(0);
+    Slabs(corners_, {nodes_.data(), nodes_.size()}).fill(0);
 }
 
 Shape Shape::build(const geometry::MeshView& mesh,
@@ -180,7 +182,8 @@ Shape Shape::build(const geometry::MeshView& mesh,
     Shape shape;
     shape.mesh_ = mesh;
     if (!tree.nodes().empty()) {
-        Collapse(tree, shape.nodes_).place_all();
+        Collapse(tree, shape.nodes_, shape.triangles_).place_all();
+        shape.set_corners();
         shape.set_boxes();
         shape.set_slabs();
     }
@@ -190,8 +193,17 @@ Shape Shape::build(const geometry::MeshView& mesh,
 void Shape::refit(const geometry::MeshView& mesh) {
     mesh_ = mesh;
     if (!nodes_.empty()) {
+        set_corners();
         set_boxes();
         set_slabs();
+    }
+}
+
+void Shape::set_corners() {
+    corners_.resize(triangles_.size());
+    for (std::size_t leaf = 0; leaf < corners_.size(); ++leaf) {
+        const auto& [a, b, c] = mesh_.triangles[triangles_[leaf]];
+        corners_[leaf] = {mesh_.positions[a], mesh_.positions[b], mesh_.positions[c]};
     }
 }
 
@@ -205,8 +217,8 @@ void Shape::set_boxes() {
             if ((child & kTriangleFlag) == 0) {
                 box = boxes[child];
             } else {
-                for (const geometry::VertexId vertex : mesh_.triangles[child & ~kTriangleFlag]) {
-                    box.include(mesh_.positions[vertex]);
+                for (const geometry::Vec3& corner : corners_[child & ~kTriangleFlag]) {
+                    box.include(corner);
                 }
             }
             set_slot(node, slot, box);

@@ -4,6 +4,7 @@
 #include "earshot/base/large_array.h"
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/tree.h"
+#include "earshot/collision/triangle_pair.h"
 #include "earshot/geometry/mesh.h"
 
 #include <glm/mat3x3.hpp>
@@ -25,7 +26,7 @@ struct alignas(64) BoxNode {
     float normal[3][kWidth];    ///< of the slab; any length up to 1, within a rounding
     float slab_centre[kWidth];  ///< along the normal, from the box's centre
     float slab_half[kWidth];
-    std::uint32_t child[kWidth];  ///< a node's index, or kTriangleFlag + TriangleId
+    std::uint32_t child[kWidth];  ///< a node's index, or kTriangleFlag + a leaf's
     std::uint32_t count;          ///< of the children, which fill the first slots
 };
 
@@ -34,7 +35,7 @@ static_assert(sizeof(BoxNode) == 448);
 inline constexpr std::uint32_t kTriangleFlag = 0x80000000U;
 
 /// A mesh prepared for collision queries: a hierarchy of eight-wide nodes whose leaves are single
-/// triangles. It keeps a view of the mesh.
+/// triangles, numbered so that those of a node lie together. It keeps a view of the mesh.
 class Shape {
 public:
     Shape() = default;
@@ -57,6 +58,10 @@ public:
     /// stands in slot 0 of the first node, which has that one child.
     std::span<const BoxNode> nodes() const noexcept { return nodes_; }
 
+    /// Of each leaf the triangle, and where its corners are.
+    std::span<const geometry::TriangleId> triangles() const noexcept { return triangles_; }
+    std::span<const Corners> corners() const noexcept { return corners_; }
+
     /// The largest absolute coordinate of a triangle, rounded up; 0 without triangles.
     double reach() const noexcept { return reach_; }
 
@@ -64,11 +69,14 @@ public:
     static constexpr double kReachLimit = 0x1p60;
 
 private:
+    void set_corners();
     void set_boxes();
     void set_slabs();
 
     geometry::MeshView mesh_;
     LargeArray<BoxNode> nodes_;
+    LargeArray<geometry::TriangleId> triangles_;
+    LargeArray<Corners> corners_;
     double reach_ = 0.0;
 };
 

@@ -21,8 +21,7 @@ struct BoxPair {
 struct BoxPairs {
     std::span<const BoxNode> a, b;
     const RelativePose& pose;
-    const geometry::MeshView& a_mesh;
-    const geometry::MeshView& b_mesh;
+    std::span<const Corners> a_corners, b_corners;
 };
 
 /// Adds all pairs of triangles below a pair whose boxes overlap, until the search has enough.

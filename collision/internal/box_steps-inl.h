@@ -157,13 +157,13 @@ struct GuestTriangle {
     float slack;  // of the corners about the plane
 
     HWY_INLINE GuestTriangle(const Slot& slot,
-                             const geometry::MeshView& mesh,
+                             std::span<const Corners> corners,
                              const GuestFrame& frame) {
-        const geometry::Triangle& triangle = mesh.triangles[slot.child & ~kTriangleFlag];
+        const Corners& own = corners[slot.child & ~kTriangleFlag];
         for (int k = 0; k < 3; ++k) {
             const float* turn = frame.turn[k];
             for (std::size_t i = 0; i < 3; ++i) {
-                const geometry::Vec3& p = mesh.positions[triangle[i]];
+                const geometry::Vec3& p = own[i];
                 corner[i][k] = frame.origin[k] + (turn[0] * static_cast<float>(p.x) +
                                                   turn[1] * static_cast<float>(p.y) +
                                                   turn[2] * static_cast<float>(p.z));

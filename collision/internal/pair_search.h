@@ -4,6 +4,8 @@
 #include "earshot/collision/discrete.h"
 #include "earshot/collision/triangle_pair.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -23,23 +25,30 @@ inline Corners corners_of(const Body& body, geometry::TriangleId id) noexcept {
             body.pose.place(mesh.positions[triangle[2]])};
 }
 
-/// The corners of the triangle that was asked for last: searches ask for one several times on end.
-class LastTriangle {
+/// The corners of the leaf that was asked for last: searches ask for one several times on end.
+class LastLeaf {
 public:
-    explicit LastTriangle(const Body& body) noexcept : body_(body) {}
+    explicit LastLeaf(const Body& body) noexcept
+        : pose_(body.pose), triangles_(body.shape.triangles()), corners_(body.shape.corners()) {}
 
-    const Corners& corners(geometry::TriangleId id) noexcept {
-        if (id != id_) {
-            id_ = id;
-            corners_ = corners_of(body_, id);
+    geometry::TriangleId triangle(std::uint32_t leaf) const noexcept { return triangles_[leaf]; }
+
+    const Corners& corners(std::uint32_t leaf) noexcept {
+        if (leaf != leaf_) {
+            leaf_ = leaf;
+            for (std::size_t i = 0; i < 3; ++i) {
+                placed_[i] = pose_.place(corners_[leaf][i]);
+            }
         }
-        return corners_;
+        return placed_;
     }
 
 private:
-    const Body& body_;
-    geometry::TriangleId id_ = std::numeric_limits<geometry::TriangleId>::max();
-    Corners corners_{};
+    const Pose& pose_;
+    const std::span<const geometry::TriangleId> triangles_;
+    const std::span<const Corners> corners_;
+    std::uint32_t leaf_ = std::numeric_limits<std::uint32_t>::max();
+    Corners placed_{};
 };
 
 /// Collects the pairs that meet.
@@ -50,16 +59,27 @@ public:
     ContactSearch(const Body& a, const Body& b, Wanted wanted) noexcept
         : triangles_(a.shape.mesh().triangles), a_(a), b_(b), wanted_(wanted) {}
 
-    /// Returns whether the search goes on.
-    bool add(geometry::TriangleId a, geometry::TriangleId b);
+    /// Takes leaves. Returns whether the search goes on. Pairs may wait for others.
+    bool add(std::uint32_t a, std::uint32_t b) {
+        waiting_[count_++] = {a, b};
+        if (wanted_ == Wanted::first || count_ == waiting_.size()) {
+            decide();
+        }
+        return wanted_ != Wanted::first || found.empty();
+    }
+
+    /// Decides the pairs that wait still.
+    void decide();
 
     std::vector<TrianglePair> found;
 
 private:
     const std::span<const geometry::Triangle> triangles_;
-    LastTriangle a_;
-    LastTriangle b_;
+    LastLeaf a_;
+    LastLeaf b_;
     Wanted wanted_;
+    std::array<std::array<std::uint32_t, 2>, 32> waiting_{};
+    std::size_t count_ = 0;
 };
 
 /// Keeps the nearest pair, of equally near ones the first. Precondition: no two triangles meet.
@@ -67,7 +87,7 @@ class DistanceSearch {
 public:
     DistanceSearch(const Body& a, const Body& b) noexcept : a_(a), b_(b) {}
 
-    void add(geometry::TriangleId a, geometry::TriangleId b) noexcept;
+    void add(std::uint32_t a, std::uint32_t b) noexcept;
 
     /// Pairs of boxes farther apart, by this square, are of no interest.
     float squared_bound() const noexcept { return squared_bound_; }
@@ -75,8 +95,8 @@ public:
     MeshDistance best{};
 
 private:
-    LastTriangle a_;
-    LastTriangle b_;
+    LastLeaf a_;
+    LastLeaf b_;
     float squared_bound_ = std::numeric_limits<float>::infinity();
     geometry::Vec3 direction_{0.0};  // from the best pair's one point to the other, length 1
 };

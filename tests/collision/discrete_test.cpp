@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "support/query_meshes.h"
+#include <algorithm>
 #include <optional>
 
 namespace earshot::collision {
@@ -150,6 +151,24 @@ TEST(Discrete, FollowsARefit) {
     }
     moving.refit(a.view());
     EXPECT_EQ(by_trees({moving}, {still}), by_brute_force(a, {}, b, {}));
+}
+
+TEST(Discrete, LeavesAreTheMeshsTriangles) {
+    auto mesh = test::triangle_soup(60, 100);
+    Shape shape = Shape::build(mesh.view());
+    for (Vec3& position : mesh.positions) {
+        position = {position.y, -position.z, position.x};
+    }
+    shape.refit(mesh.view());
+    std::vector<geometry::TriangleId> triangles(shape.triangles().begin(), shape.triangles().end());
+    ASSERT_EQ(shape.corners().size(), triangles.size());
+    for (std::size_t leaf = 0; leaf < triangles.size(); ++leaf) {
+        EXPECT_EQ(shape.corners()[leaf], placed(mesh, {}, triangles[leaf])) << leaf;
+    }
+    std::sort(triangles.begin(), triangles.end());
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        ASSERT_EQ(triangles.at(i), i);
+    }
 }
 
 TEST(Discrete, SegmentsLieOnBothTriangles) {
