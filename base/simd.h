@@ -8,7 +8,7 @@
 namespace earshot {
 
 // Wide kernels are compiled once per instruction set and chosen when the program runs. They only
-// cull, conservatively, so the choice changes speed and nothing else.
+// cull, conservatively, or decide what is certain, so the choice changes speed and nothing else.
 
 /// Names of the instruction sets that this CPU and this build have, best first: "avx512_dl",
 /// "avx512", "avx2", "sse4", "ssse3", and always "scalar" at the end.

@@ -83,6 +83,9 @@ HWY_INLINE DoublesMask but_not(DoublesMask a, DoublesMask b) {
 HWY_INLINE Doubles choose(DoublesMask mask, Doubles yes, Doubles no) {
     return hn::IfThenElse(mask, yes, no);
 }
+HWY_INLINE DoublesMask choose(DoublesMask mask, DoublesMask yes, DoublesMask no) {
+    return either(both(mask, yes), but_not(no, mask));
+}
 /// Bit i is lane i.
 HWY_INLINE std::uint32_t bits(DoublesMask mask) {
     alignas(8) std::uint8_t bytes[8] = {};

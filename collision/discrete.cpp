@@ -4,6 +4,7 @@
 #include "earshot/collision/internal/box_pairs.h"
 #include "earshot/collision/internal/neighbours.h"
 #include "earshot/collision/internal/pair_search.h"
+#include "earshot/collision/internal/triangle_lanes.h"
 #include "earshot/collision/triangle_distance.h"
 
 #include <glm/geometric.hpp>
@@ -106,21 +107,49 @@ bool are_parted(const Corners& one,
 
 }  // namespace
 
-void ContactSearch::decide() {
-    for (std::size_t i = 0; i < count_; ++i) {
-        const auto [a, b] = waiting_[i];
-        const Corners& one = a_.corners(a);
-        const Corners& other = b_.corners(b);
-        const TrianglePair pair{a_.triangle(a), b_.triangle(b)};
-        if (wanted_ == Wanted::all_of_one_mesh) {
-            if (meet_beyond_shared(triangles_[pair.a], one, triangles_[pair.b], other)) {
-                found.push_back(pair.a < pair.b ? pair : TrianglePair{pair.b, pair.a});
-            }
-        } else if (meet(one, other)) {
-            found.push_back(pair);
+bool ContactSearch::meets(const LeafPair& leaves) {
+    const Corners& one = a_.corners(leaves[0]);
+    const Corners& other = b_.corners(leaves[1]);
+    return wanted_ == Wanted::all_of_one_mesh
+               ? meet_beyond_shared(triangles_[a_.triangle(leaves[0])],
+                                    one,
+                                    triangles_[b_.triangle(leaves[1])],
+                                    other)
+               : meet(one, other);
+}
+
+void ContactSearch::decide_lanes_of(std::span<const LeafPair> pairs) {
+    TriangleLanes lanes;
+    for (std::size_t i = 0; i < TriangleLanes::kWidth; ++i) {
+        const LeafPair& pair = pairs[std::min(i, pairs.size() - 1)];
+        lanes.set(i, a_.own_corners(pair[0]), b_.own_corners(pair[1]));
+    }
+    const LanesDecided decided = decide_lanes(lanes, a_.pose(), b_.pose());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if ((decided.apart >> i & 1U) == 0 &&
+            ((decided.meeting >> i & 1U) != 0 || meets(pairs[i]))) {
+            found.push_back({a_.triangle(pairs[i][0]), b_.triangle(pairs[i][1])});
         }
     }
+}
+
+void ContactSearch::decide() {
+    const std::span<const LeafPair> pairs(waiting_.data(), count_);
     count_ = 0;
+    if (wanted_ == Wanted::all) {
+        for (std::size_t i = 0; i < pairs.size(); i += TriangleLanes::kWidth) {
+            decide_lanes_of(pairs.subspan(i, std::min(TriangleLanes::kWidth, pairs.size() - i)));
+        }
+        return;
+    }
+    for (const LeafPair& pair : pairs) {
+        if (meets(pair)) {
+            const geometry::TriangleId a = a_.triangle(pair[0]);
+            const geometry::TriangleId b = b_.triangle(pair[1]);
+            const bool is_in_order = wanted_ == Wanted::first || a < b;
+            found.push_back(is_in_order ? TrianglePair{a, b} : TrianglePair{b, a});
+        }
+    }
 }
 
 void DistanceSearch::add(std::uint32_t a, std::uint32_t b) noexcept {

@@ -33,6 +33,12 @@ public:
 
     geometry::TriangleId triangle(std::uint32_t leaf) const noexcept { return triangles_[leaf]; }
 
+    const Pose& pose() const noexcept { return pose_; }
+
+    /// Where the mesh has them.
+    const Corners& own_corners(std::uint32_t leaf) const noexcept { return corners_[leaf]; }
+
+    /// Where they stand.
     const Corners& corners(std::uint32_t leaf) noexcept {
         if (leaf != leaf_) {
             leaf_ = leaf;
@@ -74,11 +80,16 @@ public:
     std::vector<TrianglePair> found;
 
 private:
+    using LeafPair = std::array<std::uint32_t, 2>;
+
+    bool meets(const LeafPair& leaves);
+    void decide_lanes_of(std::span<const LeafPair> pairs);
+
     const std::span<const geometry::Triangle> triangles_;
     LastLeaf a_;
     LastLeaf b_;
     Wanted wanted_;
-    std::array<std::array<std::uint32_t, 2>, 32> waiting_{};
+    std::array<LeafPair, 32> waiting_{};
     std::size_t count_ = 0;
 };
 

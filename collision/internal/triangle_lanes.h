@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/collision/shape.h"
+
+#include <cstddef>
+#include <cstdint>
+
+namespace earshot::collision {
+
+/// Eight pairs of triangles side by side, each in its body's space.
+struct TriangleLanes {
+    static constexpr std::size_t kWidth = 8;
+
+    alignas(64) double one[3][3][kWidth];  // one[corner][axis]
+    alignas(64) double other[3][3][kWidth];
+
+    void set(std::size_t lane, const Corners& own, const Corners& others) noexcept {
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<int>(axis);
+                one[corner][axis][lane] = own[corner][k];
+                other[corner][axis][lane] = others[corner][k];
+            }
+        }
+    }
+};
+
+/// What is certain of which pairs: bit i stands for lane i. The others are left to meet().
+struct LanesDecided {
+    std::uint32_t apart = 0, meeting = 0;
+
+    friend bool operator==(const LanesDecided&, const LanesDecided&) = default;
+};
+
+/// Decides with the filters of meet(), in doubles, whether triangles meet where Pose::place() puts
+/// them; compiled for every instruction set. Preconditions as meet().
+LanesDecided decide_lanes(const TriangleLanes& pairs, const Pose& one, const Pose& other);
+
+}  // namespace earshot::collision
