@@ -10,11 +10,10 @@
 #include "earshot/base/error.h"
 #include "earshot/io/scene_file.h"
 
-#include <algorithm>
+#include "sampling_curve.h"
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <iterator>
 
 namespace {
 
@@ -32,19 +31,7 @@ struct Mixture {
 };
 
 std::uint64_t entries_after(const GlobalView& view, std::uint64_t rays) {
-    const auto after = std::upper_bound(
-        view.curve.begin(), view.curve.end(), rays, [](std::uint64_t value, const auto& point) {
-            return value < point.rays;
-        });
-    return after == view.curve.begin() ? 0 : std::prev(after)->entries;
-}
-
-/// 0 if never.
-std::uint64_t rays_until(const GlobalView& view, std::uint64_t entries) {
-    const auto place = std::find_if(view.curve.begin(), view.curve.end(), [&](const auto& point) {
-        return point.entries >= entries;
-    });
-    return place == view.curve.end() ? 0 : place->rays;
+    return found_after(view.curve, &GlobalView::Point::entries, rays);
 }
 
 void print_row(const Mixture& mixture, const GlobalView& view) {
@@ -60,7 +47,7 @@ void print_ratios(const GlobalView& all, const GlobalView& plain) {
     std::printf("| ---: | ---: | ---: | ---: |\n");
     for (const std::uint64_t rays : {kMillion / 10, kMillion / 3, kMillion, 3 * kMillion}) {
         const std::uint64_t entries = entries_after(all, rays);
-        const std::uint64_t until = rays_until(plain, entries);
+        const std::uint64_t until = rays_until(plain.curve, &GlobalView::Point::entries, entries);
         const std::uint64_t shown = until > 0 ? until : plain.rays;
         std::printf("| %llu | %llu | %s%llu | %.0f |\n",
                     static_cast<unsigned long long>(rays),
@@ -69,14 +56,6 @@ void print_ratios(const GlobalView& all, const GlobalView& plain) {
                     static_cast<unsigned long long>(shown),
                     static_cast<double>(shown) / static_cast<double>(rays));
     }
-}
-
-Vec3 point_of(const char* text) {
-    Vec3 point;
-    if (std::sscanf(text, "%lf,%lf,%lf", &point.x, &point.y, &point.z) != 3) {
-        throw Error(text, "is not of the form X,Y,Z", "give metres");
-    }
-    return point;
 }
 
 int run(int argc, char** argv) {

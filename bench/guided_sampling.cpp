@@ -9,6 +9,7 @@
 #include "earshot/base/error.h"
 #include "earshot/io/scene_file.h"
 
+#include "sampling_curve.h"
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -36,21 +37,8 @@ RegionView sample(const Setting& setting, GuidedOptions options) {
         setting.tree, setting.mesh, setting.region, options, setting.executor);
 }
 
-/// Of a curve, the triangles after so many rays.
-std::uint64_t found_after(const RegionView& view, std::uint64_t rays) {
-    const auto after = std::upper_bound(
-        view.curve.begin(), view.curve.end(), rays, [](std::uint64_t value, const auto& point) {
-            return value < point.rays;
-        });
-    return after == view.curve.begin() ? 0 : std::prev(after)->triangles;
-}
-
-/// Of a curve, the rays until so many triangles; 0 if never.
-std::uint64_t rays_until(const RegionView& view, std::uint64_t triangles) {
-    const auto place = std::find_if(view.curve.begin(), view.curve.end(), [&](const auto& point) {
-        return point.triangles >= triangles;
-    });
-    return place == view.curve.end() ? 0 : place->rays;
+std::uint64_t found(const RegionView& view, std::uint64_t rays) {
+    return found_after(view.curve, &RegionView::Point::triangles, rays);
 }
 
 void print_curves(const RegionView& guided, const RegionView& no_reverse, const RegionView& plain) {
@@ -61,14 +49,15 @@ void print_curves(const RegionView& guided, const RegionView& no_reverse, const 
             if (at > guided.rays) {
                 break;
             }
-            const std::uint64_t found = found_after(guided, at);
-            const std::uint64_t until = rays_until(plain, found);
+            const std::uint64_t triangles = found(guided, at);
+            const std::uint64_t until =
+                rays_until(plain.curve, &RegionView::Point::triangles, triangles);
             std::printf(
                 "| %llu | %llu | %llu | %llu | %s%llu | %.0f |\n",
                 static_cast<unsigned long long>(at),
-                static_cast<unsigned long long>(found),
-                static_cast<unsigned long long>(found_after(no_reverse, at)),
-                static_cast<unsigned long long>(found_after(plain, at)),
+                static_cast<unsigned long long>(triangles),
+                static_cast<unsigned long long>(found(no_reverse, at)),
+                static_cast<unsigned long long>(found(plain, at)),
                 until > 0 ? "" : "over ",
                 static_cast<unsigned long long>(until > 0 ? until : plain.rays),
                 static_cast<double>(until > 0 ? until : plain.rays) / static_cast<double>(at));
@@ -84,14 +73,6 @@ std::size_t missing(const RegionView& view, const RegionView& other) {
                         view.triangles.end(),
                         std::back_inserter(lacks));
     return lacks.size();
-}
-
-Vec3 point_of(const char* text) {
-    Vec3 point;
-    if (std::sscanf(text, "%lf,%lf,%lf", &point.x, &point.y, &point.z) != 3) {
-        throw Error(text, "is not of the form X,Y,Z", "give metres");
-    }
-    return point;
 }
 
 int run(int argc, char** argv) {
