@@ -140,15 +140,14 @@ std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
     return count;
 }
 
-bool GuidedSampler::note(const Ray& ray, const std::optional<Hit>& met) {
+void GuidedSampler::note(const Ray& ray, const std::optional<Hit>& met) {
     if (!met || is_known(met->triangle)) {
-        return false;
+        return;
     }
     place_[met->triangle] = static_cast<std::uint32_t>(witnesses_.size());
     witnesses_.push_back(ray);
     found_.push_back(met->triangle);
     waiting_.push_back({ray.origin, ray.origin + met->t * ray.direction, met->triangle});
-    return true;
 }
 
 // From a place on the border, all alike, in a direction outward, all alike.

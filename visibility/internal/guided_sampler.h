@@ -55,7 +55,7 @@ private:
     std::size_t allowance(std::size_t rays) const;
     /// Casts as many as are allowed and notes what they meet.
     std::size_t cast(std::span<const geometry::Ray> rays);
-    bool note(const geometry::Ray& ray, const std::optional<geometry::Hit>& met);
+    void note(const geometry::Ray& ray, const std::optional<geometry::Hit>& met);
     geometry::Ray random_ray(std::uint64_t index) const;
     std::size_t batch_size() const;
     void cast_random();
