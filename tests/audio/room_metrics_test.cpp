@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -76,7 +77,7 @@ bool has_note(const RoomMetrics& metrics, const std::string& text) {
 // The published values are those of the ideal decay; a decay of noise in a band scatters about them
 // as 1 / sqrt(bandwidth * time). The factors are four times the scatter seen over 20 seeds.
 TEST(RoomMetrics, OfDecayingNoiseAreThoseOfTheIdealDecay) {
-    std::ifstream file(EARSHOT_SOURCE_DIR "/tests/data/exponential-decay-metrics.json");
+    std::ifstream file(test::source_file("tests/data/exponential-decay-metrics.json"));
     ASSERT_TRUE(file) << "tests/data/exponential-decay-metrics.json is missing";
     const auto cases = nlohmann::json::parse(file).at("cases");
     ASSERT_EQ(cases.size(), 5U);

@@ -3,6 +3,7 @@
 
 #include "run_earshot.h"
 #include "support/temporary_folder.h"
+#include "support/test_paths.h"
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,7 +14,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::string kScenes = EARSHOT_SOURCE_DIR "/scenes/";
+const std::string kScenes = test::source_file("scenes/").string();
 
 Json json_of(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "bvh");

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
+
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -96,7 +98,7 @@ TEST_F(Ccd, FaultsNameTheLine) {
 
 /// The hand-made samples of Wang et al. 2021: exactly decided.
 TEST_F(Ccd, SampleQueriesHaveNoFalseAnswer) {
-    const fs::path samples = EARSHOT_SHARED_DIR "/reference/ccd";
+    const fs::path samples = test::shared_file("reference/ccd");
     if (!fs::exists(samples)) {
         GTEST_SKIP() << "reference/ccd is not there";
     }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
+
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -97,7 +99,7 @@ TEST_F(Collide, DiscreteContactsAreAtInstants) {
 }
 
 TEST_F(Collide, AnAnimationIsTheSameForAnyNumberOfThreads) {
-    const std::string scene = EARSHOT_SOURCE_DIR "/scenes/curtain.gltf";
+    const std::string scene = test::source_file("scenes/curtain.gltf").string();
     std::vector<std::string> texts;
     for (const char* threads : {"1", "2", "8"}) {
         const RunResult result = run_earshot({"collide",

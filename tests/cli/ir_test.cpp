@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
+
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -16,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const std::string kScenes = EARSHOT_SOURCE_DIR "/scenes/";
+const std::string kScenes = test::source_file("scenes/").string();
 
 std::string read_file(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);

@@ -3,6 +3,7 @@
 
 #include "run_earshot.h"
 #include "support/temporary_folder.h"
+#include "support/test_paths.h"
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -65,7 +66,7 @@ TEST_F(Los, WritesJsonWithThePoints) {
 }
 
 TEST_F(Los, FollowsAnAnimationFrameByFrame) {
-    const std::string door = EARSHOT_SOURCE_DIR "/scenes/door.gltf";
+    const std::string door = test::source_file("scenes/door.gltf").string();
     const std::vector<std::string> job{
         "los", door, "--from", "1,1.5,1", "--to", path("to.csv"), "--quiet"};
     const auto run_with = [&](const std::vector<std::string>& extra) {

@@ -4,6 +4,7 @@
 #include "run_earshot.h"
 #include "support/picture.h"
 #include "support/temporary_folder.h"
+#include "support/test_paths.h"
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -205,7 +206,7 @@ TEST_F(Visible, PaintsAView) {
 }
 
 TEST_F(Visible, FollowsAnAnimationFrameByFrame) {
-    const std::string door = EARSHOT_SOURCE_DIR "/scenes/door.gltf";
+    const std::string door = test::source_file("scenes/door.gltf").string();
     const auto run_with = [&](const std::vector<std::string>& extra) {
         std::vector<std::string> command{
             "visible", door, "--from", "1,1.5,1", "--resolution", "5", "--quiet"};

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/run_program.h"
+#include "support/test_paths.h"
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -70,7 +71,7 @@ void expect_determinism(const std::vector<std::string>& job) {
     expect_same(expected, output_of(job, {"--simd", "scalar"}, masked), "masked CPU features");
 }
 
-const std::string kScenes = EARSHOT_SOURCE_DIR "/scenes/";
+const std::string kScenes = test::source_file("scenes/").string();
 
 TEST(OutputFiles, AreTheSameBytesForARoom) {
     expect_determinism({"ir",

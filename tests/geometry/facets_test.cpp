@@ -8,6 +8,7 @@
 
 #include "geometry/facet_checks.h"
 #include "geometry/made_meshes.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -293,8 +294,7 @@ Mesh read_obj(const std::filesystem::path& path) {
 }
 
 TEST(Facets, OfTheBunnyHaveItsArea) {
-    const std::filesystem::path path =
-        std::filesystem::path(EARSHOT_SHARED_DIR) / "models" / "stanford-bunny.obj";
+    const std::filesystem::path path = test::shared_file("models") / "stanford-bunny.obj";
     if (!std::filesystem::exists(path)) {
         GTEST_SKIP() << "third-party mesh absent: " << path;
     }

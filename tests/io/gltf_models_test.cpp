@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/gltf_oracle.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
 
@@ -58,7 +59,7 @@ double extent(const std::vector<test::Point>& points) {
 
 TEST_P(ReferenceModel, AgreesWithAnIndependentEvaluationAtEveryTime) {
     const Model& model = GetParam();
-    const auto file = std::filesystem::path(EARSHOT_SHARED_DIR) / "models" / model.name;
+    const auto file = test::shared_file("models") / model.name;
     if (!std::filesystem::exists(file)) {
         GTEST_SKIP() << "reference model " << model.name << " is not here";
     }
@@ -86,7 +87,7 @@ TEST_P(ReferenceModel, AgreesWithAnIndependentEvaluationAtEveryTime) {
 
 TEST_P(ReferenceModel, Moves) {
     const Model& model = GetParam();
-    const auto file = std::filesystem::path(EARSHOT_SHARED_DIR) / "models" / model.name;
+    const auto file = test::shared_file("models") / model.name;
     if (!std::filesystem::exists(file)) {
         GTEST_SKIP() << "reference model " << model.name << " is not here";
     }

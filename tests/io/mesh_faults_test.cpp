@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/temporary_folder.h"
+#include "support/test_paths.h"
 #include <cstring>
 
 namespace earshot::io {
@@ -169,7 +170,7 @@ TEST(MeshFaults, PlacesWhereNoSceneIs) {
 
 TEST(MeshFaults, TruncatedFilesNeverCrash) {
     for (const char* name : {"cloth_ball92.ply", "stanford-bunny.obj", "Fox.glb", "robot.glb"}) {
-        const auto model = std::filesystem::path(EARSHOT_SHARED_DIR) / "models" / name;
+        const auto model = test::shared_file("models") / name;
         if (!std::filesystem::exists(model)) {
             GTEST_SKIP() << "reference model " << name << " is not here";
         }

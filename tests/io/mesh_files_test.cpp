@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/temporary_folder.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -231,7 +232,7 @@ TEST(MeshFiles, ObjLinesMayBeContinued) {
 }
 
 std::filesystem::path shared_model(const char* name) {
-    return std::filesystem::path(EARSHOT_SHARED_DIR) / "models" / name;
+    return test::shared_file("models") / name;
 }
 
 struct Model {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/test_paths.h"
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -22,7 +23,7 @@ TEST(Air, CarriesSoundAt343Point2MetresPerSecondByDefault) {
 // Its rows were made by another program from the same formulas and printed with six digits: half a
 // unit in the sixth digit is 5e-6 of a value that begins with 1.
 TEST(Air, AbsorbsAsTheTableOfIso9613Says) {
-    std::ifstream file(EARSHOT_SOURCE_DIR "/tests/data/iso9613-1-alpha.csv");
+    std::ifstream file(test::source_file("tests/data/iso9613-1-alpha.csv"));
     ASSERT_TRUE(file) << "tests/data/iso9613-1-alpha.csv is missing";
     std::string line;
     std::getline(file, line);

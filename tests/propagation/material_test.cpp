@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/test_paths.h"
 #include <cctype>
 #include <cmath>
 #include <fstream>
@@ -183,7 +184,7 @@ TEST(MaterialLibrary, CarriesThePrintedValues) {
 
 // The page is what readers check against the books.
 TEST(MaterialLibrary, IsTheTableOfItsPage) {
-    std::ifstream file(EARSHOT_SOURCE_DIR "/docs/materials.md");
+    std::ifstream file(test::source_file("docs/materials.md"));
     const std::string page(std::istreambuf_iterator<char>(file), {});
     for (const LibraryMaterial& row : material_library()) {
         std::ostringstream line;

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/test_paths.h"
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,7 +15,7 @@
 namespace earshot::scenes {
 namespace {
 
-const std::filesystem::path kFolder = std::filesystem::path(EARSHOT_SOURCE_DIR) / "scenes";
+const std::filesystem::path kFolder = test::source_file("scenes");
 
 std::string bytes_of(const std::filesystem::path& file) {
     std::ifstream stream(file, std::ios::binary);

@@ -6,6 +6,7 @@
 #include "earshot/io/scene_file.h"
 
 #include "scenes/generated_mesh.h"
+#include "support/test_paths.h"
 #include <filesystem>
 #include <map>
 
@@ -138,8 +139,7 @@ geometry::Facets facets_of(const io::LoadedScene& loaded) {
 
 TEST(Models, LoadWithoutWarningAsAuthored) {
     for (const SceneDraft& draft : make_all()) {
-        const auto file =
-            std::filesystem::path(EARSHOT_SOURCE_DIR) / "scenes" / (draft.name + ".gltf");
+        const auto file = test::source_file("scenes") / (draft.name + ".gltf");
         const io::LoadedScene loaded = io::load_scene(file);
         EXPECT_TRUE(loaded.warnings.empty())
             << draft.name << ": " << loaded.warnings.front().subject << " "
@@ -161,7 +161,7 @@ TEST(Models, LoadWithoutWarningAsAuthored) {
 }
 
 TEST(Models, ShoeboxHasSixFacets) {
-    const auto file = std::filesystem::path(EARSHOT_SOURCE_DIR) / "scenes/shoebox.gltf";
+    const auto file = test::source_file("scenes/shoebox.gltf");
     EXPECT_EQ(facets_of(io::load_scene(file)).facets.size(), 6U);
 }
 

@@ -3,6 +3,7 @@
 #include "earshot/scenes/models.h"
 
 #include "scenes/generated_mesh.h"
+#include "support/test_paths.h"
 #include <cmath>
 #include <filesystem>
 
@@ -12,7 +13,7 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 propagation::Scene load(const std::string& name) {
-    return io::load_scene(std::filesystem::path(EARSHOT_SOURCE_DIR) / "scenes" / name).scene;
+    return io::load_scene(test::source_file("scenes") / name).scene;
 }
 
 // Where the corners of all triangles of one material are at a time.

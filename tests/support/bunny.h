@@ -3,6 +3,7 @@
 
 #include "earshot/geometry/mesh.h"
 
+#include "support/test_paths.h"
 #include <fstream>
 #include <iostream>
 #include <sstream>
@@ -13,7 +14,7 @@ namespace earshot::test {
 /// The Stanford bunny (Turk and Levoy 1994), a scanned mesh with holes; no triangles, and a line on
 /// standard output, where the third-party meshes are absent.
 inline geometry::Mesh stanford_bunny() {
-    const std::string path = std::string(EARSHOT_SHARED_DIR) + "/models/stanford-bunny.obj";
+    const std::string path = test::shared_file("models/stanford-bunny.obj").string();
     geometry::Mesh mesh;
     std::ifstream file(path);
     if (!file) {

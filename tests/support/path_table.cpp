@@ -2,6 +2,7 @@
 #include "support/path_table.h"
 
 #include "support/rooms.h"
+#include "support/test_paths.h"
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -22,7 +23,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }  // namespace
 
 std::vector<TabledPath> read_path_table(const std::string& name) {
-    const std::string file = std::string(EARSHOT_SOURCE_DIR) + "/tests/data/paths/" + name;
+    const std::string file = test::source_file("tests/data/paths/").string() + name;
     std::ifstream stream(file);
     if (!stream) {
         throw std::runtime_error(file + ": cannot be read");

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/moving_meshes.h"
+#include "support/test_paths.h"
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -18,7 +19,7 @@ using geometry::Vec3;
 using geometry::VertexId;
 
 std::filesystem::path pose(const char* name) {
-    return std::filesystem::path(EARSHOT_SHARED_DIR) / "models" / name;
+    return test::shared_file("models") / name;
 }
 
 /// Vertices that share a cell of a grid become one: where the first of them is.

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "support/rooms.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -26,7 +27,7 @@ struct Measured {
 };
 
 std::vector<Measured> read_measured() {
-    std::ifstream file(EARSHOT_SHARED_DIR "/reference/dechorate/arrivals.csv");
+    std::ifstream file(test::shared_file("reference/dechorate/arrivals.csv"));
     std::vector<Measured> rows;
     std::string line;
     std::getline(file, line);

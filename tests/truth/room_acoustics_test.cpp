@@ -11,6 +11,7 @@
 
 #include "support/dice.h"
 #include "support/rooms.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -198,7 +199,7 @@ double decay_of(const BoxCase& box) {
 }
 
 TEST(RoomAcoustics, MetricsOfTheReferenceBoxesAreThoseOfAllImages) {
-    std::ifstream file(EARSHOT_SOURCE_DIR "/tests/data/shoebox-exact-metrics.json");
+    std::ifstream file(test::source_file("tests/data/shoebox-exact-metrics.json"));
     const auto table = nlohmann::json::parse(file);
     // The table is z up; a box does not mind.
     const auto point = [](const nlohmann::json& v) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "sight_scenes.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <iostream>
 
@@ -22,7 +23,7 @@ Vec3 somewhere(Dice& dice) {
 class Moving {
 public:
     explicit Moving(const std::string& name)
-        : scene_(io::load_scene(EARSHOT_SOURCE_DIR "/scenes/" + name + ".gltf").scene) {}
+        : scene_(io::load_scene(test::source_file("scenes/" + name + ".gltf")).scene) {}
 
     geometry::MeshView at(double time) {
         positions_ = scene_.mesh.positions_at(time);

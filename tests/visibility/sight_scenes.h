@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 
 #include "support/dice.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -22,7 +23,7 @@ inline const std::array<std::string, 5> kSceneNames{
     "shoebox", "lroom", "classroom", "coupled_rooms", "concert_hall"};
 
 inline geometry::Mesh scene_mesh(const std::string& name) {
-    const auto loaded = io::load_scene(EARSHOT_SOURCE_DIR "/scenes/" + name + ".gltf");
+    const auto loaded = io::load_scene(test::source_file("scenes/" + name + ".gltf"));
     return {loaded.scene.mesh.positions_at(0.0), loaded.scene.mesh.triangles()};
 }
 
