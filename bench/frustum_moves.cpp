@@ -51,21 +51,22 @@ std::uint64_t digest_of(const TraceResult& result) {
 }
 
 void measure(const char* name,
-             const earshot::frustum::Surroundings& surroundings,
+             const earshot::frustum::SceneView& scene_view,
              const FinderOptions& options,
              const Vec3& source,
              const std::vector<Vec3>& listeners,
              Executor& executor) {
-    const PathFinder finder(surroundings, options);
-    auto from = finder.trace_source(source, executor);
+    const PathFinder finder(scene_view, options);
+    auto from = finder.trace_source(source, {}, executor);
     auto to = finder.trace_listeners(listeners, executor);
     TraceResult kept, fresh;
-    const double source_ms = milliseconds_of([&] { from = finder.trace_source(source, executor); });
+    const double source_ms =
+        milliseconds_of([&] { from = finder.trace_source(source, {}, executor); });
     const double listener_ms =
         milliseconds_of([&] { to = finder.trace_listeners(listeners, executor); });
     const double connect_ms = milliseconds_of([&] { kept = finder.connect(from, to, executor); });
     const double fresh_ms = milliseconds_of([&] {
-        fresh = finder.find(source, finder.trace_listeners(listeners, executor), executor);
+        fresh = finder.find(source, finder.trace_listeners(listeners, executor), {}, executor);
     });
     std::printf("| %s | %zu | %zu | %llu | %zu | %.1f | %.1f | %.1f | %.1f | %.1f | %.1f |%s\n",
                 name,
@@ -110,9 +111,9 @@ int run(int argc, char** argv) {
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     FinderOptions options;
     options.trace.max_order = order;
-    measure("meet half-way", simulator.surroundings(), options, source, listeners, executor);
-    options.all_the_way = true;
-    measure("all the way", simulator.surroundings(), options, source, listeners, executor);
+    measure("bidirectional", simulator.scene_view(), options, source, listeners, executor);
+    options.forward_only = true;
+    measure("forward only", simulator.scene_view(), options, source, listeners, executor);
     return 0;
 }
 

@@ -6,7 +6,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/find_specular_paths.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/propagation/simulator.h"
 
@@ -108,7 +108,7 @@ void measure(const Scene& scene, Mode mode, int order, int resolution, Executor&
     earshot::frustum::TraceResult found;
     for (int repeat = 0; repeat < 3; ++repeat) {
         const auto start = std::chrono::steady_clock::now();
-        found = find_specular_paths(simulator.surroundings(),
+        found = find_specular_paths(simulator.scene_view(),
                                     source,
                                     std::span(&listener, 1),
                                     {.max_order = order, .mode = mode, .resolution = resolution},

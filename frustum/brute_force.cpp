@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/brute_force.h"
 
-#include "earshot/frustum/image_path.h"
 #include "earshot/frustum/internal/path_order.h"
+#include "earshot/frustum/path_verifier.h"
 
 namespace earshot::frustum {
 namespace {
 
 /// Tries the sequence so far for every listener, then every longer one.
 struct SequenceSearch {
-    const Surroundings& surroundings;
+    const SceneView& scene;
     PathVerifier verifier;
     std::span<const geometry::Vec3> listeners;
     std::size_t max_order = 0;
@@ -29,7 +29,7 @@ struct SequenceSearch {
         if (sequence.size() == max_order) {
             return;
         }
-        const auto& facets = surroundings.facets.facets;
+        const auto& facets = scene.facets.facets;
         for (std::size_t facet = 0; facet < facets.size(); ++facet) {
             if (!sequence.empty() && facet == sequence.back()) {
                 continue;
@@ -45,15 +45,15 @@ struct SequenceSearch {
 
 }  // namespace
 
-TraceResult find_specular_paths_brute_force(const Surroundings& surroundings,
+TraceResult find_specular_paths_brute_force(const SceneView& scene,
                                             const geometry::Vec3& source,
                                             std::span<const geometry::Vec3> listeners,
                                             int max_order) {
     SequenceSearch search{
-        surroundings, PathVerifier(surroundings), listeners, static_cast<std::size_t>(max_order)};
+        scene, PathVerifier(scene), listeners, static_cast<std::size_t>(max_order)};
     search.images.push_back(source);
     search.visit();
-    sort_and_unify(search.result.paths, surroundings.facets, search.verifier.scale());
+    sort_and_unify(search.result.paths, scene.facets, search.verifier.scale());
     search.result.statistics.paths = search.result.paths.size();
     return std::move(search.result);
 }

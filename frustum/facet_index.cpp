@@ -22,15 +22,15 @@ Vec3 snap_to_plane(const geometry::Plane& plane, const Vec3& point, int axis) no
     return snapped;
 }
 
-FacetIndex::FacetIndex(const Surroundings& surroundings)
-    : facets_(&surroundings.facets.facets),
-      one_sided_(surroundings.one_sided),
-      lets_through_(surroundings.lets_through),
-      gain_(surroundings.gain),
-      tolerance_(surroundings.facets.tolerance) {
-    for (const geometry::Triangle& triangle : surroundings.mesh.triangles) {
+FacetIndex::FacetIndex(const SceneView& scene)
+    : facets_(&scene.facets.facets),
+      one_sided_(scene.one_sided),
+      transmissive_(scene.transmissive),
+      max_pressure_factor_(scene.max_pressure_factor),
+      tolerance_(scene.facets.tolerance) {
+    for (const geometry::Triangle& triangle : scene.mesh.triangles) {
         for (const geometry::VertexId vertex : triangle) {
-            const Vec3& p = surroundings.mesh.positions[vertex];
+            const Vec3& p = scene.mesh.positions[vertex];
             scale_ = std::max({scale_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         }
     }

@@ -42,7 +42,7 @@ void check_options(const TraceOptions& options) {
     if (!(options.max_length >= 0.0)) {
         throw Error("longest path", "must not be negative");
     }
-    if (!(options.least_pressure >= 0.0)) {
+    if (!(options.min_pressure >= 0.0)) {
         throw Error("least pressure", "must not be negative");
     }
     if (options.resolution < 0 || options.resolution > kMaxResolution) {
@@ -76,32 +76,32 @@ struct Looks {
 
 }  // namespace
 
-struct SourceTrace::Kept {
+struct SourceBeamTree::Kept {
     Vec3 source{0.0};
     std::vector<Looks> parts;  // of a few subtrees each, for a task each
 };
 
-struct ListenerTrace::Kept {
+struct ListenerBeamTree::Kept {
     std::vector<Vec3> listeners;
     std::optional<ListenerSide> side;
     std::optional<ListenerPoints> points;
 };
 
 struct PathFinder::State {
-    State(const Surroundings& the_surroundings, const FinderOptions& options)
-        : surroundings(the_surroundings),
-          index(the_surroundings),
-          verifier(the_surroundings),
+    State(const SceneView& the_scene, const FinderOptions& options)
+        : scene(the_scene),
+          index(the_scene),
+          verifier(the_scene),
           trace(options.trace),
-          is_half_way(options.trace.mode == Mode::complete && !options.all_the_way),
-          reach(options.reach > 0.0 ? options.reach : 16.0 * index.scale()) {}
+          is_half_way(options.trace.mode == Mode::complete && !options.forward_only),
+          max_radius(options.max_radius > 0.0 ? options.max_radius : 16.0 * index.scale()) {}
 
-    Surroundings surroundings;
+    SceneView scene;
     FacetIndex index;
     PathVerifier verifier;
     TraceOptions trace;
     bool is_half_way;
-    double reach;
+    double max_radius;
 
     /// Frusta of this order and above are not traced: listeners are met before.
     int orders_traced() const {
@@ -120,7 +120,7 @@ struct PathFinder::State {
     }
 
     VisibleFacets new_search() const {
-        return {index, trace.mode, verifier.contact_reach(), reach};
+        return {index, trace.mode, verifier.contact_reach(), max_radius};
     }
 
     /// Calls use(task, search, frustum) for every frustum from the source, depth first within a
@@ -147,16 +147,17 @@ struct PathFinder::State {
                                     static_cast<double>(box.upper[axis]));
         }
         const double length = kRoom * glm::distance(frustum.apex, nearest);
-        const double gain = frustum.gain * index.gain(visible.facet);
-        return length <= trace.max_length && !(gain < kRoom * trace.least_pressure * length);
+        const double factor =
+            frustum.max_pressure_factor * index.max_pressure_factor(visible.facet);
+        return length <= trace.max_length && !(factor < kRoom * trace.min_pressure * length);
     }
 
     Proposer proposer(const Vec3& source, const Audience& audience) const {
-        return {index, verifier, audience, trace, reach, source};
+        return {index, verifier, audience, trace, max_radius, source};
     }
 
     TraceResult finish(Harvest harvest) const {
-        sort_and_unify(harvest.paths, surroundings.facets, verifier.scale());
+        sort_and_unify(harvest.paths, scene.facets, verifier.scale());
         harvest.statistics.paths = harvest.paths.size();
         return {.paths = std::move(harvest.paths), .statistics = harvest.statistics};
     }
@@ -239,7 +240,7 @@ std::vector<Task> PathFinder::State::walk(const Vec3& source,
                                           FirstFacets first,
                                           MakeTask&& make_task,
                                           Executor& executor) const {
-    EARSHOT_ASSERT(first.empty() || first.size() == surroundings.facets.facets.size());
+    EARSHOT_ASSERT(first.empty() || first.size() == scene.facets.facets.size());
     const auto around = roots(source);
     std::vector<std::vector<Frustum>> reflections(around.size());
     std::vector<std::optional<Task>> of_roots(chunk_count(around.size(), kGrain));
@@ -285,16 +286,16 @@ std::vector<Task> PathFinder::State::walk(const Vec3& source,
     return tasks;
 }
 
-SourceTrace::SourceTrace(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
-SourceTrace::SourceTrace(SourceTrace&&) noexcept = default;
-SourceTrace& SourceTrace::operator=(SourceTrace&&) noexcept = default;
-SourceTrace::~SourceTrace() = default;
+SourceBeamTree::SourceBeamTree(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
+SourceBeamTree::SourceBeamTree(SourceBeamTree&&) noexcept = default;
+SourceBeamTree& SourceBeamTree::operator=(SourceBeamTree&&) noexcept = default;
+SourceBeamTree::~SourceBeamTree() = default;
 
-const Vec3& SourceTrace::source() const noexcept {
+const Vec3& SourceBeamTree::source() const noexcept {
     return kept_->source;
 }
 
-std::size_t SourceTrace::frusta() const noexcept {
+std::size_t SourceBeamTree::frusta() const noexcept {
     std::size_t count = 0;
     for (const Looks& part : kept_->parts) {
         count += part.looks.size();
@@ -302,7 +303,7 @@ std::size_t SourceTrace::frusta() const noexcept {
     return count;
 }
 
-std::size_t SourceTrace::bytes() const noexcept {
+std::size_t SourceBeamTree::bytes() const noexcept {
     std::size_t bytes = 0;
     for (const Looks& part : kept_->parts) {
         bytes += part.looks.size() * sizeof(Look) + part.seen.size() * sizeof(VisibleFacet);
@@ -310,22 +311,22 @@ std::size_t SourceTrace::bytes() const noexcept {
     return bytes;
 }
 
-ListenerTrace::ListenerTrace(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
-ListenerTrace::ListenerTrace(ListenerTrace&&) noexcept = default;
-ListenerTrace& ListenerTrace::operator=(ListenerTrace&&) noexcept = default;
-ListenerTrace::~ListenerTrace() = default;
+ListenerBeamTree::ListenerBeamTree(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
+ListenerBeamTree::ListenerBeamTree(ListenerBeamTree&&) noexcept = default;
+ListenerBeamTree& ListenerBeamTree::operator=(ListenerBeamTree&&) noexcept = default;
+ListenerBeamTree::~ListenerBeamTree() = default;
 
-std::span<const Vec3> ListenerTrace::listeners() const noexcept {
+std::span<const Vec3> ListenerBeamTree::listeners() const noexcept {
     return kept_->listeners;
 }
 
-std::size_t ListenerTrace::frusta() const noexcept {
+std::size_t ListenerBeamTree::frusta() const noexcept {
     return kept_->side ? kept_->side->frusta() : 0;
 }
 
 // In a concert hall of 3,754 facets both ways took equally long for 1, 12 and 50 listeners at
 // orders 2, 3 and 4.
-bool are_many(std::size_t listeners, int max_order) noexcept {
+bool prefer_forward(std::size_t listeners, int max_order) noexcept {
     constexpr std::size_t kMost = 768;
     if (max_order <= 2) {
         return listeners > 1;
@@ -334,24 +335,24 @@ bool are_many(std::size_t listeners, int max_order) noexcept {
     return listeners > std::min(kMost, std::size_t{12} << (2 * steps));
 }
 
-PathFinder::PathFinder(const Surroundings& surroundings, const FinderOptions& options) {
+PathFinder::PathFinder(const SceneView& scene, const FinderOptions& options) {
     check_options(options.trace);
-    state_ = std::make_unique<State>(surroundings, options);
+    state_ = std::make_unique<State>(scene, options);
 }
 
 PathFinder::PathFinder(PathFinder&&) noexcept = default;
 PathFinder& PathFinder::operator=(PathFinder&&) noexcept = default;
 PathFinder::~PathFinder() = default;
 
-double PathFinder::reach() const noexcept {
-    return state_->reach;
+double PathFinder::max_radius() const noexcept {
+    return state_->max_radius;
 }
 
-SourceTrace PathFinder::trace_source(const Vec3& source,
-                                     Executor& executor,
-                                     FirstFacets first) const {
-    EARSHOT_ASSERT(glm::length(source) <= state_->reach);
-    auto kept = std::make_unique<SourceTrace::Kept>();
+SourceBeamTree PathFinder::trace_source(const Vec3& source,
+                                        FirstFacets first,
+                                        Executor& executor) const {
+    EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
+    auto kept = std::make_unique<SourceBeamTree::Kept>();
     kept->source = source;
     if (state_->trace.max_order > 0) {
         for (Keeping& task : state_->walk<Keeping>(
@@ -359,36 +360,36 @@ SourceTrace PathFinder::trace_source(const Vec3& source,
             kept->parts.push_back(std::move(task.looks));
         }
     }
-    return SourceTrace(std::move(kept));
+    return SourceBeamTree(std::move(kept));
 }
 
-ListenerTrace PathFinder::trace_listeners(std::span<const Vec3> listeners,
-                                          Executor& executor) const {
+ListenerBeamTree PathFinder::trace_listeners(std::span<const Vec3> listeners,
+                                             Executor& executor) const {
     const State& state = *state_;
-    auto kept = std::make_unique<ListenerTrace::Kept>();
+    auto kept = std::make_unique<ListenerBeamTree::Kept>();
     kept->listeners.assign(listeners.begin(), listeners.end());
     const bool are_few = state.trace.mode == Mode::complete && listeners.size() <= kFewListeners;
     if (state.trace.max_order == 0) {
-        return ListenerTrace(std::move(kept));
+        return ListenerBeamTree(std::move(kept));
     }
     if (!state.is_half_way && !are_few) {
         kept->points.emplace(listeners);
     } else {
         kept->side.emplace(state.index,
                            state.verifier.contact_reach(),
-                           state.reach,
+                           state.max_radius,
                            kept->listeners,
                            state.is_half_way && state.trace.max_order > 1,
                            executor);
     }
-    return ListenerTrace(std::move(kept));
+    return ListenerBeamTree(std::move(kept));
 }
 
-TraceResult PathFinder::connect(const SourceTrace& source,
-                                const ListenerTrace& listeners,
+TraceResult PathFinder::connect(const SourceBeamTree& source,
+                                const ListenerBeamTree& listeners,
                                 Executor& executor) const {
     const State& state = *state_;
-    const ListenerTrace::Kept& to = *listeners.kept_;
+    const ListenerBeamTree::Kept& to = *listeners.kept_;
     const Audience audience = audience_of(to.listeners, to.side, to.points);
     const auto& parts = source.kept_->parts;
     Proposer direct = state.proposer(source.source(), audience);
@@ -421,7 +422,7 @@ TraceResult PathFinder::connect(const SourceTrace& source,
     return state.finish(std::move(harvest));
 }
 
-void PathFinder::for_each_listener(const SourceTrace& source,
+void PathFinder::for_each_listener(const SourceBeamTree& source,
                                    std::span<const Vec3> listeners,
                                    const VisitPaths& visit,
                                    Executor& executor) const {
@@ -441,12 +442,12 @@ void PathFinder::for_each_listener(const SourceTrace& source,
 }
 
 TraceResult PathFinder::find(const Vec3& source,
-                             const ListenerTrace& listeners,
-                             Executor& executor,
-                             FirstFacets first) const {
-    EARSHOT_ASSERT(glm::length(source) <= state_->reach);
+                             const ListenerBeamTree& listeners,
+                             FirstFacets first,
+                             Executor& executor) const {
+    EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
     const State& state = *state_;
-    const ListenerTrace::Kept& to = *listeners.kept_;
+    const ListenerBeamTree::Kept& to = *listeners.kept_;
     const Audience audience = audience_of(to.listeners, to.side, to.points);
     Proposer direct = state.proposer(source, audience);
     direct.propose_direct();

@@ -63,13 +63,13 @@ void Proposer::propose(std::size_t listener) {
 }
 
 bool Proposer::is_wanted(double length) const noexcept {
-    double gain = 1.0;
-    if (options_.least_pressure > 0.0) {
+    double factor = 1.0;
+    if (options_.min_pressure > 0.0) {
         for (const FacetId facet : sequence_) {
-            gain *= index_.gain(facet);
+            factor *= index_.max_pressure_factor(facet);
         }
     }
-    return length <= options_.max_length && !(gain < options_.least_pressure * length);
+    return length <= options_.max_length && !(factor < options_.min_pressure * length);
 }
 
 void Proposer::propose_from(const VisibleFacets& search, std::span<const VisibleFacet> seen) {

@@ -175,7 +175,7 @@ void VisibleFacets::visit_facet(FacetId facet) {
 }
 
 void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask filled) {
-    if (filled == 0 || index_.lets_through(facet)) {
+    if (filled == 0 || index_.transmissive(facet)) {
         return;
     }
     // Its triangles hide, which may lie beside its plane.
@@ -207,7 +207,7 @@ void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask
 }
 
 void VisibleFacets::add_sample(FacetId facet, const InverseDepth& depth, CellMask centred) {
-    if (index_.lets_through(facet)) {
+    if (index_.transmissive(facet)) {
         return;
     }
     for_each_cell(centred, [&](int cell) {
@@ -314,7 +314,7 @@ CellMask VisibleFacets::hidden_cells(FacetId facet,
 void VisibleFacets::collect_found() {
     for (const Candidate& candidate : candidates_) {
         CellMask cells = candidate.touched;
-        if (mode_ == Mode::sampled && !index_.lets_through(candidate.facet)) {
+        if (mode_ == Mode::sampled && !index_.transmissive(candidate.facet)) {
             CellMask won = 0;
             for_each_cell(covered_ & cells, [&](int cell) {
                 won |= static_cast<CellMask>(covers_[static_cast<std::size_t>(cell)].facet ==
@@ -428,7 +428,8 @@ bool VisibleFacets::may_pass(const VisibleFacet& visible, const Vec3& unfolded) 
 
 Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
     Frustum child = mirrored(frustum_, index_.plane(visible.facet), visible.facet, visible.window);
-    child.gain = frustum_.gain * index_.gain(visible.facet);
+    child.max_pressure_factor =
+        frustum_.max_pressure_factor * index_.max_pressure_factor(visible.facet);
     CellRaster raster(child.rect, child.cells);
     Projected own;
     // The facet itself, drawn from the parent's side: (u, v) is the same for both.

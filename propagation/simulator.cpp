@@ -61,7 +61,7 @@ struct Simulator::State {
         : scene(the_scene),
           options(the_options),
           speed_of_sound(propagation::speed_of_sound(the_options.air)),
-          least_pressure(math::pow10(the_options.min_level_db / 20.0)) {
+          min_pressure(math::pow10(the_options.min_level_db / 20.0)) {
         for (const Material& material : scene.materials) {
             reflection.push_back(reflected_pressure(material, options.bands));
             transmission.push_back(transmitted_pressure(material, options.bands));
@@ -71,7 +71,7 @@ struct Simulator::State {
     const Scene& scene;
     Options options;
     double speed_of_sound = 0.0;
-    double least_pressure = 0.0;
+    double min_pressure = 0.0;
     std::vector<audio::Spectrum> reflection;    // pressure factor per material
     std::vector<audio::Spectrum> transmission;  // likewise
 
@@ -81,8 +81,8 @@ struct Simulator::State {
     std::vector<geometry::Triangle> triangles;  // the kept ones
     std::vector<std::uint32_t> labels;          // their materials
     geometry::Facets facets;
-    std::vector<std::uint8_t> one_sided, lets_through;  // per facet
-    std::vector<double> gain;                           // per facet, of the loudest band
+    std::vector<std::uint8_t> one_sided, transmissive;  // per facet
+    std::vector<double> max_pressure_factor;            // per facet, of the loudest band
     bvh::Tree tree;
     double cost_when_built = 0.0;
     GeometrySummary summary;
@@ -90,16 +90,16 @@ struct Simulator::State {
 
     // Of the geometry as it is.
     std::optional<frustum::PathFinder> finder;
-    std::vector<std::optional<frustum::SourceTrace>> sources;
-    std::optional<frustum::ListenerTrace> listeners;
+    std::vector<std::optional<frustum::SourceBeamTree>> sources;
+    std::optional<frustum::ListenerBeamTree> listeners;
 
-    frustum::Surroundings surroundings() const {
+    frustum::SceneView scene_view() const {
         return {.tree = tree,
                 .mesh = mesh(),
                 .facets = facets,
                 .one_sided = one_sided,
-                .lets_through = lets_through,
-                .gain = gain};
+                .transmissive = transmissive,
+                .max_pressure_factor = max_pressure_factor};
     }
     void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
     std::vector<std::uint8_t> first_facets(const Vec3& source) const;
@@ -162,8 +162,8 @@ void Simulator::State::check_visible_sets() const {
 
 void Simulator::State::describe_facets() {
     one_sided.clear();
-    lets_through.clear();
-    gain.clear();
+    transmissive.clear();
+    max_pressure_factor.clear();
     const auto loudest = [&](const audio::Spectrum& pressure) {
         return *std::max_element(
             pressure.begin(),
@@ -173,8 +173,8 @@ void Simulator::State::describe_facets() {
         const std::uint32_t material = labels[facet.triangles.front()];
         const double through = options.transmission ? loudest(transmission[material]) : 0.0;
         one_sided.push_back(scene.materials[material].one_sided ? 1 : 0);
-        lets_through.push_back(through > 0.0 ? 1 : 0);
-        gain.push_back(std::max(loudest(reflection[material]), through));
+        transmissive.push_back(through > 0.0 ? 1 : 0);
+        max_pressure_factor.push_back(std::max(loudest(reflection[material]), through));
     }
 }
 
@@ -219,7 +219,7 @@ bool Simulator::State::is_wanted(const Path& path) const {
     return path.length > 0.0 &&
            std::any_of(path.pressure.begin(),
                        path.pressure.begin() + static_cast<std::ptrdiff_t>(options.bands.count()),
-                       [&](double p) { return std::abs(p) >= least_pressure; });
+                       [&](double p) { return std::abs(p) >= min_pressure; });
 }
 
 void Simulator::State::update_tree(bool same_triangles, Executor& executor) {
@@ -237,9 +237,9 @@ void Simulator::State::update_tree(bool same_triangles, Executor& executor) {
 Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
     Path path;
     path.order = static_cast<int>(specular.triangles.size());
-    path.kind = path.order == 0           ? PathKind::direct
-                : specular.passes.empty() ? PathKind::specular
-                                          : PathKind::transmitted;
+    path.kind = path.order == 0                ? PathKind::direct
+                : specular.transmitted.empty() ? PathKind::specular
+                                               : PathKind::transmitted;
     path.length = specular.length;
     path.delay = specular.length / speed_of_sound;
     path.points = specular.points;
@@ -252,13 +252,13 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
         }
     }
     for (std::size_t i = 0; i < specular.triangles.size(); ++i) {
-        const bool passes = !specular.passes.empty() && specular.passes[i] != 0;
+        const bool transmitted = !specular.transmitted.empty() && specular.transmitted[i] != 0;
         const geometry::TriangleId in_file = kept[specular.triangles[i]];
         const std::uint32_t material = scene.material_of_triangle[in_file];
         path.triangles.push_back(in_file);
         path.materials.push_back(material);
         for (std::size_t band = 0; band < bands; ++band) {
-            path.pressure[band] *= (passes ? transmission : reflection)[material][band];
+            path.pressure[band] *= (transmitted ? transmission : reflection)[material][band];
         }
     }
     // At a corner two reflection points coincide; the last two distinct points give the direction.
@@ -289,13 +289,13 @@ void Simulator::set_time(double time, Executor& executor) {
 void Simulator::State::prepare_finder(std::span<const Vec3> from,
                                       std::span<const Vec3> to,
                                       Executor& executor) {
-    double reach = std::numeric_limits<double>::min();
+    double max_radius = std::numeric_limits<double>::min();
     for (const auto& points : {from, to}) {
         for (const Vec3& point : points) {
-            reach = std::max(reach, glm::length(point));
+            max_radius = std::max(max_radius, glm::length(point));
         }
     }
-    if (!finder || finder->reach() < reach) {
+    if (!finder || finder->max_radius() < max_radius) {
         constexpr double kRoomToMove = 4.0;
         double loudest = 1.0;
         for (const Emitter& source : scene.sources) {
@@ -307,14 +307,14 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
             .resolution = options.resolution,
             .max_length = options.max_length,
             // Air only takes; the last word is is_wanted().
-            .least_pressure = kRoom * least_pressure / loudest};
+            .min_pressure = kRoom * min_pressure / loudest};
         sources.clear();
         listeners.reset();
-        finder.emplace(surroundings(),
-                       frustum::FinderOptions{
-                           .trace = trace_options,
-                           .all_the_way = frustum::are_many(to.size(), options.specular_order),
-                           .reach = kRoomToMove * reach});
+        finder.emplace(scene_view(),
+                       frustum::FinderOptions{.trace = trace_options,
+                                              .forward_only = frustum::prefer_forward(
+                                                  to.size(), options.specular_order),
+                                              .max_radius = kRoomToMove * max_radius});
     }
     sources.resize(from.size());
     if (!listeners ||
@@ -349,11 +349,11 @@ frustum::TraceResult Simulator::State::trace(std::size_t source,
                                              Executor& executor) {
     const std::vector<std::uint8_t> first = first_facets(place);
     if (!options.keeps_traces) {
-        return finder->find(place, *listeners, executor, first);
+        return finder->find(place, *listeners, first, executor);
     }
-    std::optional<frustum::SourceTrace>& seen = sources[source];
+    std::optional<frustum::SourceBeamTree>& seen = sources[source];
     if (!seen || seen->source() != place) {
-        seen.emplace(finder->trace_source(place, executor, first));
+        seen.emplace(finder->trace_source(place, first, executor));
     }
     return finder->connect(*seen, *listeners, executor);
 }
@@ -407,8 +407,8 @@ std::vector<PairResult> Simulator::run(Executor& executor) {
     return pairs;
 }
 
-frustum::Surroundings Simulator::surroundings() const noexcept {
-    return state_->surroundings();
+frustum::SceneView Simulator::scene_view() const noexcept {
+    return state_->scene_view();
 }
 
 const GeometrySummary& Simulator::geometry() const noexcept {

@@ -5,7 +5,8 @@
 #include "earshot/audio/impulse_response.h"
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/paths.h"
+#include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/propagation/air.h"
 #include "earshot/propagation/scene.h"
@@ -109,7 +110,7 @@ public:
 
     const GeometrySummary& geometry() const noexcept;
     /// The scene as the tracer sees it; valid until the time is set or the simulator destroyed.
-    frustum::Surroundings surroundings() const noexcept;
+    frustum::SceneView scene_view() const noexcept;
     /// Of the last run, summed over sources.
     const frustum::TraceStatistics& statistics() const noexcept;
 

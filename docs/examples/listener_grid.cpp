@@ -11,8 +11,8 @@
 int main() {
     const auto loaded = earshot::io::load_scene("scenes/shoebox.gltf");
     const earshot::propagation::Simulator simulator(loaded.scene);
-    const earshot::frustum::PathFinder finder(simulator.surroundings(),
-                                              {.trace = {.max_order = 2}, .all_the_way = true});
+    const earshot::frustum::PathFinder finder(simulator.scene_view(),
+                                              {.trace = {.max_order = 2}, .forward_only = true});
     const auto source = finder.trace_source({1.0, 1.5, -1.0});
 
     std::vector<earshot::geometry::Vec3> grid;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/bvh/tree.h"
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/scene_view.h"
 
 #include <vector>
 
@@ -12,7 +12,7 @@ namespace earshot::frustum {
 /// hierarchy over their boxes, and the tolerances that the search and the verification share.
 class FacetIndex {
 public:
-    explicit FacetIndex(const Surroundings& surroundings);
+    explicit FacetIndex(const SceneView& scene);
 
     struct LoopRange {
         std::uint32_t begin = 0, end = 0;  ///< into vertices()
@@ -25,12 +25,12 @@ public:
     bool is_one_sided(geometry::FacetId facet) const noexcept {
         return !one_sided_.empty() && one_sided_[facet] != 0;
     }
-    bool lets_through(geometry::FacetId facet) const noexcept {
-        return !lets_through_.empty() && lets_through_[facet] != 0;
+    bool transmissive(geometry::FacetId facet) const noexcept {
+        return !transmissive_.empty() && transmissive_[facet] != 0;
     }
-    /// The most that is left of the pressure of a path that meets it, as a share.
-    double gain(geometry::FacetId facet) const noexcept {
-        return gain_.empty() ? 1.0 : gain_[facet];
+    /// The largest factor by which meeting the facet multiplies the pressure of a path.
+    double max_pressure_factor(geometry::FacetId facet) const noexcept {
+        return max_pressure_factor_.empty() ? 1.0 : max_pressure_factor_[facet];
     }
     /// Metres: how far the facet's triangles may lie from its plane.
     double deviation(geometry::FacetId facet) const noexcept { return (*facets_)[facet].deviation; }
@@ -42,7 +42,7 @@ public:
     /// Border loops of a facet: ranges of vertices().
     std::span<const LoopRange> loops(geometry::FacetId facet) const noexcept;
     /// Border vertices moved into the facet's plane along the plane's dominant axis, the direction
-    /// in which the verification projects (image_path.cpp), so that search and verification mean
+    /// in which the verification projects (path_verifier.cpp), so that search and verification mean
     /// the same polygon.
     std::span<const geometry::Vec3> vertices() const noexcept { return vertices_; }
     const bvh::Tree& tree() const noexcept { return tree_; }
@@ -54,8 +54,8 @@ public:
 
 private:
     const std::vector<geometry::Facet>* facets_;
-    std::span<const std::uint8_t> one_sided_, lets_through_;
-    std::span<const double> gain_;
+    std::span<const std::uint8_t> one_sided_, transmissive_;
+    std::span<const double> max_pressure_factor_;
     std::vector<std::uint32_t> first_loop_;  // per facet, and one past the last
     std::vector<LoopRange> loops_;
     std::vector<geometry::Vec3> vertices_;

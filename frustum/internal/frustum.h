@@ -53,11 +53,11 @@ struct Frustum {
     CellMask alive = kAllCells;
 
     bool starts_at_facet = false;
-    geometry::FacetId facet = 0;  ///< where it starts, if it does
-    double side = 1.0;            ///< +1: sound leaves the facet's front, -1: its back
-    InverseDepth start{};         ///< of the facet's plane
-    double gain = 1.0;            ///< at most so much of the source's pressure is left
-    double least_depth = 0.0;     ///< along `forward`: nothing nearer belongs to the frustum
+    geometry::FacetId facet = 0;       ///< where it starts, if it does
+    double side = 1.0;                 ///< +1: sound leaves the facet's front, -1: its back
+    InverseDepth start{};              ///< of the facet's plane
+    double max_pressure_factor = 1.0;  ///< of the reflections so far
+    double least_depth = 0.0;          ///< along `forward`: nothing nearer belongs to the frustum
 
     /// Coordinates along (right, up, forward) relative to the apex.
     geometry::Vec3 local(const geometry::Vec3& point) const noexcept {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/paths.h"
+#include "earshot/geometry/facets.h"
 
 namespace earshot::frustum {
 

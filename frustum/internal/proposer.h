@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/frustum/image_path.h"
 #include "earshot/frustum/internal/listener_points.h"
 #include "earshot/frustum/internal/listener_side.h"
 #include "earshot/frustum/internal/visible_facets.h"
+#include "earshot/frustum/path_verifier.h"
 
 #include <cstdint>
 #include <span>

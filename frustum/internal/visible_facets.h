@@ -4,6 +4,7 @@
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/frustum/internal/window_sight.h"
+#include "earshot/frustum/paths.h"
 
 #include <span>
 #include <vector>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/brute_force.h"
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/find_specular_paths.h"
 
 #include <glm/mat3x3.hpp>
 #include <gtest/gtest.h>
@@ -18,15 +18,15 @@ using geometry::Vec3;
 
 // Complete mode against every sequence of facets, at several resolutions. Returns how many paths
 // there are.
-std::size_t expect_nothing_missed(const Surroundings& surroundings,
+std::size_t expect_nothing_missed(const SceneView& scene_view,
                                   const Vec3& source,
                                   const std::vector<Vec3>& listeners,
                                   int order) {
     const auto expected =
-        find_specular_paths_brute_force(surroundings, source, listeners, order).paths;
+        find_specular_paths_brute_force(scene_view, source, listeners, order).paths;
     for (const int resolution : {1, 6, 32, 43}) {
         const auto found = find_specular_paths(
-            surroundings, source, listeners, {.max_order = order, .resolution = resolution});
+            scene_view, source, listeners, {.max_order = order, .resolution = resolution});
         EXPECT_EQ(found.paths, expected) << "resolution " << resolution;
     }
     return expected.size();
@@ -45,7 +45,7 @@ TEST(Completeness, AnOutlineCoarserThanItsDistanceFromTheSourceLosesNothing) {
     ASSERT_EQ(scene.facets().facets.size(), 1U);
     ASSERT_EQ(scene.facets().facets[0].loops[0].size(), 3U);
     const std::size_t paths = expect_nothing_missed(
-        scene.surroundings(), {10000.5, -1998.5, 7004.0}, {{10003.25, -1999.25, 7002.5}}, 1);
+        scene.scene_view(), {10000.5, -1998.5, 7004.0}, {{10003.25, -1999.25, 7002.5}}, 1);
     EXPECT_EQ(paths, 2U);
 }
 
@@ -73,7 +73,7 @@ TEST(Completeness, ACarpetDoesNotDoubleTheFloorInATurnedRoom) {
     add_rectangle(3.3, 6.7);
     const MeshedScene scene(mesh, {0, 0, 1, 1});
     ASSERT_EQ(scene.facets().facets.size(), 2U);
-    const auto paths = find_specular_paths(scene.surroundings(),
+    const auto paths = find_specular_paths(scene.scene_view(),
                                            turn * Vec3(4.5, 4.6, 1.3),
                                            std::vector<Vec3>{turn * Vec3(5.1, 5.2, 1.7)},
                                            {.max_order = 2})
@@ -89,7 +89,7 @@ TEST(Completeness, ImagesCloserThanTheToleranceInDifferentWallsAreNotOne) {
     mesh.positions = {{0, 0, 0}, {8, 0, 0}, {0, 8, 0}, {0, 0, 8}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
     const MeshedScene scene(mesh);
-    EXPECT_EQ(expect_nothing_missed(scene.surroundings(), {1e-6, 2.0, 1e-6}, {{1.0, 2.5, 1.5}}, 2),
+    EXPECT_EQ(expect_nothing_missed(scene.scene_view(), {1e-6, 2.0, 1e-6}, {{1.0, 2.5, 1.5}}, 2),
               4U);
 }
 
@@ -178,7 +178,7 @@ TEST(Completeness, DifficultRoomsHideNothing) {
             ++order;
         }
         SCOPED_TRACE("seed " + std::to_string(seed));
-        paths += expect_nothing_missed(scene.surroundings(), room.source, room.listeners, order);
+        paths += expect_nothing_missed(scene.scene_view(), room.source, room.listeners, order);
     }
     EXPECT_GT(paths, 1000U);
 }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/bvh/ray.h"
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/facets.h"
 
@@ -31,7 +31,7 @@ public:
         : MeshedScene(mesh, std::vector<std::uint32_t>(mesh.triangles.size(), 0)) {}
 
     const geometry::Facets& facets() const { return facets_; }
-    Surroundings surroundings() const {
+    SceneView scene_view() const {
         return {.tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = {}};
     }
 

@@ -3,6 +3,7 @@
 
 #include "earshot/base/simd.h"
 #include "earshot/frustum/brute_force.h"
+#include "earshot/frustum/find_specular_paths.h"
 
 #include <gtest/gtest.h>
 
@@ -23,16 +24,15 @@ std::vector<Vec3> moved(std::vector<Vec3> points, const Vec3& by) {
 TEST(PathFinder, KeptTracesGiveThePathsOfAFreshSearch) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const RandomRoom random(seed, static_cast<int>(seed % 5));
-        const Surroundings surroundings = random.room.surroundings();
+        const SceneView scene_view = random.room.scene_view();
         const int order = static_cast<int>(seed % 4);
-        for (const bool all_the_way : {false, true}) {
-            const PathFinder finder(surroundings,
-                                    {.trace = {.max_order = order}, .all_the_way = all_the_way});
+        for (const bool forward_only : {false, true}) {
+            const PathFinder finder(scene_view,
+                                    {.trace = {.max_order = order}, .forward_only = forward_only});
             auto source = finder.trace_source(random.source);
             auto listeners = finder.trace_listeners(random.listeners);
             const auto expect_fresh = [&](const Vec3& from, const std::vector<Vec3>& to) {
-                const auto fresh =
-                    find_specular_paths(surroundings, from, to, {.max_order = order});
+                const auto fresh = find_specular_paths(scene_view, from, to, {.max_order = order});
                 EXPECT_EQ(finder.connect(source, listeners).paths, fresh.paths) << seed;
                 EXPECT_EQ(finder.find(from, listeners).paths, fresh.paths) << seed;
             };
@@ -68,9 +68,9 @@ TEST(PathFinder, ListenersInThePlanesOfFacetsMissNothing) {
                                              {2.0, source.y, 3.5},  // level with the source
                                              source};
         const auto expected =
-            find_specular_paths_brute_force(room.surroundings(), source, listeners, 3);
+            find_specular_paths_brute_force(room.scene_view(), source, listeners, 3);
         const auto found =
-            find_specular_paths(room.surroundings(), source, listeners, {.max_order = 3});
+            find_specular_paths(room.scene_view(), source, listeners, {.max_order = 3});
         EXPECT_EQ(found.paths, expected.paths) << seed;
         paths += expected.paths.size();
     }
@@ -85,13 +85,13 @@ TEST(PathFinder, ManyListenersGetWhatEachGetsAlone) {
                                                                  earshot::random(1, 1, i) - 0.5,
                                                                  earshot::random(1, 2, i) - 0.5));
     }
-    const Surroundings surroundings = random.room.surroundings();
-    const auto all = find_specular_paths(surroundings, random.source, listeners, {.max_order = 2});
+    const SceneView scene_view = random.room.scene_view();
+    const auto all = find_specular_paths(scene_view, random.source, listeners, {.max_order = 2});
     std::vector<SpecularPath> one_by_one;
     for (std::size_t i = 0; i < listeners.size(); ++i) {
         for (SpecularPath& path :
              find_specular_paths(
-                 surroundings, random.source, std::span(&listeners[i], 1), {.max_order = 2})
+                 scene_view, random.source, std::span(&listeners[i], 1), {.max_order = 2})
                  .paths) {
             path.listener = i;
             one_by_one.push_back(std::move(path));
@@ -106,28 +106,28 @@ TEST(PathFinder, FirstFacetsLeaveOutThePathsThatBeginWithOthers) {
     std::size_t left_out = 0;
     for (std::uint64_t seed = 0; seed < 12; ++seed) {
         const RandomRoom random(seed, 3);
-        const Surroundings surroundings = random.room.surroundings();
+        const SceneView scene_view = random.room.scene_view();
         std::vector<std::uint8_t> first;
-        for (std::size_t facet = 0; facet < surroundings.facets.facets.size(); ++facet) {
+        for (std::size_t facet = 0; facet < scene_view.facets.facets.size(); ++facet) {
             first.push_back(earshot::random(seed, 9, facet) < 0.5 ? 1 : 0);
         }
-        for (const bool all_the_way : {false, true}) {
+        for (const bool forward_only : {false, true}) {
             const int order = 1 + static_cast<int>(seed % 3);
-            const PathFinder finder(surroundings,
-                                    {.trace = {.max_order = order}, .all_the_way = all_the_way});
+            const PathFinder finder(scene_view,
+                                    {.trace = {.max_order = order}, .forward_only = forward_only});
             const auto listeners = finder.trace_listeners(random.listeners);
             Executor& serial = Executor::serial();
             std::vector<SpecularPath> expected;
             for (const SpecularPath& path : finder.find(random.source, listeners).paths) {
                 if (path.triangles.empty() ||
-                    first[surroundings.facets.of_triangle[path.triangles[0]]] != 0) {
+                    first[scene_view.facets.of_triangle[path.triangles[0]]] != 0) {
                     expected.push_back(path);
                 } else {
                     ++left_out;
                 }
             }
-            EXPECT_EQ(finder.find(random.source, listeners, serial, first).paths, expected) << seed;
-            const auto source = finder.trace_source(random.source, serial, first);
+            EXPECT_EQ(finder.find(random.source, listeners, first, serial).paths, expected) << seed;
+            const auto source = finder.trace_source(random.source, first, serial);
             EXPECT_EQ(finder.connect(source, listeners).paths, expected) << seed;
         }
     }
@@ -136,14 +136,14 @@ TEST(PathFinder, FirstFacetsLeaveOutThePathsThatBeginWithOthers) {
 
 TEST(PathFinder, AnswersAndCountsDoNotDependOnThreadsOrInstructionSet) {
     const RandomRoom random(11, 5);
-    const PathFinder finder(random.room.surroundings(), {.trace = {.max_order = 3}});
+    const PathFinder finder(random.room.scene_view(), {.trace = {.max_order = 3}});
     const auto expected = finder.connect(finder.trace_source(random.source),
                                          finder.trace_listeners(random.listeners));
     for (const std::string& target : simd_targets()) {
         use_simd_target(target);
         for (const int threads : {1, 2, 8}) {
             Executor executor(threads);
-            const auto source = finder.trace_source(random.source, executor);
+            const auto source = finder.trace_source(random.source, {}, executor);
             const auto listeners = finder.trace_listeners(random.listeners, executor);
             const auto found = finder.connect(source, listeners, executor);
             EXPECT_EQ(found.paths, expected.paths);

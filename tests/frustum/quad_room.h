@@ -3,7 +3,7 @@
 
 #include "earshot/base/random.h"
 #include "earshot/bvh/tree.h"
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/scene_view.h"
 
 #include <glm/geometric.hpp>
 
@@ -69,7 +69,7 @@ public:
         tree_ = bvh::Tree::build(bvh::triangle_boxes(mesh_.view()));
     }
 
-    Surroundings surroundings() const {
+    SceneView scene_view() const {
         return {.tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = one_sided_};
     }
 

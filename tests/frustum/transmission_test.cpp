@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/brute_force.h"
+#include "earshot/frustum/find_specular_paths.h"
 #include "earshot/frustum/path_finder.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +22,7 @@ const Vec3 kSize = {5.0, 3.0, 4.0};
 /// A box with a sheet across it that lets sound through; the sheet is the last facet.
 struct DividedBox {
     QuadRoom room;
-    std::vector<std::uint8_t> lets_through;
+    std::vector<std::uint8_t> transmissive;
 
     explicit DividedBox(double lean = 0.0) {
         room.add_box(Vec3(0.0), {kSize.x, 0, 0}, {0, kSize.y, 0}, {0, 0, kSize.z}, true);
@@ -30,13 +31,13 @@ struct DividedBox {
                       {kSheet + lean, kSize.y, kSize.z},
                       {kSheet, 0, kSize.z});
         room.finish();
-        lets_through.assign(7, 0);
-        lets_through.back() = 1;
+        transmissive.assign(7, 0);
+        transmissive.back() = 1;
     }
 
-    Surroundings surroundings() const {
-        Surroundings result = room.surroundings();
-        result.lets_through = lets_through;
+    SceneView scene_view() const {
+        SceneView result = room.scene_view();
+        result.transmissive = transmissive;
         return result;
     }
 };
@@ -75,7 +76,7 @@ TEST(Transmission, PathsOverTheWallsOfADividedBoxAreThoseOfTheBox) {
     constexpr int kOrder = 4;
     std::size_t counted = 0;
     const auto found =
-        find_specular_paths(box.surroundings(), source, listeners, {.max_order = kOrder});
+        find_specular_paths(box.scene_view(), source, listeners, {.max_order = kOrder});
     for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
         std::vector<std::pair<double, int>> expected, actual;  // length, passes
         const Vec3& to = listeners[listener];
@@ -92,7 +93,7 @@ TEST(Transmission, PathsOverTheWallsOfADividedBoxAreThoseOfTheBox) {
         }
         for (const SpecularPath& path : found.paths) {
             const int passes = static_cast<int>(
-                std::count(path.passes.begin(), path.passes.end(), std::uint8_t{1}));
+                std::count(path.transmitted.begin(), path.transmitted.end(), std::uint8_t{1}));
             const auto on_sheet = std::count_if(path.triangles.begin(),
                                                 path.triangles.end(),
                                                 [](auto triangle) { return triangle >= 12; });
@@ -115,18 +116,18 @@ TEST(Transmission, PathsOverTheWallsOfADividedBoxAreThoseOfTheBox) {
 TEST(Transmission, PointsAndTrianglesStandInTheOrderOfTheWay) {
     const DividedBox box(0.4);
     const auto found = find_specular_paths(
-        box.surroundings(), {0.7, 1.1, 1.3}, std::vector<Vec3>{{4.2, 0.9, 2.2}}, {.max_order = 4});
+        box.scene_view(), {0.7, 1.1, 1.3}, std::vector<Vec3>{{4.2, 0.9, 2.2}}, {.max_order = 4});
     std::size_t through = 0;
     for (const SpecularPath& path : found.paths) {
         ASSERT_EQ(path.points.size(), path.triangles.size() + 2);
-        ASSERT_TRUE(path.passes.empty() || path.passes.size() == path.triangles.size());
+        ASSERT_TRUE(path.transmitted.empty() || path.transmitted.size() == path.triangles.size());
         double length = 0.0;
         for (std::size_t i = 0; i + 1 < path.points.size(); ++i) {
             length += glm::distance(path.points[i], path.points[i + 1]);
         }
         EXPECT_NEAR(length, path.length, 1e-12);
-        for (std::size_t i = 0; i < path.passes.size(); ++i) {
-            if (path.passes[i] == 0) {
+        for (std::size_t i = 0; i < path.transmitted.size(); ++i) {
+            if (path.transmitted[i] == 0) {
                 continue;
             }
             ++through;
@@ -143,23 +144,23 @@ TEST(Transmission, NothingIsMissedInRandomRoomsWithSheets) {
     std::size_t through = 0;
     for (std::uint64_t seed = 0; seed < 25; ++seed) {
         const RandomRoom random(seed, 3);
-        Surroundings surroundings = random.room.surroundings();
-        std::vector<std::uint8_t> lets_through(surroundings.facets.facets.size(), 0);
-        for (std::size_t i = 6; i < lets_through.size(); ++i) {
-            lets_through[i] = random_bits(seed, 50, i) % 4 > 0 ? 1 : 0;
+        SceneView scene_view = random.room.scene_view();
+        std::vector<std::uint8_t> transmissive(scene_view.facets.facets.size(), 0);
+        for (std::size_t i = 6; i < transmissive.size(); ++i) {
+            transmissive[i] = random_bits(seed, 50, i) % 4 > 0 ? 1 : 0;
         }
-        surroundings.lets_through = lets_through;
+        scene_view.transmissive = transmissive;
         constexpr int kOrder = 3;
         const auto expected =
-            find_specular_paths_brute_force(surroundings, random.source, random.listeners, kOrder);
-        for (const bool all_the_way : {false, true}) {
-            const PathFinder finder(surroundings,
-                                    {.trace = {.max_order = kOrder}, .all_the_way = all_the_way});
+            find_specular_paths_brute_force(scene_view, random.source, random.listeners, kOrder);
+        for (const bool forward_only : {false, true}) {
+            const PathFinder finder(scene_view,
+                                    {.trace = {.max_order = kOrder}, .forward_only = forward_only});
             const auto found = finder.find(random.source, finder.trace_listeners(random.listeners));
             EXPECT_EQ(found.paths, expected.paths) << seed;
         }
         for (const SpecularPath& path : expected.paths) {
-            through += path.passes.empty() ? 0 : 1;
+            through += path.transmitted.empty() ? 0 : 1;
         }
     }
     EXPECT_GT(through, 20U);
@@ -170,36 +171,36 @@ TEST(Transmission, AnEdgeOfTwoSheetsIsPassedOnceAndALegAlongASheetIsBlocked) {
     room.add_quad({0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0});
     room.add_quad({2, 0, 0}, {4, 0, 1}, {4, 2, 1}, {2, 2, 0});
     room.finish();
-    Surroundings surroundings = room.surroundings();
+    SceneView scene_view = room.scene_view();
     const std::vector<std::uint8_t> both = {1, 1};
-    surroundings.lets_through = both;
+    scene_view.transmissive = both;
     const auto direct = [&](const Vec3& from, const Vec3& to) {
-        return find_specular_paths(surroundings, from, std::vector<Vec3>{to}, {.max_order = 2});
+        return find_specular_paths(scene_view, from, std::vector<Vec3>{to}, {.max_order = 2});
     };
     const auto through_edge = direct({2, 1, -1}, {2, 1, 1});
     ASSERT_EQ(through_edge.paths.size(), 1U);
-    EXPECT_EQ(through_edge.paths[0].passes, std::vector<std::uint8_t>{1});
+    EXPECT_EQ(through_edge.paths[0].transmitted, std::vector<std::uint8_t>{1});
     EXPECT_TRUE(direct({-1, 1, 0}, {1, 1, 0}).paths.empty());
 }
 
 TEST(Limits, LeaveOutExactlyWhatFallsUnderThem) {
     for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const RandomRoom random(seed, 3);
-        Surroundings surroundings = random.room.surroundings();
-        std::vector<double> gain;
-        for (std::size_t i = 0; i < surroundings.facets.facets.size(); ++i) {
-            gain.push_back(earshot::random(seed, 60, i));
+        SceneView scene_view = random.room.scene_view();
+        std::vector<double> factors;
+        for (std::size_t i = 0; i < scene_view.facets.facets.size(); ++i) {
+            factors.push_back(earshot::random(seed, 60, i));
         }
-        surroundings.gain = gain;
+        scene_view.max_pressure_factor = factors;
         const auto all =
-            find_specular_paths(surroundings, random.source, random.listeners, {.max_order = 3});
+            find_specular_paths(scene_view, random.source, random.listeners, {.max_order = 3});
         if (all.paths.empty()) {
             continue;
         }
         const auto pressure_of = [&](const SpecularPath& path) {
             double pressure = 1.0;
             for (const auto triangle : path.triangles) {
-                pressure *= gain[surroundings.facets.of_triangle[triangle]];
+                pressure *= factors[scene_view.facets.of_triangle[triangle]];
             }
             return pressure / path.length;
         };
@@ -215,11 +216,10 @@ TEST(Limits, LeaveOutExactlyWhatFallsUnderThem) {
             }
         }
         const auto found = [&](const TraceOptions& options) {
-            return find_specular_paths(surroundings, random.source, random.listeners, options)
-                .paths;
+            return find_specular_paths(scene_view, random.source, random.listeners, options).paths;
         };
         EXPECT_EQ(found({.max_order = 3, .max_length = some.length}), short_ones) << seed;
-        EXPECT_EQ(found({.max_order = 3, .least_pressure = least}), loud_ones) << seed;
+        EXPECT_EQ(found({.max_order = 3, .min_pressure = least}), loud_ones) << seed;
     }
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/visible_facets.h"
 
-#include "earshot/frustum/image_path.h"
+#include "earshot/frustum/path_verifier.h"
 
 #include <gtest/gtest.h>
 
@@ -17,9 +17,7 @@ using geometry::Vec3;
 
 // The facet that a ray meets first at t > 0 (in multiples of `direction`), by trying every triangle
 // with the textbook formula; nothing where two hits lie too close together to tell.
-std::optional<FacetId> first_facet(const Surroundings& s,
-                                   const Vec3& origin,
-                                   const Vec3& direction) {
+std::optional<FacetId> first_facet(const SceneView& s, const Vec3& origin, const Vec3& direction) {
     double nearest = 1e30;
     std::optional<FacetId> first;
     for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) {
@@ -46,9 +44,9 @@ TEST(VisibleFacets, EveryFirstHitOfARayIsFound) {
     int rays = 0;
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         const RandomRoom random(seed, static_cast<int>(seed % 9));
-        const Surroundings surroundings = random.room.surroundings();
-        const FacetIndex index(surroundings);
-        const PathVerifier verifier(surroundings);
+        const SceneView scene_view = random.room.scene_view();
+        const FacetIndex index(scene_view);
+        const PathVerifier verifier(scene_view);
         VisibleFacets search(index, Mode::complete, verifier.contact_reach(), 20.0);
         for (const Frustum& frustum : frusta_around(random.source, 2, 8, 1e-12)) {
             search.search(frustum);
@@ -62,7 +60,7 @@ TEST(VisibleFacets, EveryFirstHitOfARayIsFound) {
                 const double v =
                     random_between(seed, 900 + ray, 1, frustum.rect.lower.y, frustum.rect.upper.y);
                 const Vec3 direction = frustum.forward + u * frustum.right + v * frustum.up;
-                const auto facet = first_facet(surroundings, random.source, direction);
+                const auto facet = first_facet(scene_view, random.source, direction);
                 if (facet) {
                     ASSERT_EQ(found.count(*facet), 1U) << "seed " << seed << " ray " << ray;
                 }
@@ -78,8 +76,8 @@ TEST(VisibleFacets, AWallHidesWhatStandsBehindIt) {
     room.add_quad({-1, -1, 7}, {-1, 1, 7}, {1, 1, 7}, {1, -1, 7});  // 1: behind it
     room.add_quad({-1, -1, 3}, {-1, 1, 3}, {1, 1, 3}, {1, -1, 3});  // 2: before it
     room.finish();
-    const Surroundings surroundings = room.surroundings();
-    const FacetIndex index(surroundings);
+    const SceneView scene_view = room.scene_view();
+    const FacetIndex index(scene_view);
     VisibleFacets search(index, Mode::complete, 1e-3, 10.0);
     std::set<FacetId> found;
     for (const Frustum& frustum : frusta_around(Vec3(0.0), 1, 8, 1e-12)) {
@@ -100,8 +98,8 @@ TEST(VisibleFacets, AReflectedFrustumIsAsWideAsTheFacetAllows) {
     QuadRoom room;
     room.add_quad({-1, -1, 4}, {-1, 1, 4}, {1, 1, 4}, {1, -1, 4});
     room.finish();
-    const Surroundings surroundings = room.surroundings();
-    const FacetIndex index(surroundings);
+    const SceneView scene_view = room.scene_view();
+    const FacetIndex index(scene_view);
     VisibleFacets search(index, Mode::complete, 1e-3, 10.0);
     const auto frusta = frusta_around(Vec3(0.0), 1, 8, 1e-12);
     search.search(frusta[4]);  // towards +z

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/paths.h"
 
 #include "support/image_source_oracle.h"
 #include <cstddef>

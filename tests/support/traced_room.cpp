@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "support/traced_room.h"
 
+#include "earshot/frustum/find_specular_paths.h"
+
 #include <array>
 
 namespace earshot::support {
@@ -30,10 +32,10 @@ frustum::TraceResult TracedRoom::trace(const geometry::Vec3& source,
                                        std::span<const geometry::Vec3> listeners,
                                        const frustum::TraceOptions& options,
                                        Executor& executor) const {
-    const frustum::Surroundings surroundings{
+    const frustum::SceneView scene_view{
         .tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = one_sided_};
     frustum::TraceResult result =
-        frustum::find_specular_paths(surroundings, source, listeners, options, executor);
+        frustum::find_specular_paths(scene_view, source, listeners, options, executor);
     for (frustum::SpecularPath& path : result.paths) {
         for (geometry::TriangleId& triangle : path.triangles) {
             triangle = number_.at(triangle);

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/parallel.h"
 #include "earshot/bvh/tree.h"
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/paths.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/facets.h"
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/paths.h"
+#include "earshot/frustum/scene_view.h"
 
 #include <optional>
 #include <span>
@@ -21,7 +22,7 @@ namespace earshot::frustum {
 /// leg may go through facets that let sound through; they are added to the path where it does.
 class PathVerifier {
 public:
-    explicit PathVerifier(const Surroundings& surroundings);
+    explicit PathVerifier(const SceneView& scene);
 
     /// `images[i]` is the source mirrored in the first i facets: images[0] is the source itself.
     /// Preconditions: images.size() == sequence.size() + 1, each made by Plane::mirror from the one
@@ -89,7 +90,7 @@ private:
     void unify(std::vector<Passage>& passages, double length) const;
     static void insert(SpecularPath& path, std::size_t leg, std::span<const Passage> passages);
 
-    Surroundings surroundings_;
+    SceneView scene_;
     double scale_ = 0.0;
 };
 

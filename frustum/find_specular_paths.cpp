@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/find_specular_paths.h"
 
 #include "earshot/frustum/path_finder.h"
 
@@ -12,21 +12,21 @@ namespace earshot::frustum {
 
 using geometry::Vec3;
 
-TraceResult find_specular_paths(const Surroundings& surroundings,
+TraceResult find_specular_paths(const SceneView& scene,
                                 const Vec3& source,
                                 std::span<const Vec3> listeners,
                                 const TraceOptions& options,
                                 Executor& executor) {
-    double reach = std::max(glm::length(source), std::numeric_limits<double>::min());
+    double max_radius = std::max(glm::length(source), std::numeric_limits<double>::min());
     for (const Vec3& listener : listeners) {
-        reach = std::max(reach, glm::length(listener));
+        max_radius = std::max(max_radius, glm::length(listener));
     }
-    const PathFinder finder(surroundings,
+    const PathFinder finder(scene,
                             {.trace = options,
-                             .all_the_way = are_many(listeners.size(), options.max_order),
-                             .reach = reach});
-    const ListenerTrace to = finder.trace_listeners(listeners, executor);
-    TraceResult result = finder.find(source, to, executor);
+                             .forward_only = prefer_forward(listeners.size(), options.max_order),
+                             .max_radius = max_radius});
+    const ListenerBeamTree to = finder.trace_listeners(listeners, executor);
+    TraceResult result = finder.find(source, to, {}, executor);
     result.statistics.frusta += to.frusta();
     return result;
 }

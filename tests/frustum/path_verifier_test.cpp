@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/frustum/image_path.h"
+#include "earshot/frustum/path_verifier.h"
 
 #include <gtest/gtest.h>
 
@@ -15,12 +15,12 @@ std::optional<SpecularPath> verify(const QuadRoom& room,
                                    const std::vector<FacetId>& sequence,
                                    const Vec3& source,
                                    const Vec3& listener) {
-    const Surroundings surroundings = room.surroundings();
+    const SceneView scene_view = room.scene_view();
     std::vector<Vec3> images = {source};
     for (const FacetId facet : sequence) {
-        images.push_back(surroundings.facets.facets[facet].plane.mirror(images.back()));
+        images.push_back(scene_view.facets.facets[facet].plane.mirror(images.back()));
     }
-    return PathVerifier(surroundings).verify(sequence, images, listener);
+    return PathVerifier(scene_view).verify(sequence, images, listener);
 }
 
 /// A floor of 4 x 4 m at y = 0, front upwards.

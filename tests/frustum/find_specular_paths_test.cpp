@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/frustum/trace.h"
+#include "earshot/frustum/find_specular_paths.h"
 
 #include "earshot/base/error.h"
 #include "earshot/base/simd.h"
@@ -16,8 +16,7 @@ namespace {
 using geometry::Vec3;
 
 TraceResult trace(const RandomRoom& random, const TraceOptions& options) {
-    return find_specular_paths(
-        random.room.surroundings(), random.source, random.listeners, options);
+    return find_specular_paths(random.room.scene_view(), random.source, random.listeners, options);
 }
 
 TEST(FindSpecularPaths, CompleteModeEqualsBruteForce) {
@@ -27,7 +26,7 @@ TEST(FindSpecularPaths, CompleteModeEqualsBruteForce) {
         const int order = boxes < 3 ? 3 : 2;
         const RandomRoom random(seed, boxes);
         const auto expected = find_specular_paths_brute_force(
-            random.room.surroundings(), random.source, random.listeners, order);
+            random.room.scene_view(), random.source, random.listeners, order);
         const auto found = trace(random, {.max_order = order});
         EXPECT_EQ(found.paths, expected.paths) << "seed " << seed;
         paths += expected.paths.size();
@@ -77,11 +76,8 @@ TEST(FindSpecularPaths, AnswersDoNotDependOnThreadsOrInstructionSet) {
     const auto expected = trace(random, {.max_order = 2});
     for (const int threads : {2, 8}) {
         Executor executor(threads);
-        const auto found = find_specular_paths(random.room.surroundings(),
-                                               random.source,
-                                               random.listeners,
-                                               {.max_order = 2},
-                                               executor);
+        const auto found = find_specular_paths(
+            random.room.scene_view(), random.source, random.listeners, {.max_order = 2}, executor);
         EXPECT_EQ(found.paths, expected.paths);
         EXPECT_EQ(found.statistics.frusta, expected.statistics.frusta);
         EXPECT_EQ(found.statistics.candidates, expected.statistics.candidates);
@@ -103,8 +99,7 @@ TEST(FindSpecularPaths, APathThroughACornerStandsOnce) {
     // both walls meets them in the edge itself.
     const Vec3 source = {3.0, 1.0, 1.0};
     const std::vector<Vec3> listeners = {{1.0, 1.5, 3.0}, {3.0, 1.0, 1.0}};
-    const auto found =
-        find_specular_paths(room.surroundings(), source, listeners, {.max_order = 2});
+    const auto found = find_specular_paths(room.scene_view(), source, listeners, {.max_order = 2});
     std::size_t of_first = 0;
     for (const SpecularPath& path : found.paths) {
         of_first += path.listener == 0 ? 1 : 0;
@@ -120,7 +115,7 @@ TEST(FindSpecularPaths, NothingArrivesInASealedBox) {
     room.add_box({3, 1, 2}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1});
     room.finish();
     const std::vector<Vec3> listener = {{3.4, 1.6, 2.3}};
-    EXPECT_TRUE(find_specular_paths(room.surroundings(), {1, 1, 1}, listener, {.max_order = 3})
+    EXPECT_TRUE(find_specular_paths(room.scene_view(), {1, 1, 1}, listener, {.max_order = 3})
                     .paths.empty());
 }
 
@@ -128,7 +123,7 @@ TEST(FindSpecularPaths, AnEmptySceneHasTheDirectPathOnly) {
     QuadRoom room;
     room.finish();
     const std::vector<Vec3> listener = {{3.0, 4.0, 0.0}};
-    const auto found = find_specular_paths(room.surroundings(), {0, 0, 0}, listener);
+    const auto found = find_specular_paths(room.scene_view(), {0, 0, 0}, listener);
     ASSERT_EQ(found.paths.size(), 1U);
     EXPECT_EQ(found.paths[0].length, 5.0);
 }
@@ -137,7 +132,7 @@ TEST(FindSpecularPaths, RefusesOptionsOutOfRange) {
     QuadRoom room;
     room.finish();
     const auto attempt = [&](const TraceOptions& options) {
-        find_specular_paths(room.surroundings(), Vec3(0.0), {}, options);
+        find_specular_paths(room.scene_view(), Vec3(0.0), {}, options);
     };
     EXPECT_THROW(attempt({.max_order = -1}), Error);
     EXPECT_THROW(attempt({.max_order = 65}), Error);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/frustum/image_path.h"
+#include "earshot/frustum/path_verifier.h"
 
 #include "earshot/bvh/ray.h"
 #include "earshot/bvh/traverse.h"
@@ -71,9 +71,9 @@ Containment locate(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner,
 
 }  // namespace
 
-PathVerifier::PathVerifier(const Surroundings& surroundings) : surroundings_(surroundings) {
-    if (!surroundings.tree.nodes().empty()) {
-        const geometry::Aabb& box = surroundings.tree.nodes().front().box;
+PathVerifier::PathVerifier(const SceneView& scene) : scene_(scene) {
+    if (!scene.tree.nodes().empty()) {
+        const geometry::Aabb& box = scene.tree.nodes().front().box;
         for (std::size_t k = 0; k < 3; ++k) {
             scale_ = std::max({scale_,
                                std::abs(static_cast<double>(box.lower[k])),
@@ -87,7 +87,7 @@ double PathVerifier::grazing_distance(double reach) const noexcept {
 }
 
 double PathVerifier::contact_reach() const noexcept {
-    return kContactReach * surroundings_.facets.tolerance;
+    return kContactReach * scene_.facets.tolerance;
 }
 
 std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,
@@ -104,7 +104,7 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
     path.points[order + 1] = listener;
     for (std::size_t i = order; i > 0; --i) {
         const FacetId facet = sequence[i - 1];
-        const Plane& plane = surroundings_.facets.facets[facet].plane;
+        const Plane& plane = scene_.facets.facets[facet].plane;
         const Vec3& target = path.points[i + 1];
         const double before = plane.distance(images[i - 1]);  // of the side that reflects
         const double behind = plane.distance(images[i]);
@@ -114,7 +114,7 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
             return std::nullopt;
         }
         ahead = front ? std::max(ahead, 0.0) : std::min(ahead, 0.0);
-        if (!front && !surroundings_.one_sided.empty() && surroundings_.one_sided[facet] != 0) {
+        if (!front && !scene_.one_sided.empty() && scene_.one_sided[facet] != 0) {
             return std::nullopt;
         }
         path.points[i] = target + (ahead / (ahead - behind)) * (images[i] - target);
@@ -148,14 +148,14 @@ void PathVerifier::visit_triangles_at(FacetId facet,
                                       const Vec3& point,
                                       double slack,
                                       Visit&& visit) const {
-    const geometry::Facet& surface = surroundings_.facets.facets[facet];
+    const geometry::Facet& surface = scene_.facets.facets[facet];
     const int axis = dominant_axis(surface.plane.normal);
     const glm::dvec2 p = project(point, axis);
     // The point lies in the plane, the triangles within the facet's deviation of it, measured along
     // the dominant axis at most sqrt(3) times as far.
     const double reach = 2.0 * surface.deviation + slack;
     bvh::traverse(
-        surroundings_.tree,
+        scene_.tree,
         [&](const bvh::Node& node) {
             for (int k = 0; k < 3; ++k) {
                 const auto index = static_cast<std::size_t>(k);
@@ -167,11 +167,11 @@ void PathVerifier::visit_triangles_at(FacetId facet,
             return true;
         },
         [&](TriangleId id) {
-            if (surroundings_.facets.of_triangle[id] == facet) {
-                const geometry::Triangle& triangle = surroundings_.mesh.triangles[id];
+            if (scene_.facets.of_triangle[id] == facet) {
+                const geometry::Triangle& triangle = scene_.mesh.triangles[id];
                 std::array<glm::dvec2, 3> corner;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    corner[k] = project(surroundings_.mesh.positions[triangle[k]], axis);
+                    corner[k] = project(scene_.mesh.positions[triangle[k]], axis);
                 }
                 visit(id, locate(p, corner, slack));
             }
@@ -196,13 +196,12 @@ std::optional<TriangleId> PathVerifier::triangle_at(FacetId facet,
 // Whether the facet at this point of its border has a part over another's plane, on the given side.
 bool PathVerifier::rises_over(
     FacetId other, double side, FacetId facet, const Vec3& point, double slack) const {
-    const geometry::Facet& ground = surroundings_.facets.facets[other];
-    const double flatness = ground.deviation + surroundings_.facets.tolerance;
+    const geometry::Facet& ground = scene_.facets.facets[other];
+    const double flatness = ground.deviation + scene_.facets.tolerance;
     bool rises = false;
     visit_triangles_at(facet, point, slack, [&](TriangleId id, Containment where) {
-        for (const geometry::VertexId vertex : surroundings_.mesh.triangles[id]) {
-            const double height =
-                side * ground.plane.distance(surroundings_.mesh.positions[vertex]);
+        for (const geometry::VertexId vertex : scene_.mesh.triangles[id]) {
+            const double height = side * ground.plane.distance(scene_.mesh.positions[vertex]);
             rises = rises || (where != Containment::outside && height > flatness);
         }
     });
@@ -220,10 +219,10 @@ bool PathVerifier::turns_on_an_outer_edge(std::span<const FacetId> sequence,
         const FacetId first = sequence[i];
         const FacetId second = sequence[i + 1];
         const auto side_of = [&](FacetId facet, const Vec3& image) {
-            return surroundings_.facets.facets[facet].plane.distance(image) > 0.0 ? 1.0 : -1.0;
+            return scene_.facets.facets[facet].plane.distance(image) > 0.0 ? 1.0 : -1.0;
         };
         const auto lies_in = [&](FacetId facet, const Vec3& point) {
-            return std::abs(surroundings_.facets.facets[facet].plane.distance(point)) <= slack;
+            return std::abs(scene_.facets.facets[facet].plane.distance(point)) <= slack;
         };
         const Vec3& from = points[i + 1];
         const Vec3& to = points[i + 2];
@@ -241,7 +240,7 @@ PathVerifier::LegEnd PathVerifier::end_of_leg(const FacetId* facet, const Vec3& 
     if (facet == nullptr) {
         return {};
     }
-    const Plane& plane = surroundings_.facets.facets[*facet].plane;
+    const Plane& plane = scene_.facets.facets[*facet].plane;
     return {.facet = facet, .rise = std::abs(plane.distance(other_end))};
 }
 
@@ -255,7 +254,7 @@ bool PathVerifier::reflects_at(const LegEnd& end,
     if (end.facet == nullptr) {
         return false;
     }
-    const geometry::Facets& facets = surroundings_.facets;
+    const geometry::Facets& facets = scene_.facets;
     if (facets.of_triangle[triangle] == *end.facet) {
         return true;
     }
@@ -268,12 +267,12 @@ bool PathVerifier::reflects_at(const LegEnd& end,
 
 // A layer on the facet: all of the triangle lies in the facet's plane, as far as files can tell.
 bool PathVerifier::coats(const geometry::Facet& surface, TriangleId triangle) const {
-    const geometry::Facets& facets = surroundings_.facets;
+    const geometry::Facets& facets = scene_.facets;
     const double deviation =
         surface.deviation + facets.facets[facets.of_triangle[triangle]].deviation;
-    const geometry::Triangle& corners = surroundings_.mesh.triangles[triangle];
+    const geometry::Triangle& corners = scene_.mesh.triangles[triangle];
     return std::all_of(corners.begin(), corners.end(), [&](geometry::VertexId vertex) {
-        return std::abs(surface.plane.distance(surroundings_.mesh.positions[vertex])) <=
+        return std::abs(surface.plane.distance(scene_.mesh.positions[vertex])) <=
                deviation + facets.tolerance;
     });
 }
@@ -291,16 +290,15 @@ bool PathVerifier::leg_is_free(const Vec3& from,
         if (reflects_at(start, id, t, reach) || reflects_at(finish, id, 1.0 - t, reach)) {
             return false;
         }
-        const FacetId facet = surroundings_.facets.of_triangle[id];
-        if (surroundings_.lets_through.empty() || surroundings_.lets_through[facet] == 0 ||
+        const FacetId facet = scene_.facets.of_triangle[id];
+        if (scene_.transmissive.empty() || scene_.transmissive[facet] == 0 ||
             runs_along(facet, from, to)) {
             return true;
         }
         passages.push_back({t, facet, id});
         return false;
     };
-    if (bvh::any_touching(
-            surroundings_.tree, surroundings_.mesh, geometry::Segment{from, to}, blocks)) {
+    if (bvh::any_touching(scene_.tree, scene_.mesh, geometry::Segment{from, to}, blocks)) {
         return false;
     }
     unify(passages, length);
@@ -308,7 +306,7 @@ bool PathVerifier::leg_is_free(const Vec3& from,
 }
 
 bool PathVerifier::runs_along(FacetId facet, const Vec3& from, const Vec3& to) const {
-    const Plane& plane = surroundings_.facets.facets[facet].plane;
+    const Plane& plane = scene_.facets.facets[facet].plane;
     const double slack = grazing_distance(glm::distance(from, to));
     return std::abs(plane.distance(from)) <= slack && std::abs(plane.distance(to)) <= slack;
 }
@@ -331,15 +329,15 @@ void PathVerifier::unify(std::vector<Passage>& passages, double length) const {
 }
 
 void PathVerifier::insert(SpecularPath& path, std::size_t leg, std::span<const Passage> passages) {
-    if (path.passes.empty() && !passages.empty()) {
-        path.passes.assign(path.triangles.size(), 0);
+    if (path.transmitted.empty() && !passages.empty()) {
+        path.transmitted.assign(path.triangles.size(), 0);
     }
     const Vec3 from = path.points[leg];
     const Vec3 way = path.points[leg + 1] - from;
     auto place = static_cast<std::ptrdiff_t>(leg);
     for (const Passage& passage : passages) {
         path.triangles.insert(path.triangles.begin() + place, passage.triangle);
-        path.passes.insert(path.passes.begin() + place, 1);
+        path.transmitted.insert(path.transmitted.begin() + place, 1);
         path.points.insert(path.points.begin() + place + 1, from + passage.t * way);
         ++place;
     }
