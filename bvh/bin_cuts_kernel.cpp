@@ -8,8 +8,8 @@
 #define HWY_TARGET_INCLUDE "earshot/bvh/bin_cuts_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
-#include "earshot/bvh/internal/wide_binning-inl.h"
-#include "earshot/bvh/internal/wide_small_tree-inl.h"
+#include "earshot/bvh/kernels/binning-inl.h"
+#include "earshot/bvh/kernels/small_tree-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {

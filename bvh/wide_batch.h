@@ -14,8 +14,8 @@
 namespace earshot::bvh {
 
 // Many questions of wide_ray.h at once, faster than one by one: neighbours that start from one
-// point go through the tree as a bundle, and of the others several are under way at a time, so that
-// the memory is never waited for. Results in the order of the questions, the same for any executor.
+// point traverse the tree as a packet, and of the others several are in flight at a time, which
+// hides the memory's latency. Results in the order of the questions, the same for any executor.
 // Precondition: the tree was built over or refitted to this mesh.
 
 /// closest_hit() of every ray.

@@ -7,63 +7,63 @@
 // After foreach_target.h, which includes this file again for every instruction set.
 #include "earshot/base/wide.h"
 #include "earshot/base/wide_float.h"
-#include "earshot/bvh/internal/decision_queue-inl.h"
-#include "earshot/bvh/internal/float_ray-inl.h"
-#include "earshot/bvh/internal/wide_steps-inl.h"
-// After decision_queue-inl.h and wide_steps-inl.h.
-#include "earshot/bvh/internal/alone_steps-inl.h"
-#include "earshot/bvh/internal/bundle_steps-inl.h"
-#include "earshot/bvh/internal/few_triangles-inl.h"
-#include "earshot/bvh/internal/stream_steps-inl.h"
+#include "earshot/bvh/kernels/exact_queue-inl.h"
+#include "earshot/bvh/kernels/float_ray-inl.h"
+#include "earshot/bvh/kernels/leaf-inl.h"
+// After exact_queue-inl.h and leaf-inl.h.
+#include "earshot/bvh/kernels/interleaved-inl.h"
+#include "earshot/bvh/kernels/packet-inl.h"
+#include "earshot/bvh/kernels/single_ray-inl.h"
+#include "earshot/bvh/kernels/small_mesh-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
-// A tree that is no larger stays in the processor's second cache, where a ray on its own waits less
-// than several in turns mislead the processor about what comes next.
-constexpr std::size_t kNearBytes = std::size_t{1} << 20;
+// A tree that is no larger stays in the processor's second cache: there the single-ray kernel is
+// faster, because interleaving has no latency to hide and mispredicts more branches.
+constexpr std::size_t kSecondCacheBytes = std::size_t{1} << 20;
 
-// A bundle of fewer rays is slower than as many rays on their own.
-constexpr std::size_t kFewest = 12;
+// A packet of fewer rays is slower than as many single rays.
+constexpr std::size_t kMinPacketRays = 12;
 
 /// Rays of which neighbours may start from one point.
-void closest_in_bundles(const WideTree& tree,
+void closest_in_packets(const WideTree& tree,
                         const geometry::MeshView& mesh,
                         const LeavingRays& leaving,
                         std::span<std::optional<geometry::Hit>> hits,
-                        DecisionQueue& queue) {
+                        ExactTestQueue& queue) {
     const double reach = tree.reach();
     const std::span<const geometry::Ray> rays = leaving.rays;
-    Bundle bundle;
-    // After rays that form no bundle more are taken before the next are looked at; after a bundle
-    // that was given up, shorter ones are tried.
-    constexpr std::size_t kFirstStretch = 8;
-    constexpr std::size_t kLastStretch = 1024;
-    std::size_t stretch = kFirstStretch;
-    std::size_t most = Bundle::kMost;
+    RayPacket packet;
+    // After rays that form no packet, a longer run is interleaved before the next attempt; after a
+    // packet that was given up, shorter ones are tried.
+    constexpr std::size_t kFirstRun = 8;
+    constexpr std::size_t kMaxRun = 1024;
+    std::size_t run = kFirstRun;
+    std::size_t max_rays = RayPacket::kMaxRays;
     for (std::size_t done = 0; done < rays.size();) {
-        const auto next = rays.subspan(done, std::min(most, rays.size() - done));
-        const std::size_t count = bundle.take(next, reach);
-        if (count < kFewest) {
-            const std::size_t end = std::min(done + stretch, rays.size());
-            trace_stream(tree, mesh, leaving, done, end, hits, queue);
+        const auto next = rays.subspan(done, std::min(max_rays, rays.size() - done));
+        const std::size_t count = packet.gather(next, reach);
+        if (count < kMinPacketRays) {
+            const std::size_t end = std::min(done + run, rays.size());
+            closest_interleaved(tree, mesh, leaving, done, end, hits, queue);
             done = end;
-            stretch = std::min(4 * stretch, kLastStretch);
-            most = std::max(most, 2 * kFewest);
+            run = std::min(4 * run, kMaxRun);
+            max_rays = std::max(max_rays, 2 * kMinPacketRays);
             continue;
         }
-        if (trace_bundle(tree, mesh, bundle)) {
+        if (traverse_packet(tree, mesh, packet)) {
             for (std::size_t i = 0; i < count; ++i) {
-                hits[done + i] = bundle.best(i);
-                bundle.for_each_left(
+                hits[done + i] = packet.best(i);
+                packet.for_each_pending(
                     i, [&](std::uint32_t triangle) { queue.push(done + i, triangle); });
             }
-            stretch = kFirstStretch;
-            most = std::min(2 * most, Bundle::kMost);
+            run = kFirstRun;
+            max_rays = std::min(2 * max_rays, RayPacket::kMaxRays);
         } else {
-            trace_stream(tree, mesh, leaving, done, done + count, hits, queue);
-            stretch = kLastStretch;
-            most = count / 2;
+            closest_interleaved(tree, mesh, leaving, done, done + count, hits, queue);
+            run = kMaxRun;
+            max_rays = count / 2;
         }
         done += count;
     }
@@ -73,38 +73,38 @@ void closest_of_many(const WideTree& tree,
                      const geometry::MeshView& mesh,
                      const LeavingRays& leaving,
                      std::span<std::optional<geometry::Hit>> hits) {
-    DecisionQueue queue(mesh, leaving.rays, hits, tree.reach());
-    if (mesh.triangles.size() <= kFewTriangles) {
-        ClosestOfFew few(mesh, leaving.rays, hits, queue);
+    ExactTestQueue queue(mesh, leaving.rays, hits, tree.reach());
+    if (mesh.triangles.size() <= kMaxSmallMeshTriangles) {
+        SmallMeshClosest small_mesh(mesh, leaving.rays, hits, queue);
         for (std::size_t i = 0; i < leaving.rays.size(); ++i) {
-            few.add(i);
+            small_mesh.add(i);
         }
-        few.finish();
+        small_mesh.finish();
     } else if (leaving.left.empty()) {
-        closest_in_bundles(tree, mesh, leaving, hits, queue);
-    } else if (tree.bytes() <= kNearBytes) {
-        closest_alone(tree, mesh, leaving, hits, queue);
+        closest_in_packets(tree, mesh, leaving, hits, queue);
+    } else if (tree.bytes() <= kSecondCacheBytes) {
+        closest_single_ray(tree, mesh, leaving, hits, queue);
     } else {
-        trace_stream(tree, mesh, leaving, 0, leaving.rays.size(), hits, queue);
+        closest_interleaved(tree, mesh, leaving, 0, leaving.rays.size(), hits, queue);
     }
     queue.finish();
 }
 
-void any_in_stream(const WideTree& tree,
-                   const geometry::MeshView& mesh,
-                   const LeavingSegments& leaving,
-                   std::span<std::uint8_t> blocked) {
+void any_interleaved(const WideTree& tree,
+                     const geometry::MeshView& mesh,
+                     const LeavingSegments& leaving,
+                     std::span<std::uint8_t> blocked) {
     const double reach = tree.reach();
     const std::span<const geometry::Segment> segments = leaving.segments;
-    AnyLane lanes[kTogether];
+    AnyInFlight in_flight[kRaysInFlight];
     std::size_t next = 0;
-    const auto start = [&](AnyLane& lane) {
+    const auto start = [&](AnyInFlight& slot) {
         for (; next < segments.size(); ++next) {
-            if (lane.start(tree, segments[next], reach)) {
+            if (slot.start(tree, segments[next], reach)) {
                 if (!leaving.left.empty()) {
-                    lane.leave(mesh, leaving.left[next]);
+                    slot.exclude(mesh, leaving.left[next]);
                 }
-                lane.index = next++;
+                slot.index = next++;
                 return true;
             }
             blocked[next] = occluded(tree, mesh, segments[next]) ? 1 : 0;
@@ -112,20 +112,20 @@ void any_in_stream(const WideTree& tree,
         return false;
     };
     std::size_t active = 0;
-    while (active < kTogether && start(lanes[active])) {
+    while (active < kRaysInFlight && start(in_flight[active])) {
         ++active;
     }
     while (active > 0) {
         for (std::size_t i = 0; i < active;) {
-            if (lanes[i].step(tree, mesh)) {
+            if (in_flight[i].step(tree, mesh)) {
                 ++i;
                 continue;
             }
-            blocked[lanes[i].index] = lanes[i].is_blocked ? 1 : 0;
-            if (start(lanes[i])) {
+            blocked[in_flight[i].index] = in_flight[i].is_blocked ? 1 : 0;
+            if (start(in_flight[i])) {
                 ++i;
             } else if (--active != i) {
-                lanes[i] = lanes[active];
+                in_flight[i] = in_flight[active];
             }
         }
     }
@@ -135,16 +135,16 @@ void any_of_many(const WideTree& tree,
                  const geometry::MeshView& mesh,
                  const LeavingSegments& leaving,
                  std::span<std::uint8_t> blocked) {
-    if (mesh.triangles.size() <= kFewTriangles) {
-        AnyOfFew few(tree, mesh, leaving, blocked);
+    if (mesh.triangles.size() <= kMaxSmallMeshTriangles) {
+        SmallMeshAny small_mesh(tree, mesh, leaving, blocked);
         for (std::size_t i = 0; i < leaving.segments.size(); ++i) {
-            few.add(i);
+            small_mesh.add(i);
         }
-        few.finish();
-    } else if (!leaving.left.empty() && tree.bytes() <= kNearBytes) {
-        any_alone(tree, mesh, leaving, blocked);
+        small_mesh.finish();
+    } else if (!leaving.left.empty() && tree.bytes() <= kSecondCacheBytes) {
+        any_single_ray(tree, mesh, leaving, blocked);
     } else {
-        any_in_stream(tree, mesh, leaving, blocked);
+        any_interleaved(tree, mesh, leaving, blocked);
     }
 }
 

@@ -6,8 +6,8 @@
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
 #include "earshot/base/wide_float.h"
-#include "earshot/bvh/internal/float_ray-inl.h"
-#include "earshot/bvh/internal/wide_steps-inl.h"
+#include "earshot/bvh/kernels/float_ray-inl.h"
+#include "earshot/bvh/kernels/leaf-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
@@ -20,19 +20,19 @@ bool closest(const WideTree& tree,
     if (!set_ray(ray, source, static_cast<float>(reach))) {
         return false;
     }
-    const Passing passing(ray);
+    const SlabTest slab_test(ray);
     const WideNode* nodes = tree.nodes().data();
-    Walk walk;
-    LeafRoom room;
+    TraversalStack stack;
+    DecodeBuffer buffer;
     search.bound = ray.t_max;
-    bool goes_on = true;
-    while (goes_on) {
-        if (is_leaf(walk.child)) {
-            visit_leaf(open_leaf(tree, walk.child, room), ray, search);
-            goes_on = walk.pop(search.bound);
+    bool has_next = true;
+    while (has_next) {
+        if (is_leaf(stack.current)) {
+            visit_leaf(decode_leaf(tree, stack.current, buffer), ray, search);
+            has_next = stack.pop(search.bound);
         } else {
-            goes_on =
-                descend_alone(nodes[walk.child], passing, ray.order_shift, search.bound, walk);
+            has_next = descend_single_ray(
+                nodes[stack.current], slab_test, ray.order_shift, search.bound, stack);
         }
     }
     return true;
@@ -46,18 +46,19 @@ std::optional<bool> any(const WideTree& tree,
     if (!set_ray(ray, ray_along(segment), static_cast<float>(reach))) {
         return std::nullopt;
     }
-    const Passing passing(ray);
+    const SlabTest slab_test(ray);
     const WideNode* nodes = tree.nodes().data();
-    Walk walk;
-    LeafRoom room;
-    bool goes_on = true;
-    while (goes_on) {
-        if (!is_leaf(walk.child)) {
-            goes_on = descend_alone(nodes[walk.child], passing, ray.order_shift, ray.t_max, walk);
-        } else if (touches_leaf(open_leaf(tree, walk.child, room), ray, mesh, segment)) {
+    TraversalStack stack;
+    DecodeBuffer buffer;
+    bool has_next = true;
+    while (has_next) {
+        if (!is_leaf(stack.current)) {
+            has_next = descend_single_ray(
+                nodes[stack.current], slab_test, ray.order_shift, ray.t_max, stack);
+        } else if (touches_leaf(decode_leaf(tree, stack.current, buffer), ray, mesh, segment)) {
             return true;
         } else {
-            goes_on = walk.pop(ray.t_max);
+            has_next = stack.pop(ray.t_max);
         }
     }
     return false;

@@ -21,7 +21,7 @@ using geometry::Vec3;
 
 namespace {
 
-// Enough for bundles and streams of rays, few enough for what is found to guide the next.
+// Enough for ray packets and interleaved rays, few enough for what is found to guide the next.
 constexpr std::size_t kSeedsAtATime = 1024;
 
 // Random rays begin few and follow the rest: where triangles are small they are met one by one.

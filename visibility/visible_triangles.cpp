@@ -19,7 +19,7 @@ using geometry::Vec3;
 
 namespace {
 
-/// Pixels are looked through in tiles of 8 x 8, which go through the tree as one bundle.
+/// Pixels are looked through in tiles of 8 x 8, which traverse the tree as one ray packet.
 constexpr std::size_t kTile = 8;
 
 /// About so many pixels are held at a time.

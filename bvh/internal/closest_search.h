@@ -27,9 +27,9 @@ public:
         candidates_[count_++] = {triangle, near};
     }
 
-    /// Hands over what is still to be decided.
+    /// Visits the candidates that are still to be decided.
     template <typename Visit>
-    void for_each_left(Visit&& visit) const {
+    void for_each_pending(Visit&& visit) const {
         for (std::size_t i = 0; i < count_; ++i) {
             if (candidates_[i].near <= bound) {
                 visit(candidates_[i].triangle);

@@ -22,12 +22,12 @@ namespace earshot::bvh {
 /// Triangles. Corners and origin are rounded to 2^-24 of R each, their difference once more; the
 /// shear adds as much again: a sheared corner is off by less than 2^-20 R = `slack` in x and y, and
 /// less than half of that in z. With s the sum of |x| + |y| over the corners, an edge function is
-/// off by less than 2 slack (s + slack), rounding of its products included; kEdge leaves a
+/// off by less than 2 slack (s + slack), rounding of its products included; kEdgeError leaves a
 /// quarter in reserve. The hit's weights are off by so much over the sum of the edge functions, its
-/// distance by that share of the triangle's depth; wide_steps-inl.h has the rest. Where corners are
+/// distance by that share of the triangle's depth; leaf-inl.h has the rest. Where corners are
 /// quantised, `slack` is greater by as much as they are off.
 struct FloatRay {
-    static constexpr float kEdge = 2.5F;
+    static constexpr float kEdgeError = 2.5F;
 
     alignas(16) float inverse_near[4];
     alignas(16) float offset_near[4];

@@ -33,7 +33,7 @@ struct Question {
     Segment segment;
 };
 
-/// Rays and segments about a mesh, alone and in bundles: through it, at its vertices, from its
+/// Rays and segments about a mesh, alone and in packets: through it, at its vertices, from its
 /// surface, along axes, and with ends short of and beyond what they aim at.
 std::vector<Question> questions_about(const Mesh& mesh, std::uint64_t seed, std::size_t count) {
     std::vector<Question> questions;
@@ -46,17 +46,17 @@ std::vector<Question> questions_about(const Mesh& mesh, std::uint64_t seed, std:
     };
     for (std::uint64_t i = 0; i < count; ++i) {
         // Of every eighty the first forty look from one point at one place, as a camera does.
-        const bool is_bundle = i % 80 < 40;
-        const std::uint64_t about = is_bundle ? i / 80 * 80 : i;
+        const bool is_packet = i % 80 < 40;
+        const std::uint64_t about = is_packet ? i / 80 * 80 : i;
         const Vec3 other = point(2 * about + 1);
         const Vec3 place = point(2 * about);
         const Vec3 target =
-            is_bundle ? place + 0.02 * glm::distance(place, other) * test::random_point(seed + 2, i)
+            is_packet ? place + 0.02 * glm::distance(place, other) * test::random_point(seed + 2, i)
                       : place;
         const Vec3 aside = glm::distance(place, other) * test::random_point(seed + 1, about);
         const Vec3 origin = about % 4 == 1 ? other : other + aside;
         Ray ray{.origin = origin, .direction = target - origin};
-        if (i % 5 == 0 && !is_bundle) {
+        if (i % 5 == 0 && !is_packet) {
             ray.direction[static_cast<int>(i % 3)] = 0.0;
         }
         if (i % 7 == 0) {

@@ -62,7 +62,7 @@ Vec3 aligned(Vec3 origin, const Vec3& target, const Vec3& middle, int count) {
 
 /// Rays from points inside a closed mesh to its edges and vertices that hit nothing: asked of the
 /// binary tree, and of wide trees one by one and in batches. Runs of rays from one point become
-/// bundles there.
+/// packets there.
 std::size_t leaks_of(const Mesh& mesh,
                      double inner_radius,
                      std::uint64_t begin,

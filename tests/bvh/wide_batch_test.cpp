@@ -39,7 +39,7 @@ void add_camera(std::vector<Ray>& rays, const Vec3& eye, const Vec3& look, doubl
     }
 }
 
-/// Bundles of all widths, with gaps, and rays of every other kind between them.
+/// Packets of all widths, with gaps, and rays of every other kind between them.
 std::vector<Ray> mixed_rays(const Mesh& mesh, std::uint64_t seed) {
     std::vector<Ray> rays;
     const auto& p = mesh.positions;

@@ -4,13 +4,13 @@
 // nodes belong to such trees, and for so few boxes trying everything is faster than bins.
 
 #include "earshot/bvh/internal/bin_cuts.h"
-#include "earshot/bvh/internal/wide_box-inl.h"
+#include "earshot/bvh/kernels/box-inl.h"
 
-#if defined(EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H
-#undef EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H
+#if defined(EARSHOT_BVH_KERNELS_SMALL_TREE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_KERNELS_SMALL_TREE_INL_H
+#undef EARSHOT_BVH_KERNELS_SMALL_TREE_INL_H
 #else
-#define EARSHOT_BVH_INTERNAL_WIDE_SMALL_TREE_H
+#define EARSHOT_BVH_KERNELS_SMALL_TREE_INL_H
 #endif
 
 HWY_BEFORE_NAMESPACE();

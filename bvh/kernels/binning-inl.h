@@ -4,15 +4,15 @@
 // instruction set.
 
 #include "earshot/bvh/internal/bin_cuts.h"
-#include "earshot/bvh/internal/wide_box-inl.h"
+#include "earshot/bvh/kernels/box-inl.h"
 
 #include <algorithm>
 
-#if defined(EARSHOT_BVH_INTERNAL_WIDE_BINNING_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
-#undef EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
+#if defined(EARSHOT_BVH_KERNELS_BINNING_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_KERNELS_BINNING_INL_H
+#undef EARSHOT_BVH_KERNELS_BINNING_INL_H
 #else
-#define EARSHOT_BVH_INTERNAL_WIDE_BINNING_H
+#define EARSHOT_BVH_KERNELS_BINNING_INL_H
 #endif
 
 HWY_BEFORE_NAMESPACE();

@@ -10,21 +10,21 @@
 #include <cmath>
 #include <cstring>
 
-#if defined(EARSHOT_BVH_FLOAT_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef EARSHOT_BVH_FLOAT_RAY_INL_H
-#undef EARSHOT_BVH_FLOAT_RAY_INL_H
+#if defined(EARSHOT_BVH_KERNELS_FLOAT_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_KERNELS_FLOAT_RAY_INL_H
+#undef EARSHOT_BVH_KERNELS_FLOAT_RAY_INL_H
 #else
-#define EARSHOT_BVH_FLOAT_RAY_INL_H
+#define EARSHOT_BVH_KERNELS_FLOAT_RAY_INL_H
 #endif
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
-inline constexpr float kSmallest = 0x1p-40F;  // coordinates, metres
-inline constexpr float kLargest = 0x1p40F;
-inline constexpr float kShortest = 0x1p-30F;  // directions
-inline constexpr float kLongest = 0x1p30F;
-inline constexpr float kMostInverse = 0x1p40F;  // over the shortest inverse
+inline constexpr float kMinCoordinate = 0x1p-40F;  // coordinates, metres
+inline constexpr float kMaxCoordinate = 0x1p40F;
+inline constexpr float kMinDirection = 0x1p-30F;  // directions
+inline constexpr float kMaxDirection = 0x1p30F;
+inline constexpr float kMaxInverse = 0x1p40F;  // over the shortest inverse
 
 inline constexpr float kPlanePad = 0x1p-21F;
 inline constexpr float kInverseSlack = 0x1p-21F;
@@ -57,15 +57,15 @@ HWY_INLINE bool set_ray(FloatRay& ray, const geometry::Ray& source, float reach)
     const float scene =
         larger(larger(std::abs(o[0]), std::abs(o[1])), larger(std::abs(o[2]), reach));
     const float sum = ((o[0] + o[1]) + o[2]) + ((d[0] + d[1]) + d[2]);
-    if (!(scene >= kSmallest && scene <= kLargest && size >= kShortest && size <= kLongest &&
-          sum - sum == 0.0F && source.t_max >= 0.0)) {
+    if (!(scene >= kMinCoordinate && scene <= kMaxCoordinate && size >= kMinDirection &&
+          size <= kMaxDirection && sum - sum == 0.0F && source.t_max >= 0.0)) {
         return false;
     }
-    const float most_inverse = kMostInverse / size;
+    const float max_inverse = kMaxInverse / size;
     const float pad = kPlanePad * scene;
     for (std::size_t k = 0; k < 4; ++k) {
         const float magnitude = std::abs(inverses[k]);
-        const float held = magnitude < most_inverse ? magnitude : most_inverse;
+        const float held = magnitude < max_inverse ? magnitude : max_inverse;
         const float inverse = std::copysign(held, d[k]);
         const float outward = std::copysign(pad, d[k]);
         ray.inverse_near[k] = inverse * (1.0F - kInverseSlack);

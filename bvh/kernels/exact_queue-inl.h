@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// geometry::ShearedRay::hit() for eight pairs of ray and triangle at a time, with the same bits:
+// Deferred exact tests: geometry::ShearedRay::hit() for eight pairs of ray and triangle at a time,
+// with the same bits:
 // included by kernels once per instruction set, after base/wide.h.
 
 #include "earshot/geometry/mesh.h"
@@ -13,11 +14,11 @@
 #include <optional>
 #include <span>
 
-#if defined(EARSHOT_BVH_DECISION_QUEUE_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef EARSHOT_BVH_DECISION_QUEUE_INL_H
-#undef EARSHOT_BVH_DECISION_QUEUE_INL_H
+#if defined(EARSHOT_BVH_KERNELS_EXACT_QUEUE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_KERNELS_EXACT_QUEUE_INL_H
+#undef EARSHOT_BVH_KERNELS_EXACT_QUEUE_INL_H
 #else
-#define EARSHOT_BVH_DECISION_QUEUE_INL_H
+#define EARSHOT_BVH_KERNELS_EXACT_QUEUE_INL_H
 #endif
 
 HWY_BEFORE_NAMESPACE();
@@ -25,22 +26,23 @@ namespace earshot::bvh::HWY_NAMESPACE {
 
 using namespace earshot::HWY_NAMESPACE;
 
-/// Pairs of ray and triangle, along the ray's axes.
-struct Pairs {
-    static constexpr std::size_t kMost = 8;
-    alignas(64) double origin[3][kMost];
-    alignas(64) double direction[3][kMost];
-    alignas(64) double corner[3][3][kMost];
-    alignas(64) double most[kMost];
+/// RayTriangleLanes of ray and triangle, along the ray's axes.
+struct RayTriangleLanes {
+    static constexpr std::size_t kLanes = 8;
+    alignas(64) double origin[3][kLanes];
+    alignas(64) double direction[3][kLanes];
+    alignas(64) double corner[3][3][kLanes];
+    alignas(64) double t_max[kLanes];
 };
 
-/// What ShearedRay::hit() says of them.
-struct Verdicts {
-    std::uint32_t clear = 0;  ///< bit per pair: it lies in its own box, the rest is not valid else
+/// The results of ShearedRay::hit() for them.
+struct ExactTestResults {
+    std::uint32_t certain = 0;  ///< bit per pair: the hit lies in the triangle's own box for sure;
+                                ///< else the rest is not valid
     std::uint32_t hit = 0;
-    alignas(64) double t[Pairs::kMost];
-    alignas(64) double u[Pairs::kMost];
-    alignas(64) double v[Pairs::kMost];
+    alignas(64) double t[RayTriangleLanes::kLanes];
+    alignas(64) double u[RayTriangleLanes::kLanes];
+    alignas(64) double v[RayTriangleLanes::kLanes];
 };
 
 /// Rays along their axes, one per lane.
@@ -54,7 +56,7 @@ struct ShearedRays {
                 divide(broadcast(1.0), direction[2])} {}
 };
 
-/// Corners of triangles as the rays see them.
+/// Corners of triangles from the rays' origins, sheared along the rays.
 struct ShearedCorners {
     Doubles x, y, z;
     Doubles off;  ///< |x| + |y|
@@ -71,16 +73,16 @@ HWY_INLINE ShearedCorners shear(const ShearedRays& rays, Doubles x, Doubles y, D
 }
 
 /// What ShearedRay::hit() finds before it asks for the range of t.
-struct Piercings {
+struct Intersections {
     DoublesMask inside;
-    DoublesMask clear;  ///< it lies in its own box; the rest is not valid else
+    DoublesMask certain;  ///< the hit lies in the triangle's own box; else the rest is not valid
     Doubles t, v, w, determinant;
 };
 
-HWY_INLINE Piercings pierce(const ShearedRays& rays,
-                            const ShearedCorners& a,
-                            const ShearedCorners& b,
-                            const ShearedCorners& c) {
+HWY_INLINE Intersections intersect(const ShearedRays& rays,
+                                   const ShearedCorners& a,
+                                   const ShearedCorners& b,
+                                   const ShearedCorners& c) {
     const Doubles zero = broadcast(0.0);
     const Doubles u = subtract(multiply(c.x, b.y), multiply(c.y, b.x));
     const Doubles v = subtract(multiply(a.x, c.y), multiply(a.y, c.x));
@@ -91,25 +93,26 @@ HWY_INLINE Piercings pierce(const ShearedRays& rays,
     const Doubles size = add(add(a.off, b.off), c.off);
     const Doubles depth = subtract(greater(greater(a.z, b.z), c.z), lesser(lesser(a.z, b.z), c.z));
     const Doubles magnitude = absolute(determinant);
-    const Doubles least = lesser(lesser(u, v), w);
-    const Doubles most = greater(greater(u, v), w);
+    const Doubles lowest = lesser(lesser(u, v), w);
+    const Doubles highest = greater(greater(u, v), w);
     const DoublesMask in_own_box =
         at_most(multiply(size, greater(size, multiply(broadcast(4.0), depth))),
                 multiply(broadcast(64.0), magnitude));
-    return {.inside = either(at_most(zero, least), at_most(most, zero)),
-            .clear = but_not(in_own_box, at_most(magnitude, zero)),
+    return {.inside = either(at_most(zero, lowest), at_most(highest, zero)),
+            .certain = but_not(in_own_box, at_most(magnitude, zero)),
             .t = t,
             .v = v,
             .w = w,
             .determinant = determinant};
 }
 
-HWY_INLINE void decide(const Pairs& pairs, Verdicts& verdicts) {
-    verdicts.clear = 0;
-    verdicts.hit = 0;
+HWY_INLINE void decide(const RayTriangleLanes& pairs, ExactTestResults& results) {
+    results.certain = 0;
+    results.hit = 0;
     const Doubles zero = broadcast(0.0);
-    for (std::size_t i = 0; i < Pairs::kMost; i += lanes()) {
-        const auto along_axes = [&](const double(&values)[3][Pairs::kMost], Doubles(&out)[3]) {
+    for (std::size_t i = 0; i < RayTriangleLanes::kLanes; i += lanes()) {
+        const auto along_axes = [&](const double(&values)[3][RayTriangleLanes::kLanes],
+                                    Doubles(&out)[3]) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
                 out[axis] = load(values[axis] + i);
             }
@@ -123,26 +126,26 @@ HWY_INLINE void decide(const Pairs& pairs, Verdicts& verdicts) {
             along_axes(pairs.corner[k], corner);
             corners[k] = shear(rays, corner[0], corner[1], corner[2]);
         }
-        const Piercings found = pierce(rays, corners[0], corners[1], corners[2]);
+        const Intersections found = intersect(rays, corners[0], corners[1], corners[2]);
         const DoublesMask between =
-            both(at_most(zero, found.t), at_most(found.t, load(pairs.most + i)));
-        verdicts.clear |= bits(found.clear) << i;
-        verdicts.hit |= bits(both(found.inside, between)) << i;
+            both(at_most(zero, found.t), at_most(found.t, load(pairs.t_max + i)));
+        results.certain |= bits(found.certain) << i;
+        results.hit |= bits(both(found.inside, between)) << i;
         // Adding 0 turns -0 into 0.
-        store(add(found.t, zero), verdicts.t + i);
-        store(add(divide(found.v, found.determinant), zero), verdicts.u + i);
-        store(add(divide(found.w, found.determinant), zero), verdicts.v + i);
+        store(add(found.t, zero), results.t + i);
+        store(add(divide(found.v, found.determinant), zero), results.u + i);
+        store(add(divide(found.w, found.determinant), zero), results.v + i);
     }
 }
 
-/// Triangles that rays may hit, decided a few later, when the memory has brought them.
-class DecisionQueue {
+/// Pairs of ray and triangle whose exact tests are deferred until the memory has fetched them.
+class ExactTestQueue {
 public:
     /// Precondition: hits[i] is what is already known of rays[i].
-    DecisionQueue(const geometry::MeshView& mesh,
-                  std::span<const geometry::Ray> rays,
-                  std::span<std::optional<geometry::Hit>> hits,
-                  double reach)
+    ExactTestQueue(const geometry::MeshView& mesh,
+                   std::span<const geometry::Ray> rays,
+                   std::span<std::optional<geometry::Hit>> hits,
+                   double reach)
         : mesh_(mesh), rays_(rays), hits_(hits), reach_(reach) {}
 
     HWY_INLINE void push(std::size_t ray, std::uint32_t triangle) {
@@ -150,46 +153,47 @@ public:
         pending_[last_ % kRing] = {static_cast<std::uint32_t>(ray), triangle};
         ++last_;
         if (last_ - first_ == kRing) {
-            decide_next(Pairs::kMost);
+            test_next(RayTriangleLanes::kLanes);
         }
-        if (last_ % Pairs::kMost == 0 && last_ - first_ >= 2 * Pairs::kMost) {
-            fetch_corners(last_ - 2 * Pairs::kMost);
+        if (last_ % RayTriangleLanes::kLanes == 0 &&
+            last_ - first_ >= 2 * RayTriangleLanes::kLanes) {
+            fetch_corners(last_ - 2 * RayTriangleLanes::kLanes);
         }
     }
 
-    /// Decides what is left.
+    /// Tests the remaining pairs.
     HWY_INLINE void finish() {
         while (first_ != last_) {
-            decide_next(std::min(last_ - first_, Pairs::kMost));
+            test_next(std::min(last_ - first_, RayTriangleLanes::kLanes));
         }
     }
 
 private:
-    static constexpr std::size_t kRing = 4 * Pairs::kMost;
+    static constexpr std::size_t kRing = 4 * RayTriangleLanes::kLanes;
     struct Pair {
         std::uint32_t ray, triangle;
     };
 
     HWY_INLINE void fetch_corners(std::size_t first) const {
-        for (std::size_t i = first; i < first + Pairs::kMost; ++i) {
+        for (std::size_t i = first; i < first + RayTriangleLanes::kLanes; ++i) {
             for (const geometry::VertexId corner : mesh_.triangles[pending_[i % kRing].triangle]) {
                 __builtin_prefetch(&mesh_.positions[corner]);
             }
         }
     }
 
-    HWY_INLINE void decide_next(std::size_t count) {
-        for (std::size_t i = 0; i < Pairs::kMost; ++i) {
+    HWY_INLINE void test_next(std::size_t count) {
+        for (std::size_t i = 0; i < RayTriangleLanes::kLanes; ++i) {
             gather(pending_[(first_ + std::min(i, count - 1)) % kRing], i);
         }
-        Verdicts verdicts;
-        decide(pairs_, verdicts);
+        ExactTestResults results;
+        decide(pairs_, results);
         for (std::size_t i = 0; i < count; ++i) {
             const Pair& pair = pending_[(first_ + i) % kRing];
-            if ((verdicts.clear >> i & 1U) == 0) {
-                decide_alone(pair);
-            } else if ((verdicts.hit >> i & 1U) != 0) {
-                keep({pair.triangle, verdicts.t[i], verdicts.u[i], verdicts.v[i]}, hits_[pair.ray]);
+            if ((results.certain >> i & 1U) == 0) {
+                test_scalar(pair);
+            } else if ((results.hit >> i & 1U) != 0) {
+                keep({pair.triangle, results.t[i], results.u[i], results.v[i]}, hits_[pair.ray]);
             }
         }
         first_ += count;
@@ -214,7 +218,7 @@ private:
                 pairs_.corner[corner][k][lane] = position[axis[k]];
             }
         }
-        pairs_.most[lane] = ray.t_max;
+        pairs_.t_max[lane] = ray.t_max;
     }
 
     HWY_INLINE static void keep(const geometry::Hit& hit, std::optional<geometry::Hit>& best) {
@@ -223,7 +227,7 @@ private:
         }
     }
 
-    void decide_alone(const Pair& pair) {
+    void test_scalar(const Pair& pair) {
         const geometry::Ray& ray = rays_[pair.ray];
         const geometry::Triangle& triangle = mesh_.triangles[pair.triangle];
         auto hit = geometry::ShearedRay(ray).hit(mesh_.positions[triangle[0]],
@@ -241,9 +245,9 @@ private:
     std::span<const geometry::Ray> rays_;
     std::span<std::optional<geometry::Hit>> hits_;
     double reach_;
-    std::size_t first_ = 0, last_ = 0;  // of what was pushed: not yet decided
+    std::size_t first_ = 0, last_ = 0;  // the range of pushed pairs that are not yet tested
     Pair pending_[kRing];
-    Pairs pairs_;
+    RayTriangleLanes pairs_;
 };
 
 }  // namespace earshot::bvh::HWY_NAMESPACE

@@ -4,15 +4,15 @@
 // how such a file is included, and why this header has a guard per target.
 
 #include "earshot/bvh/internal/box_ref.h"
-#include "earshot/bvh/internal/wide_quad-inl.h"
+#include "earshot/bvh/kernels/quad-inl.h"
 
 #include <limits>
 
-#if defined(EARSHOT_BVH_INTERNAL_WIDE_BOX_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef EARSHOT_BVH_INTERNAL_WIDE_BOX_H
-#undef EARSHOT_BVH_INTERNAL_WIDE_BOX_H
+#if defined(EARSHOT_BVH_KERNELS_BOX_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_KERNELS_BOX_INL_H
+#undef EARSHOT_BVH_KERNELS_BOX_INL_H
 #else
-#define EARSHOT_BVH_INTERNAL_WIDE_BOX_H
+#define EARSHOT_BVH_KERNELS_BOX_INL_H
 #endif
 
 HWY_BEFORE_NAMESPACE();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/bundle.h"
+#include "earshot/bvh/internal/ray_packet.h"
 
 #include "earshot/geometry/aabb.h"
 
@@ -16,14 +16,14 @@ using geometry::Vec3;
 namespace {
 
 // As FloatRay.
-constexpr double kSmallest = 0x1p-40;
-constexpr double kLargest = 0x1p40;
-constexpr double kShortest = 0x1p-30;
-constexpr double kLongest = 0x1p30;
+constexpr double kMinCoordinate = 0x1p-40;
+constexpr double kMaxCoordinate = 0x1p40;
+constexpr double kMinDirection = 0x1p-30;
+constexpr double kMaxDirection = 0x1p30;
 constexpr double kCornerSlack = 0x1p-20;
 
-// Wider bundles meet so many boxes that rays are faster one by one.
-constexpr float kMostSpread = 0.15F;
+// Wider packets overlap so many boxes that single rays are faster.
+constexpr float kMaxSpread = 0.15F;
 
 double largest(const Vec3& v) noexcept {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -47,7 +47,7 @@ unsigned signs_of(const Vec3& v) noexcept {
 
 }  // namespace
 
-std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
+std::size_t RayPacket::gather(std::span<const Ray> rays, double reach) noexcept {
     rays_ = {};
     if (rays.empty()) {
         return 0;
@@ -55,7 +55,7 @@ std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
     const Vec3& from = rays[0].origin;
     const double scene = std::max(largest(from), reach);
     const double sum = from.x + from.y + from.z;
-    if (!(scene >= kSmallest && scene <= kLargest && sum - sum == 0.0)) {
+    if (!(scene >= kMinCoordinate && scene <= kMaxCoordinate && sum - sum == 0.0)) {
         return 0;
     }
     const Axes axes = axes_of(rays[0].direction);
@@ -63,7 +63,7 @@ std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
     float lower[2] = {2.0F, 2.0F};
     float upper[2] = {-2.0F, -2.0F};
     std::size_t count = 0;
-    for (; count < std::min(rays.size(), kMost); ++count) {
+    for (; count < std::min(rays.size(), kMaxRays); ++count) {
         const Ray& ray = rays[count];
         const double* d = glm::value_ptr(ray.direction);
         const double size = std::abs(d[axes.z]);
@@ -73,9 +73,9 @@ std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
         const float low[2] = {std::min(lower[0], x), std::min(lower[1], y)};
         const float high[2] = {std::max(upper[0], x), std::max(upper[1], y)};
         // What is not a number fails one of these.
-        if (!(ray.origin == from && signs_of(ray.direction) == signs && size >= kShortest &&
-              size <= kLongest && std::abs(x) <= 1.0F && std::abs(y) <= 1.0F &&
-              high[0] - low[0] <= kMostSpread && high[1] - low[1] <= kMostSpread &&
+        if (!(ray.origin == from && signs_of(ray.direction) == signs && size >= kMinDirection &&
+              size <= kMaxDirection && std::abs(x) <= 1.0F && std::abs(y) <= 1.0F &&
+              high[0] - low[0] <= kMaxSpread && high[1] - low[1] <= kMaxSpread &&
               ray.t_max >= 0.0)) {
             break;
         }
@@ -111,7 +111,7 @@ std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
         slope_x[i] -= middle[0];
         slope_y[i] -= middle[1];
     }
-    for (std::size_t i = count; i < kMost && i % 8 != 0; ++i) {
+    for (std::size_t i = count; i < kMaxRays && i % 8 != 0; ++i) {
         slope_x[i] = slope_x[count - 1];
         slope_y[i] = slope_y[count - 1];
         bound[i] = inside[i] = -1.0F;
@@ -119,7 +119,7 @@ std::size_t Bundle::take(std::span<const Ray> rays, double reach) noexcept {
     return count;
 }
 
-void Bundle::settle(const geometry::MeshView& mesh, std::size_t ray) noexcept {
+void RayPacket::settle(const geometry::MeshView& mesh, std::size_t ray) noexcept {
     const geometry::ShearedRay sheared(rays_[ray]);
     std::optional<geometry::Hit>& best = best_[ray];
     for (std::size_t i = 0; i < counts_[ray]; ++i) {

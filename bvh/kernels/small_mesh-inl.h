@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// Rays through so few triangles that asking all of them is faster than asking boxes first. Included
-// by kernels once per instruction set, after decision_queue-inl.h, float_ray-inl.h and
-// wide_steps-inl.h.
+// The brute-force kernel for small meshes: of so few triangles that testing all of them is faster
+// than testing boxes first. Included by kernels once per instruction set, after
+// exact_queue-inl.h, float_ray-inl.h and leaf-inl.h.
 
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
@@ -13,55 +13,55 @@
 #include <optional>
 #include <span>
 
-#if defined(EARSHOT_BVH_FEW_TRIANGLES_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef EARSHOT_BVH_FEW_TRIANGLES_INL_H
-#undef EARSHOT_BVH_FEW_TRIANGLES_INL_H
+#if defined(EARSHOT_BVH_KERNELS_SMALL_MESH_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_KERNELS_SMALL_MESH_INL_H
+#undef EARSHOT_BVH_KERNELS_SMALL_MESH_INL_H
 #else
-#define EARSHOT_BVH_FEW_TRIANGLES_INL_H
+#define EARSHOT_BVH_KERNELS_SMALL_MESH_INL_H
 #endif
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
-/// A mesh of so few triangles.
-inline constexpr std::size_t kFewTriangles = 16;
+/// A mesh of no more triangles is small.
+inline constexpr std::size_t kMaxSmallMeshTriangles = 16;
 
-/// The triangles of such a mesh, and the places of their corners, each once.
-struct FewTriangles {
-    explicit FewTriangles(const geometry::MeshView& mesh) : count(mesh.triangles.size()) {
+/// The triangles of a small mesh, and the positions of their corners, each once.
+struct SmallMesh {
+    explicit SmallMesh(const geometry::MeshView& mesh) : count(mesh.triangles.size()) {
         for (std::size_t id = 0; id < count; ++id) {
             for (std::size_t k = 0; k < 3; ++k) {
-                const double* place = glm::value_ptr(mesh.positions[mesh.triangles[id][k]]);
+                const double* vertex = glm::value_ptr(mesh.positions[mesh.triangles[id][k]]);
                 std::size_t i = 0;
-                while (i < places && !std::equal(place, place + 3, position[i])) {
+                while (i < vertex_count && !std::equal(vertex, vertex + 3, position[i])) {
                     ++i;
                 }
-                if (i == places) {
-                    std::copy_n(place, 3, position[places++]);
+                if (i == vertex_count) {
+                    std::copy_n(vertex, 3, position[vertex_count++]);
                 }
                 corner[id][k] = static_cast<std::uint32_t>(i);
             }
         }
     }
 
-    static constexpr std::size_t kMostPlaces = 3 * kFewTriangles;
+    static constexpr std::size_t kMaxVertices = 3 * kMaxSmallMeshTriangles;
 
     std::size_t count;
-    std::size_t places = 0;
-    double position[kMostPlaces][3];
-    std::uint32_t corner[kFewTriangles][3];
+    std::size_t vertex_count = 0;
+    double position[kMaxVertices][3];
+    std::uint32_t corner[kMaxSmallMeshTriangles][3];
 };
 
 /// Rays with the same largest component of direction, along the axes that go with it: z is that
 /// component.
 struct RayLanes {
-    static constexpr std::size_t kMost = 8;
+    static constexpr std::size_t kLanes = 8;
 
-    alignas(64) double origin[3][kMost];
-    alignas(64) double direction[3][kMost];
-    alignas(64) double t_max[kMost];
+    alignas(64) double origin[3][kLanes];
+    alignas(64) double direction[3][kLanes];
+    alignas(64) double t_max[kLanes];
     std::size_t axis[3];  ///< of x, y and z
-    std::size_t index[kMost];
+    std::size_t index[kLanes];
     std::size_t count = 0;
 
     explicit RayLanes(std::size_t z) : axis{z == 2 ? 0 : z + 1, z == 0 ? 2 : z - 1, z} {}
@@ -75,9 +75,9 @@ struct RayLanes {
         index[count++] = ray_index;
     }
 
-    /// Repeats the first ray in the places that are left.
-    HWY_INLINE void fill_up() {
-        for (std::size_t i = count; i < kMost; ++i) {
+    /// Pads the unused lanes with the first ray.
+    HWY_INLINE void pad() {
+        for (std::size_t i = count; i < kLanes; ++i) {
             for (std::size_t k = 0; k < 3; ++k) {
                 origin[k][i] = origin[k][0];
                 direction[k][i] = direction[k][0];
@@ -87,14 +87,14 @@ struct RayLanes {
     }
 };
 
-/// The closest hits of rays among few triangles, decided in double precision, several rays at a
+/// The closest hits of rays in a small mesh, decided in double precision, several rays at a
 /// time, as geometry::ShearedRay::hit() decides them.
-class ClosestOfFew {
+class SmallMeshClosest {
 public:
-    ClosestOfFew(const geometry::MeshView& mesh,
-                 std::span<const geometry::Ray> rays,
-                 std::span<std::optional<geometry::Hit>> hits,
-                 DecisionQueue& queue)
+    SmallMeshClosest(const geometry::MeshView& mesh,
+                     std::span<const geometry::Ray> rays,
+                     std::span<std::optional<geometry::Hit>> hits,
+                     ExactTestQueue& queue)
         : triangles_(mesh), rays_(rays), hits_(hits), queue_(queue) {}
 
     HWY_INLINE void add(std::size_t ray) {
@@ -108,7 +108,7 @@ public:
         }
         RayLanes& rays = groups_[geometry::RayAxes::of(x, y, size).z];
         rays.add(rays_[ray], ray);
-        if (rays.count == RayLanes::kMost) {
+        if (rays.count == RayLanes::kLanes) {
             decide_all(rays);
         }
     }
@@ -116,7 +116,7 @@ public:
     HWY_INLINE void finish() {
         for (RayLanes& rays : groups_) {
             if (rays.count > 0) {
-                rays.fill_up();
+                rays.pad();
                 decide_all(rays);
             }
         }
@@ -129,11 +129,11 @@ private:
     };
 
     void decide_all(RayLanes& rays) {
-        alignas(64) double t[RayLanes::kMost];
-        alignas(64) double triangle[RayLanes::kMost];
-        alignas(64) double u[RayLanes::kMost];
-        alignas(64) double v[RayLanes::kMost];
-        for (std::size_t i = 0; i < RayLanes::kMost; i += lanes()) {
+        alignas(64) double t[RayLanes::kLanes];
+        alignas(64) double triangle[RayLanes::kLanes];
+        alignas(64) double u[RayLanes::kLanes];
+        alignas(64) double v[RayLanes::kLanes];
+        for (std::size_t i = 0; i < RayLanes::kLanes; i += lanes()) {
             const Best best = decide(rays, i);
             // Adding 0 turns -0 into 0.
             const Doubles zero = broadcast(0.0);
@@ -149,12 +149,12 @@ private:
                 hit = {static_cast<geometry::TriangleId>(triangle[i]), t[i], u[i], v[i]};
             }
         }
-        for (std::size_t k = 0; k < doubts_; ++k) {
-            if (doubtful_[k].lane < rays.count) {
-                queue_.push(rays.index[doubtful_[k].lane], doubtful_[k].triangle);
+        for (std::size_t k = 0; k < uncertain_count_; ++k) {
+            if (uncertain_[k].lane < rays.count) {
+                queue_.push(rays.index[uncertain_[k].lane], uncertain_[k].triangle);
             }
         }
-        doubts_ = 0;
+        uncertain_count_ = 0;
         rays.count = 0;
     }
 
@@ -165,13 +165,13 @@ private:
             direction[k] = load(rays.direction[k] + first);
         }
         const ShearedRays sheared(origin, direction);
-        ShearedCorners corners[FewTriangles::kMostPlaces];
-        for (std::size_t i = 0; i < triangles_.places; ++i) {
-            const double* place = triangles_.position[i];
+        ShearedCorners corners[SmallMesh::kMaxVertices];
+        for (std::size_t i = 0; i < triangles_.vertex_count; ++i) {
+            const double* vertex = triangles_.position[i];
             corners[i] = shear(sheared,
-                               broadcast(place[rays.axis[0]]),
-                               broadcast(place[rays.axis[1]]),
-                               broadcast(place[rays.axis[2]]));
+                               broadcast(vertex[rays.axis[0]]),
+                               broadcast(vertex[rays.axis[1]]),
+                               broadcast(vertex[rays.axis[2]]));
         }
         const Doubles zero = broadcast(0.0);
         Best best = {.t = load(rays.t_max + first),
@@ -181,18 +181,19 @@ private:
                      .determinant = broadcast(1.0)};
         for (std::uint32_t id = 0; id < triangles_.count; ++id) {
             const std::uint32_t* corner = triangles_.corner[id];
-            const Piercings found =
-                pierce(sheared, corners[corner[0]], corners[corner[1]], corners[corner[2]]);
-            const DoublesMask doubt = but_not(found.inside, found.clear);
-            for (std::uint32_t left = bits(doubt); left != 0; left &= left - 1) {
-                const auto lane = static_cast<std::size_t>(std::countr_zero(left));
-                doubtful_[doubts_++] = {first + lane, id};
+            const Intersections found =
+                intersect(sheared, corners[corner[0]], corners[corner[1]], corners[corner[2]]);
+            const DoublesMask uncertain = but_not(found.inside, found.certain);
+            std::uint32_t remaining = bits(uncertain);
+            for (; remaining != 0; remaining &= remaining - 1) {
+                const auto lane = static_cast<std::size_t>(std::countr_zero(remaining));
+                uncertain_[uncertain_count_++] = {first + lane, id};
             }
             // Of hits at the same t that of the lowest triangle stays.
             const DoublesMask nearer = either(
                 below(found.t, best.t), both(at_most(found.t, best.t), below(best.triangle, zero)));
             const DoublesMask better =
-                both(both(found.inside, found.clear), both(at_most(zero, found.t), nearer));
+                both(both(found.inside, found.certain), both(at_most(zero, found.t), nearer));
             best.t = choose(better, found.t, best.t);
             best.triangle = choose(better, broadcast(id), best.triangle);
             best.v = choose(better, found.v, best.v);
@@ -202,33 +203,33 @@ private:
         return best;
     }
 
-    struct Doubt {
+    struct Uncertain {
         std::size_t lane;
         std::uint32_t triangle;
     };
 
-    FewTriangles triangles_;
+    SmallMesh triangles_;
     std::span<const geometry::Ray> rays_;
     std::span<std::optional<geometry::Hit>> hits_;
-    DecisionQueue& queue_;
+    ExactTestQueue& queue_;
     RayLanes groups_[3] = {RayLanes(0), RayLanes(1), RayLanes(2)};
-    Doubt doubtful_[RayLanes::kMost * kFewTriangles];
-    std::size_t doubts_ = 0;
+    Uncertain uncertain_[RayLanes::kLanes * kMaxSmallMeshTriangles];
+    std::size_t uncertain_count_ = 0;
 };
 
 /// Segments as RayLanes, in single precision.
 struct SegmentLanes {
-    static constexpr std::size_t kMost = 8;
+    static constexpr std::size_t kLanes = 8;
 
-    alignas(32) float origin[3][kMost];
-    alignas(32) float shear[2][kMost];
-    alignas(32) float inverse_depth[kMost];
-    alignas(32) float slack[kMost];
-    alignas(32) float left[kMost];  ///< the triangle that the segment leaves
-    std::size_t index[kMost];
+    alignas(32) float origin[3][kLanes];
+    alignas(32) float shear[2][kLanes];
+    alignas(32) float inverse_depth[kLanes];
+    alignas(32) float slack[kLanes];
+    alignas(32) float excluded[kLanes];  ///< the triangle that the segment starts from
+    std::size_t index[kLanes];
     std::size_t count = 0;
 
-    HWY_INLINE void add(const FloatRay& ray, std::uint32_t left_triangle, std::size_t segment) {
+    HWY_INLINE void add(const FloatRay& ray, std::uint32_t excluded_triangle, std::size_t segment) {
         for (std::size_t k = 0; k < 3; ++k) {
             origin[k][count] = ray.origin[k];
         }
@@ -236,18 +237,18 @@ struct SegmentLanes {
         shear[1][count] = ray.shear_y;
         inverse_depth[count] = ray.inverse_depth;
         slack[count] = ray.slack;
-        left[count] = static_cast<float>(left_triangle);
+        excluded[count] = static_cast<float>(excluded_triangle);
         index[count++] = segment;
     }
 };
 
-/// Which segments few triangles block.
-class AnyOfFew {
+/// Which segments the triangles of a small mesh block.
+class SmallMeshAny {
 public:
-    AnyOfFew(const WideTree& tree,
-             const geometry::MeshView& mesh,
-             const LeavingSegments& leaving,
-             std::span<std::uint8_t> blocked)
+    SmallMeshAny(const WideTree& tree,
+                 const geometry::MeshView& mesh,
+                 const LeavingSegments& leaving,
+                 std::span<std::uint8_t> blocked)
         : tree_(tree),
           reach_(static_cast<float>(tree.reach())),
           mesh_(mesh),
@@ -263,8 +264,9 @@ public:
             return;
         }
         SegmentLanes& group = groups_[ray.axis[2]];
-        group.add(ray, leaving_.left.empty() ? kFewTriangles : leaving_.left[segment], segment);
-        if (group.count == SegmentLanes::kMost) {
+        group.add(
+            ray, leaving_.left.empty() ? kMaxSmallMeshTriangles : leaving_.left[segment], segment);
+        if (group.count == SegmentLanes::kLanes) {
             decide_all(ray.axis[2]);
         }
     }
@@ -286,11 +288,11 @@ private:
         at.slack = load8(group.slack);
         at.inverse_depth = load8(group.inverse_depth);
         std::uint32_t blocked = 0;
-        Float8 seen[3][FewTriangles::kMostPlaces];
-        for (std::size_t i = 0; i < triangles_.places; ++i) {
-            const double* place = triangles_.position[i];
+        Float8 seen[3][SmallMesh::kMaxVertices];
+        for (std::size_t i = 0; i < triangles_.vertex_count; ++i) {
+            const double* vertex = triangles_.position[i];
             const auto from_origin = [&](std::size_t k, std::size_t axis) {
-                return set8(static_cast<float>(place[axis])) - load8(group.origin[k]);
+                return set8(static_cast<float>(vertex[axis])) - load8(group.origin[k]);
             };
             seen[2][i] = from_origin(2, z);
             seen[0][i] = subtract_product(load8(group.shear[0]), seen[2][i], from_origin(0, x));
@@ -303,7 +305,7 @@ private:
                 at.y[k] = seen[1][corner];
                 at.z[k] = seen[2][corner];
             }
-            const LeafHits hits = pierce(at, group.count);
+            const ConservativeHits hits = intersect(at, group.count);
             if (hits.possible != 0) {
                 blocked |= blocked_by(hits, id, group, blocked);
             }
@@ -315,19 +317,19 @@ private:
     }
 
     /// As touches_leaf(), a bit per segment; not of those that are blocked anyway.
-    HWY_INLINE std::uint32_t blocked_by(const LeafHits& hits,
+    HWY_INLINE std::uint32_t blocked_by(const ConservativeHits& hits,
                                         std::uint32_t id,
                                         const SegmentLanes& group,
                                         std::uint32_t before) const {
         const Float8 zero = set8(0.0F);
         const Float8 one = set8(1.0F);
-        const Float8 left = load8(group.left);
+        const Float8 excluded = load8(group.excluded);
         const Float8 triangle = set8(static_cast<float>(id));
-        const Mask8 stays = either(below(left, triangle), below(triangle, left));
+        const Mask8 stays = either(below(excluded, triangle), below(triangle, excluded));
         const Mask8 inside = both(below(zero, hits.near), below(hits.far, one));
         std::uint32_t blocked = bits(both(both(hits.certain, inside), stays));
-        const Mask8 in_reach = both(at_most(hits.near, one), at_most(zero, hits.far));
-        std::uint32_t open = bits(both(in_reach, stays)) & hits.possible & ~blocked & ~before;
+        const Mask8 in_range = both(at_most(hits.near, one), at_most(zero, hits.far));
+        std::uint32_t open = bits(both(in_range, stays)) & hits.possible & ~blocked & ~before;
         for (; open != 0; open &= open - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(open));
             const geometry::Triangle& corners = mesh_.triangles[id];
@@ -343,7 +345,7 @@ private:
     const WideTree& tree_;
     float reach_;
     const geometry::MeshView& mesh_;
-    FewTriangles triangles_;
+    SmallMesh triangles_;
     const LeavingSegments& leaving_;
     std::span<std::uint8_t> blocked_;
     SegmentLanes groups_[3] = {};
