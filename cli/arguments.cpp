@@ -147,7 +147,7 @@ CLI::Option* add_checked(CLI::App& command,
         names,
         [=, &command](const std::string& text) {
             const std::optional<Number> value = parse(text);
-            if (!value || *value < limits.least || *value > limits.most) {
+            if (!value || *value < limits.min || *value > limits.max) {
                 throw wrong_usage(command, shown_name, in_quotes(text) + " is not " + expected);
             }
             keep(*value);
@@ -160,10 +160,10 @@ template <typename Number>
 std::string expected_value(const std::string& kind, Limits<Number> limits) {
     std::ostringstream text;
     text << kind;
-    if (limits.most != Limits<Number>{}.most) {
-        text << " from " << limits.least << " to " << limits.most;
-    } else if (limits.least != Limits<Number>{}.least) {
-        text << " of at least " << limits.least;
+    if (limits.max != Limits<Number>{}.max) {
+        text << " from " << limits.min << " to " << limits.max;
+    } else if (limits.min != Limits<Number>{}.min) {
+        text << " of at least " << limits.min;
     }
     return text.str();
 }
@@ -181,12 +181,12 @@ UsageError wrong_usage(const CLI::App& command, std::string subject, const std::
 }
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
-    constexpr int kMostThreads = 1024;
+    constexpr int kMaxThreads = 1024;
     const std::vector<CLI::Option*> added = {
         add_integer(command,
                     "--threads",
                     options.threads,
-                    {0, kMostThreads},
+                    {0, kMaxThreads},
                     "threads to work with (default: 0, all cores); results do not depend on it"),
         add_integer(command, "--seed", options.seed, {0}, "seed of random numbers (default: 1)"),
         command

@@ -35,10 +35,11 @@ void add_common_options(CLI::App& command, CommonOptions& options);
 // Options with values. `names` is as CLI11 takes it ("-o,--output"); `placeholder` stands for the
 // value in the help. Values that are not of the form throw UsageError while the line is parsed.
 
+/// The closed range of an option's value.
 template <typename Number>
 struct Limits {
-    Number least = std::numeric_limits<Number>::lowest();
-    Number most = std::numeric_limits<Number>::max();
+    Number min = std::numeric_limits<Number>::lowest();
+    Number max = std::numeric_limits<Number>::max();
 };
 
 CLI::Option* add_integer(CLI::App& command,

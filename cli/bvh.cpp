@@ -48,7 +48,7 @@ public:
         add_number(app(),
                    "--rays",
                    rays_,
-                   {.least = 0.0},
+                   {.min = 0.0},
                    "rays per frame that an update reckons with; default: 1000000")
             ->needs(frames);
         app()

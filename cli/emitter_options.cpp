@@ -30,9 +30,9 @@ geometry::Vec3 position_of(const NamedPoint& point) {
 }
 
 /// Points of the command line stand beside the scene's; one of the same name replaces it.
-void place(const std::vector<NamedPoint>& points,
-           const std::string& role,
-           std::vector<Emitter>& emitters) {
+void add_or_replace(const std::vector<NamedPoint>& points,
+                    const std::string& role,
+                    std::vector<Emitter>& emitters) {
     std::size_t unnamed = 0;
     for (const NamedPoint& point : points) {
         const Emitter emitter = {
@@ -68,9 +68,9 @@ void change_named(const std::string& name,
     }
 }
 
-void turn(const std::vector<NamedPoint>& points,
-          const std::string& option,
-          std::vector<Emitter>& emitters) {
+void set_look_at(const std::vector<NamedPoint>& points,
+                 const std::string& option,
+                 std::vector<Emitter>& emitters) {
     for (const NamedPoint& point : points) {
         change_named(point.name, option, emitters, [&](Emitter& emitter) {
             emitter.looks_at = position_of(point);
@@ -78,9 +78,9 @@ void turn(const std::vector<NamedPoint>& points,
     }
 }
 
-void require(const std::vector<Emitter>& emitters,
-             const std::string& role,
-             const std::string& scene_file) {
+void require_any(const std::vector<Emitter>& emitters,
+                 const std::string& role,
+                 const std::string& scene_file) {
     if (emitters.empty()) {
         throw Error(scene_file, "the scene has no " + role, "give one with --" + role + " X,Y,Z");
     }
@@ -109,12 +109,12 @@ void EmitterOptions::apply(const CLI::App& app,
     const auto listeners = parse_points(app, "--listener", listeners_);
     const auto aims = parse_points(app, "--aim-at", aims_);
     const auto looks = parse_points(app, "--look-at", looks_);
-    place(sources, "source", scene.sources);
-    place(listeners, "listener", scene.listeners);
-    require(scene.sources, "source", scene_file);
-    require(scene.listeners, "listener", scene_file);
-    turn(aims, "--aim-at", scene.sources);
-    turn(looks, "--look-at", scene.listeners);
+    add_or_replace(sources, "source", scene.sources);
+    add_or_replace(listeners, "listener", scene.listeners);
+    require_any(scene.sources, "source", scene_file);
+    require_any(scene.listeners, "listener", scene_file);
+    set_look_at(aims, "--aim-at", scene.sources);
+    set_look_at(looks, "--look-at", scene.listeners);
     for (const std::string& text : directivities_) {
         const std::size_t equals = text.find('=');
         const bool is_named = equals != std::string::npos;

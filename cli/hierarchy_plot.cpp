@@ -25,14 +25,14 @@ constexpr std::array<Curve, 3> kCurves = {
 /// Where values stand in the picture.
 struct Scale {
     double begin = 0.0, end = 1.0;  // of time
-    double most = 1.0;              // of steps
+    double max_steps = 1.0;         // of steps
 
     double x(double time) const {
         const double share = end > begin ? (time - begin) / (end - begin) : 0.5;
         return kMargin + share * (kWidth - 2.0 * kMargin);
     }
     double y(double steps) const {
-        return kHeight - kMargin - steps / most * (kHeight - 2.0 * kMargin);
+        return kHeight - kMargin - steps / max_steps * (kHeight - 2.0 * kMargin);
     }
 };
 
@@ -50,7 +50,7 @@ std::string axes(const Scale& scale) {
                                  kHeight - kMargin,
                                  kWidth - kMargin);
     for (int k = 0; k <= 4; ++k) {
-        const double steps = scale.most * k / 4.0;
+        const double steps = scale.max_steps * k / 4.0;
         const double time = scale.begin + (scale.end - scale.begin) * k / 4.0;
         text += formatted("<text x='%.1f' y='%.1f' text-anchor='end'>%.3g</text>\n",
                           kMargin - 6.0,
@@ -70,8 +70,8 @@ std::string hierarchy_plot(const HierarchyReport& report) {
     EARSHOT_ASSERT(!report.frames.empty());
     Scale scale = {.begin = report.frames.front().time, .end = report.frames.back().time};
     for (const HierarchyFrame& frame : report.frames) {
-        scale.most =
-            std::max({scale.most, frame.refit_steps, frame.rebuild_steps, frame.update_steps});
+        scale.max_steps =
+            std::max({scale.max_steps, frame.refit_steps, frame.rebuild_steps, frame.update_steps});
     }
     std::string text = formatted(
         "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' font-family='sans-serif' "

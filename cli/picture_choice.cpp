@@ -47,12 +47,12 @@ visibility::View PictureChoice::view_from(const CLI::App& app, const geometry::V
     const bool is_panorama = !view.front;
     view.height = is_panorama ? 512 : 768;
     if (!size_.empty()) {
-        const auto size = parse_picture_size(size_, static_cast<std::int64_t>(io::kLargestPicture));
+        const auto size = parse_picture_size(size_, static_cast<std::int64_t>(io::kMaxPictureSize));
         if (!size) {
             throw wrong_usage(app,
                               "--image-size",
                               "'" + size_ + "' is not WIDTH or WIDTHxHEIGHT in 1 ... " +
-                                  std::to_string(io::kLargestPicture));
+                                  std::to_string(io::kMaxPictureSize));
         }
         view.width = static_cast<std::size_t>(size->width);
         const std::size_t usual = is_panorama ? (view.width + 1) / 2 : (view.width * 3 + 3) / 4;

@@ -139,7 +139,7 @@ public:
         CLI::Option* ratio = add_number(app(),
                                         "--cost-ratio",
                                         ratio_,
-                                        {.least = 1.0},
+                                        {.min = 1.0},
                                         "as few as cost on average at most so many times as much");
         cells->excludes(bytes)->excludes(ratio);
         bytes->excludes(ratio);

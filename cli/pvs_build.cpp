@@ -65,7 +65,7 @@ public:
                     "triangles that are taken together; default: 1");
         add_integer(
             app(), "--rays", rays_, {1}, "most rays; default: 10 or, with cells, 20 million");
-        add_number(app(), "--seconds", seconds_, {.least = 0.0}, "stop after so long as well");
+        add_number(app(), "--seconds", seconds_, {.min = 0.0}, "stop after so long as well");
         add_integer(app(),
                     "--until",
                     until_,

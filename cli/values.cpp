@@ -86,16 +86,16 @@ std::optional<std::array<geometry::Vec3, 2>> parse_corners(std::string_view text
     return first && second ? std::optional(std::array{*first, *second}) : std::nullopt;
 }
 
-std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t most) {
+std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t max_side) {
     const std::size_t cross = text.find('x');
     const auto width = parse_integer(text.substr(0, cross));
-    if (!width || *width < 1 || *width > most) {
+    if (!width || *width < 1 || *width > max_side) {
         return std::nullopt;
     }
     PictureSize size{.width = *width};
     if (cross != std::string_view::npos) {
         size.height = parse_integer(text.substr(cross + 1));
-        if (!size.height || *size.height < 1 || *size.height > most) {
+        if (!size.height || *size.height < 1 || *size.height > max_side) {
             return std::nullopt;
         }
     }
@@ -105,14 +105,14 @@ std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_
 std::optional<std::vector<double>> parse_frames(std::string_view text) {
     // Rounding of (B - A) / STEP is a few 2^-53 of at most 100,000 steps, so far below this.
     constexpr double kStepRounding = 1e-9;
-    constexpr double kMostSteps = 99'999.0;
+    constexpr double kMaxSteps = 99'999.0;
     const auto range = parse_three(text, ':');
     if (!range) {
         return std::nullopt;
     }
     const auto [first, last, step] = *range;
     const double steps = std::floor((last - first) / step + kStepRounding);
-    if (!(step > 0.0) || !(first <= last) || !(steps <= kMostSteps)) {
+    if (!(step > 0.0) || !(first <= last) || !(steps <= kMaxSteps)) {
         return std::nullopt;
     }
     std::vector<double> instants;

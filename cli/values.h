@@ -31,12 +31,12 @@ std::optional<geometry::Vec3> parse_point(std::string_view text);
 /// `X,Y,Z:X,Y,Z`, the corners of a box; which is the lower one is not looked at.
 std::optional<std::array<geometry::Vec3, 2>> parse_corners(std::string_view text);
 
-/// `WIDTH` or `WIDTHxHEIGHT` in pixels, each 1 ... `most`.
+/// `WIDTH` or `WIDTHxHEIGHT` in pixels, each 1 ... `max_side`.
 struct PictureSize {
     std::int64_t width = 0;
     std::optional<std::int64_t> height{};
 };
-std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t most);
+std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t max_side);
 
 /// `A:B:STEP` in seconds: the instants A, A + STEP, ... up to B. STEP is positive, A is not after
 /// B, and there are at most 100,000 instants. B counts as reached if rounding alone keeps the last

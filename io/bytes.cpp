@@ -17,15 +17,15 @@ void ByteWriter::number(double value) {
     fixed(std::bit_cast<std::uint64_t>(value), 8);
 }
 
-void ByteWriter::varying(std::uint64_t value) {
+void ByteWriter::leb128(std::uint64_t value) {
     for (; value > 0x7fU; value >>= 7) {
         bytes_.push_back(static_cast<char>((value & 0x7fU) | 0x80U));
     }
     bytes_.push_back(static_cast<char>(value));
 }
 
-void ByteWriter::text(std::string_view text) {
-    varying(text.size());
+void ByteWriter::string(std::string_view text) {
+    leb128(text.size());
     bytes_ += text;
 }
 
@@ -43,7 +43,7 @@ double ByteReader::number() {
     return std::bit_cast<double>(fixed(8));
 }
 
-std::uint64_t ByteReader::varying() {
+std::uint64_t ByteReader::leb128() {
     std::uint64_t value = 0;
     for (int shift = 0; shift < 64; shift += 7) {
         const std::uint64_t byte = fixed(1);
@@ -59,13 +59,13 @@ std::uint64_t ByteReader::varying() {
     fail("a number is too long");
 }
 
-std::string ByteReader::text() {
+std::string ByteReader::string() {
     const std::size_t length = count(1);
     return std::string(raw(length));
 }
 
 std::string_view ByteReader::raw(std::size_t count) {
-    if (count > left()) {
+    if (count > remaining()) {
         fail("it ends too early");
     }
     const std::string_view taken = bytes_.substr(offset_, count);
@@ -74,8 +74,8 @@ std::string_view ByteReader::raw(std::size_t count) {
 }
 
 std::size_t ByteReader::count(std::size_t bytes_each) {
-    const std::uint64_t value = varying();
-    if (value > left() / bytes_each) {
+    const std::uint64_t value = leb128();
+    if (value > remaining() / bytes_each) {
         fail("there is less in it than it says");
     }
     return static_cast<std::size_t>(value);

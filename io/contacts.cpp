@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/contacts.h"
 
-#include <nlohmann/json.hpp>
+#include "earshot/io/internal/json_lines.h"
 
 namespace earshot::io {
 
@@ -31,46 +31,38 @@ std::string cells_of(const Element& element) {
     return text;
 }
 
-/// With the fewest digits that read back as the same double.
-std::string digits(double value) {
-    return Json(value).dump();
-}
-
-std::string digits(const geometry::Vec3& v) {
-    return digits(v.x) + "," + digits(v.y) + "," + digits(v.z);
-}
-
 }  // namespace
 
 std::string encode_contacts(const std::vector<ContactStep>& steps) {
-    std::string text = "{\"version\":1,\"steps\":[";
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-        text += (i == 0 ? "\n" : ",\n") + std::string(" {\"t0\":") + digits(steps[i].t0) +
-                ",\"t1\":" + digits(steps[i].t1) + ",\"contacts\":[";
-        const char* separator = "\n";
-        for (const Contact& contact : steps[i].contacts) {
+    JsonLines lines;
+    lines.begin_list("{\"version\":1,\"steps\":", 1);
+    for (const ContactStep& step : steps) {
+        lines.add_record("{\"t0\":" + json_number(step.t0) + ",\"t1\":" + json_number(step.t1));
+        lines.begin_list(",\"contacts\":", 2);
+        for (const Contact& contact : step.contacts) {
             const Json json = {{"kind", collision::name_of(contact.kind)},
                                {"a", to_json(contact.a)},
                                {"b", to_json(contact.b)},
                                {"toi", contact.toi},
                                {"point", to_json(contact.point)},
                                {"normal", to_json(contact.normal)}};
-            text += separator + std::string("  ") + json.dump();
-            separator = ",\n";
+            lines.add_record(json.dump());
         }
-        text += "]}";
+        lines.end_list();
+        lines.append("}");
     }
-    return text + "]}\n";
+    lines.end_list();
+    return lines.finish();
 }
 
 std::string encode_contacts_csv(const std::vector<ContactStep>& steps) {
     std::string text = "t0,t1,kind,mesh_a,a,mesh_b,b,toi,x,y,z,nx,ny,nz\n";
     for (const ContactStep& step : steps) {
         for (const Contact& contact : step.contacts) {
-            text += digits(step.t0) + "," + digits(step.t1) + "," +
+            text += json_number(step.t0) + "," + json_number(step.t1) + "," +
                     std::string(collision::name_of(contact.kind)) + "," + cells_of(contact.a) +
-                    "," + cells_of(contact.b) + "," + digits(contact.toi) + "," +
-                    digits(contact.point) + "," + digits(contact.normal) + "\n";
+                    "," + cells_of(contact.b) + "," + json_number(contact.toi) + "," +
+                    json_numbers(contact.point) + "," + json_numbers(contact.normal) + "\n";
         }
     }
     return text;

@@ -70,17 +70,17 @@ double component(const unsigned char* bytes, int type, bool is_normalized) noexc
 }
 
 /// Elements in a buffer, checked to lie inside it.
-struct Block {
+struct StridedBytes {
     const unsigned char* first = nullptr;
     std::size_t stride = 0;
 };
 
-Block locate(const GltfFile& file,
-             const std::string& element,
-             int view_index,
-             std::size_t offset,
-             std::size_t element_size,
-             std::size_t count) {
+StridedBytes locate(const GltfFile& file,
+                    const std::string& element,
+                    int view_index,
+                    std::size_t offset,
+                    std::size_t element_size,
+                    std::size_t count) {
     const tinygltf::BufferView& view = file.model.bufferViews[static_cast<std::size_t>(view_index)];
     const std::string view_name = "bufferView " + std::to_string(view_index);
     const Bytes& buffer = file.model.buffers[static_cast<std::size_t>(view.buffer)].data;
@@ -96,10 +96,11 @@ Block locate(const GltfFile& file,
         file.fail(view_name, "byteStride is smaller than an element of " + element);
     }
     // Written so that nothing overflows whatever the file claims.
-    const std::size_t room = offset <= view.byteLength && element_size <= view.byteLength - offset
-                                 ? (view.byteLength - offset - element_size) / stride + 1
-                                 : 0;
-    if (count > room) {
+    const std::size_t capacity =
+        offset <= view.byteLength && element_size <= view.byteLength - offset
+            ? (view.byteLength - offset - element_size) / stride + 1
+            : 0;
+    if (count > capacity) {
         file.fail(element,
                   "its " + std::to_string(count) + " elements do not lie in " + view_name + " of " +
                       std::to_string(view.byteLength) + " bytes");
@@ -120,7 +121,7 @@ const tinygltf::Accessor& checked(const GltfFile& file, int index, std::size_t c
             name_of(index),
             "componentType " + std::to_string(accessor.componentType) + " is not one of glTF's");
     }
-    if (accessor.bufferView < 0 && accessor.count > kMostUnbackedElements) {
+    if (accessor.bufferView < 0 && accessor.count > kMaxUnbackedElements) {
         file.fail(name_of(index),
                   "it claims " + std::to_string(accessor.count) + " elements without a bufferView");
     }
@@ -133,7 +134,7 @@ void for_each_element(const GltfFile& file, int index, std::size_t components, c
     const tinygltf::Accessor& accessor = checked(file, index, components);
     const std::size_t size = component_size(accessor.componentType) * components;
     if (accessor.bufferView >= 0) {
-        const Block block = locate(
+        const StridedBytes block = locate(
             file, name_of(index), accessor.bufferView, accessor.byteOffset, size, accessor.count);
         for (std::size_t i = 0; i < accessor.count; ++i) {
             put(i, block.first + i * block.stride);
@@ -150,18 +151,18 @@ void for_each_element(const GltfFile& file, int index, std::size_t components, c
         file.fail(element, "its count, offsets or index type are not valid");
     }
     const auto count = static_cast<std::size_t>(sparse.count);
-    const Block indices = locate(file,
-                                 element,
-                                 sparse.indices.bufferView,
-                                 static_cast<std::size_t>(sparse.indices.byteOffset),
-                                 index_size,
-                                 count);
-    const Block values = locate(file,
-                                element,
-                                sparse.values.bufferView,
-                                static_cast<std::size_t>(sparse.values.byteOffset),
-                                size,
-                                count);
+    const StridedBytes indices = locate(file,
+                                        element,
+                                        sparse.indices.bufferView,
+                                        static_cast<std::size_t>(sparse.indices.byteOffset),
+                                        index_size,
+                                        count);
+    const StridedBytes values = locate(file,
+                                       element,
+                                       sparse.values.bufferView,
+                                       static_cast<std::size_t>(sparse.values.byteOffset),
+                                       size,
+                                       count);
     for (std::size_t i = 0; i < count; ++i) {
         const double at =
             component(indices.first + i * indices.stride, sparse.indices.componentType, false);
@@ -229,7 +230,7 @@ std::vector<geometry::Vec3> accessor_points(const GltfFile& file, int index) {
     const std::vector<double> numbers = accessor_numbers(file, index, 3);
     std::vector<geometry::Vec3> points(numbers.size() / 3);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
-        if (std::abs(numbers[i]) > kLargestCoordinate) {
+        if (std::abs(numbers[i]) > kMaxCoordinate) {
             file.fail(name_of(index),
                       "element " + std::to_string(i / 3) + " lies beyond 1e12 m",
                       "check the units of the export");

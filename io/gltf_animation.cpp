@@ -83,7 +83,7 @@ Track read_track(const GltfFile& file,
         file.fail(element, "its key times are not strictly ascending from 0");
     }
     const bool is_large = std::any_of(track.values.begin(), track.values.end(), [](double value) {
-        return std::abs(value) > kLargestCoordinate;
+        return std::abs(value) > kMaxCoordinate;
     });
     if (is_large) {
         file.fail(element, "a key value lies beyond 1e12");

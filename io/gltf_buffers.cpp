@@ -82,10 +82,10 @@ Bytes data_uri_bytes(const GltfFile& file, const std::string& element, std::stri
     return std::move(*bytes);
 }
 
-Bytes beside_bytes(const GltfFile& file,
-                   const std::string& element,
-                   const std::filesystem::path& folder,
-                   const std::string& uri) {
+Bytes external_bytes(const GltfFile& file,
+                     const std::string& element,
+                     const std::filesystem::path& folder,
+                     const std::string& uri) {
     if (uri.find("://") != std::string::npos) {
         file.fail(element, condensed(uri) + " is not a file", "store the buffer beside the scene");
     }
@@ -119,7 +119,7 @@ void load_gltf_buffers(GltfFile& file,
         } else {
             const auto& uri = buffer["uri"].get_ref<const std::string&>();
             data = uri.starts_with("data:") ? data_uri_bytes(file, element, uri)
-                                            : beside_bytes(file, element, folder, uri);
+                                            : external_bytes(file, element, folder, uri);
         }
         const std::size_t length = buffer["byteLength"].get<std::size_t>();
         if (data.size() < length) {

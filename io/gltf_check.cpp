@@ -122,20 +122,20 @@ private:
 
 /// Whether a file that requires this extension can be heard without understanding it: it concerns
 /// appearance, or earshot reads it.
-bool is_harmless(std::string_view extension) {
-    constexpr std::array<std::string_view, 12> kHarmless{"KHR_materials_",
-                                                         "KHR_texture_",
-                                                         "EXT_texture_",
-                                                         "MSFT_texture_",
-                                                         "KHR_lights_",
-                                                         "EXT_lights_",
-                                                         "KHR_xmp",
-                                                         "KHR_audio",
-                                                         "ADOBE_materials_",
-                                                         "AGI_stk_metadata",
-                                                         "KHR_mesh_quantization",
-                                                         "MSFT_packing_"};
-    return std::any_of(kHarmless.begin(), kHarmless.end(), [=](std::string_view prefix) {
+bool is_understood(std::string_view extension) {
+    constexpr std::array<std::string_view, 12> kUnderstood{"KHR_materials_",
+                                                           "KHR_texture_",
+                                                           "EXT_texture_",
+                                                           "MSFT_texture_",
+                                                           "KHR_lights_",
+                                                           "EXT_lights_",
+                                                           "KHR_xmp",
+                                                           "KHR_audio",
+                                                           "ADOBE_materials_",
+                                                           "AGI_stk_metadata",
+                                                           "KHR_mesh_quantization",
+                                                           "MSFT_packing_"};
+    return std::any_of(kUnderstood.begin(), kUnderstood.end(), [=](std::string_view prefix) {
         return extension.starts_with(prefix);
     });
 }
@@ -143,7 +143,7 @@ bool is_harmless(std::string_view extension) {
 void check_required_extensions(const GltfFile& file, const Element& root) {
     for (const Json& item : root.items("extensionsRequired")) {
         const std::string extension = item.is_string() ? item.get<std::string>() : item.dump();
-        if (!is_harmless(extension)) {
+        if (!is_understood(extension)) {
             throw Error(
                 file.name,
                 "requires the extension " + condensed(extension) + ", which earshot does not read",

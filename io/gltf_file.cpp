@@ -19,7 +19,7 @@ static_assert(std::endian::native == std::endian::little, "glTF numbers are read
 constexpr std::string_view kMagic = "glTF";
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;
-constexpr int kDeepestJson = 100;  // levels; tinygltf and the writer of JSON text are recursive
+constexpr int kMaxJsonDepth = 100;  // levels; tinygltf and the writer of JSON text are recursive
 constexpr const char* kTruncated = "copy or export the file again";
 
 std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
@@ -57,10 +57,10 @@ void refuse_deep_nesting(std::string_view json, const std::string& name) {
         } else if (c == '"') {
             is_in_string = true;
         } else if (c == '[' || c == '{') {
-            if (++depth > kDeepestJson) {
+            if (++depth > kMaxJsonDepth) {
                 throw Error(
                     name,
-                    "JSON is nested more than " + std::to_string(kDeepestJson) + " levels deep",
+                    "JSON is nested more than " + std::to_string(kMaxJsonDepth) + " levels deep",
                     "export the file again");
             }
         } else if (c == ']' || c == '}') {
@@ -101,12 +101,12 @@ std::string structure_text(const Json& json) {
 }  // namespace
 
 std::string condensed(std::string_view message) {
-    constexpr std::size_t kLongest = 160;
+    constexpr std::size_t kMaxLength = 160;
     if (message.starts_with("[json.exception")) {
         message.remove_prefix(std::min(message.size(), message.find("] ") + 2));
     }
     std::string line;
-    for (const char c : message.substr(0, kLongest)) {
+    for (const char c : message.substr(0, kMaxLength)) {
         const bool is_blank = static_cast<unsigned char>(c) <= ' ';
         if (!is_blank || (!line.empty() && line.back() != ' ')) {
             line += is_blank ? ' ' : c;
@@ -115,7 +115,7 @@ std::string condensed(std::string_view message) {
     while (!line.empty() && (line.back() == ' ' || line.back() == '.')) {
         line.pop_back();
     }
-    return message.size() > kLongest ? line + " ..." : line;
+    return message.size() > kMaxLength ? line + " ..." : line;
 }
 
 void GltfFile::fail(const std::string& element,

@@ -99,8 +99,9 @@ private:
 
     void append(GltfPrimitive primitive, int material, const std::string& element) {
         const std::size_t total = vertex_count_ + primitive.part.positions.size();
-        constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
-        if (total > kMost || geometry_.triangles.size() + primitive.triangles.size() > kMost) {
+        constexpr std::size_t kMaxCount = std::numeric_limits<std::uint32_t>::max();
+        if (total > kMaxCount ||
+            geometry_.triangles.size() + primitive.triangles.size() > kMaxCount) {
             file_.fail(element, "the scene has more than 2^32 vertices or triangles", "split it");
         }
         for (geometry::Triangle triangle : primitive.triangles) {

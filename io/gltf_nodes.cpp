@@ -22,21 +22,21 @@ std::vector<int> parents_of_nodes(const GltfFile& file) {
     return parents;
 }
 
-/// Nodes reachable from `roots`, each once and before its children.
-std::vector<int> walk(const GltfFile& file, const std::vector<int>& roots) {
+/// The nodes reachable from `roots` in pre-order, each once.
+std::vector<int> depth_first_order(const GltfFile& file, const std::vector<int>& roots) {
     std::vector<int> order;
     std::vector<bool> is_seen(file.model.nodes.size(), false);
-    std::vector<int> waiting(roots.rbegin(), roots.rend());
-    while (!waiting.empty()) {
-        const auto node = static_cast<std::size_t>(waiting.back());
-        waiting.pop_back();
+    std::vector<int> stack(roots.rbegin(), roots.rend());
+    while (!stack.empty()) {
+        const auto node = static_cast<std::size_t>(stack.back());
+        stack.pop_back();
         if (is_seen[node]) {
             continue;
         }
         is_seen[node] = true;
         order.push_back(static_cast<int>(node));
         const std::vector<int>& children = file.model.nodes[node].children;
-        waiting.insert(waiting.end(), children.rbegin(), children.rend());
+        stack.insert(stack.end(), children.rbegin(), children.rend());
     }
     return order;
 }
@@ -102,7 +102,7 @@ std::string node_name(const GltfFile& file, std::size_t node) {
 GltfNodes read_nodes(const GltfFile& file) {
     const std::size_t count = file.model.nodes.size();
     const std::vector<int> parents = parents_of_nodes(file);
-    const std::vector<int> order = walk(file, roots_of(parents));
+    const std::vector<int> order = depth_first_order(file, roots_of(parents));
     GltfNodes read;
     read.index_of.assign(count, -1);
     read.in_scene.assign(count, false);
@@ -126,7 +126,7 @@ GltfNodes read_nodes(const GltfFile& file) {
             file.fail("node " + std::to_string(i), "it is its own ancestor");
         }
     }
-    for (const int node : walk(file, scene_roots(file, parents))) {
+    for (const int node : depth_first_order(file, scene_roots(file, parents))) {
         read.in_scene[static_cast<std::size_t>(node)] = true;
     }
     return read;

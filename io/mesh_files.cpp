@@ -26,15 +26,15 @@ PolygonMesh parse(std::string_view bytes, MeshFormat format, const std::string& 
 }
 
 void check_positions(const geometry::Mesh& mesh, const std::string& file) {
-    constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max();
-    if (mesh.positions.size() > kMost || mesh.triangles.size() > kMost) {
+    constexpr std::size_t kMaxCount = std::numeric_limits<std::uint32_t>::max();
+    if (mesh.positions.size() > kMaxCount || mesh.triangles.size() > kMaxCount) {
         throw Error(file, "has more than 2^32 vertices or triangles", "split it");
     }
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         const geometry::Vec3& p = mesh.positions[i];
         const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         const bool is_number = !std::isnan(p.x) && !std::isnan(p.y) && !std::isnan(p.z);
-        if (!is_number || largest > kLargestCoordinate) {
+        if (!is_number || largest > kMaxCoordinate) {
             throw Error(file,
                         "vertex " + std::to_string(i) +
                             (is_number ? " lies beyond 1e12 m" : " is not a number"),

@@ -23,7 +23,7 @@ public:
 
     /// Numbers that are left at most, so that a claimed length can be refused before it is
     /// believed.
-    std::size_t most_left(PlyType type) const noexcept {
+    std::size_t max_remaining(PlyType type) const noexcept {
         return format_ == PlyFormat::ascii ? rest_.size() / 2 + 1 : rest_.size() / ply_size(type);
     }
 
@@ -132,7 +132,7 @@ private:
             }
             scalars_.push_back(0.0);
             if (!(number >= 0.0) ||
-                number > static_cast<double>(numbers_.most_left(property.type))) {
+                number > static_cast<double>(numbers_.max_remaining(property.type))) {
                 throw Error(file_,
                             "has a list of a length that it is too short for",
                             "copy or export the file again");

@@ -77,7 +77,7 @@ PlyProperty parse_property(std::string_view rest, const std::string& file) {
 }
 
 /// The fewest bytes an element can take: one digit and a blank per number in text, empty lists.
-std::uint64_t least_bytes(const PlyElement& element, PlyFormat format) {
+std::uint64_t min_element_bytes(const PlyElement& element, PlyFormat format) {
     std::uint64_t bytes = 0;
     for (const PlyProperty& property : element.properties) {
         const PlyType first = property.is_list ? property.count_type : property.type;
@@ -86,9 +86,9 @@ std::uint64_t least_bytes(const PlyElement& element, PlyFormat format) {
     return bytes;
 }
 
-void check_room(const PlyHeader& header, std::size_t size, const std::string& file) {
+void check_counts(const PlyHeader& header, std::size_t size, const std::string& file) {
     for (const PlyElement& element : header.elements) {
-        const std::uint64_t each = least_bytes(element, header.format);
+        const std::uint64_t each = min_element_bytes(element, header.format);
         // The last number of a text may lack the blank after it.
         if (element.count == 0) {
             continue;
@@ -140,7 +140,7 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& file) {
             header.size = static_cast<std::size_t>(line->data() + line->size() - bytes.data());
             header.size += header.size < bytes.size() && bytes[header.size] == '\r' ? 1 : 0;
             header.size += header.size < bytes.size() && bytes[header.size] == '\n' ? 1 : 0;
-            check_room(header, bytes.size(), file);
+            check_counts(header, bytes.size(), file);
             return header;
         } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
             throw Error(file,

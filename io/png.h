@@ -16,9 +16,9 @@ struct Picture {
 };
 
 /// The longest edge of a picture.
-inline constexpr std::size_t kLargestPicture = 8192;
+inline constexpr std::size_t kMaxPictureSize = 8192;
 
-/// The bytes of a PNG file. Preconditions: width and height are 1 ... kLargestPicture, and there
+/// The bytes of a PNG file. Preconditions: width and height are 1 ... kMaxPictureSize, and there
 /// are three bytes per pixel. Throws Error if memory is short.
 std::string encode_png(const Picture& picture);
 

@@ -22,7 +22,7 @@ std::optional<geometry::Vec3> point_of(const std::vector<std::string_view>& cell
     geometry::Vec3 point;
     for (std::size_t k = 0; k < 3; ++k) {
         const auto number = to_number(cells[k]);
-        if (!number || !(std::fabs(*number) <= kLargestCoordinate)) {
+        if (!number || !(std::fabs(*number) <= kMaxCoordinate)) {
             return std::nullopt;
         }
         point[static_cast<int>(k)] = *number;

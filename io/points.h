@@ -10,7 +10,7 @@ namespace earshot::io {
 
 /// Reads a table of points: three columns x, y, z in metres between commas, a line each. A first
 /// line without a number is a header; blank lines are skipped. Throws Error naming the file and
-/// line, or if there is no point or a coordinate is beyond kLargestCoordinate.
+/// line, or if there is no point or a coordinate is beyond kMaxCoordinate.
 std::vector<geometry::Vec3> read_points(const std::filesystem::path& file);
 
 }  // namespace earshot::io

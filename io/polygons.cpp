@@ -20,8 +20,8 @@ struct Point {
     friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// Twice the signed area of the triangle.
-double turn(const Point& a, const Point& b, const Point& c) noexcept {
+/// Twice the signed area of a triangle: positive where its corners run counter-clockwise.
+double twice_signed_area(const Point& a, const Point& b, const Point& c) noexcept {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
@@ -35,8 +35,8 @@ Vec3 area_vector(std::span<const Vec3> positions, std::span<const VertexId> corn
     return sum;
 }
 
-/// The polygon along the axis its area vector is closest to, wound counter-clockwise.
-std::vector<Point> flattened(std::span<const Vec3> positions, std::span<const VertexId> corners) {
+/// The polygon projected along the largest axis of its area vector, wound counter-clockwise.
+std::vector<Point> projected(std::span<const Vec3> positions, std::span<const VertexId> corners) {
     const Vec3 area = area_vector(positions, corners);
     const Vec3 size = glm::abs(area);
     int axis = size.x >= size.y && size.x >= size.z ? 0 : 1;
@@ -53,46 +53,49 @@ std::vector<Point> flattened(std::span<const Vec3> positions, std::span<const Ve
     return points;
 }
 
-/// A polygon from which ears are cut. Corners are numbers into `points`.
+/// Triangulation by ear clipping (Meisters 1975). Corners are indices into `points`.
 class EarCutter {
 public:
     explicit EarCutter(std::vector<Point> points) : points_(std::move(points)) {
         for (std::size_t i = 0; i < points_.size(); ++i) {
-            left_.push_back(i);
+            remaining_.push_back(i);
         }
     }
 
-    std::size_t corner_count() const noexcept { return left_.size(); }
+    std::size_t corner_count() const noexcept { return remaining_.size(); }
 
     /// Cuts the first ear at or after position `start`; any corner where there is none.
     std::array<std::size_t, 3> cut(std::size_t& start) {
-        std::size_t position = start % left_.size();
-        for (std::size_t tried = 0; tried < left_.size() && !is_ear(position); ++tried) {
-            position = (position + 1) % left_.size();
+        std::size_t position = start % remaining_.size();
+        for (std::size_t tried = 0; tried < remaining_.size() && !is_ear(position); ++tried) {
+            position = (position + 1) % remaining_.size();
         }
-        const std::array<std::size_t, 3> ear{before(position), left_[position], after(position)};
-        left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(position));
+        const std::array<std::size_t, 3> ear{
+            before(position), remaining_[position], after(position)};
+        remaining_.erase(remaining_.begin() + static_cast<std::ptrdiff_t>(position));
         start = position;
         return ear;
     }
 
 private:
     std::size_t before(std::size_t position) const {
-        return left_[(position + left_.size() - 1) % left_.size()];
+        return remaining_[(position + remaining_.size() - 1) % remaining_.size()];
     }
-    std::size_t after(std::size_t position) const { return left_[(position + 1) % left_.size()]; }
+    std::size_t after(std::size_t position) const {
+        return remaining_[(position + 1) % remaining_.size()];
+    }
 
     bool is_ear(std::size_t position) const {
         const Point& a = points_[before(position)];
-        const Point& b = points_[left_[position]];
+        const Point& b = points_[remaining_[position]];
         const Point& c = points_[after(position)];
-        if (!(turn(a, b, c) > 0.0)) {
+        if (!(twice_signed_area(a, b, c) > 0.0)) {
             return false;
         }
-        for (const std::size_t other : left_) {
+        for (const std::size_t other : remaining_) {
             const Point& p = points_[other];
-            if (!(p == a) && !(p == b) && !(p == c) && turn(a, b, p) >= 0.0 &&
-                turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0) {
+            if (!(p == a) && !(p == b) && !(p == c) && twice_signed_area(a, b, p) >= 0.0 &&
+                twice_signed_area(b, c, p) >= 0.0 && twice_signed_area(c, a, p) >= 0.0) {
                 return false;
             }
         }
@@ -100,7 +103,7 @@ private:
     }
 
     std::vector<Point> points_;
-    std::vector<std::size_t> left_;
+    std::vector<std::size_t> remaining_;
 };
 
 }  // namespace
@@ -109,12 +112,12 @@ void add_polygon(PolygonMesh& mesh,
                  std::span<const std::int64_t> corners,
                  const std::string& file,
                  const std::string& face) {
-    if (corners.size() > kMostCorners) {
+    if (corners.size() > kMaxPolygonCorners) {
         throw Error(file,
                     face + " has " + std::to_string(corners.size()) + " corners",
-                    "split it into faces of at most " + std::to_string(kMostCorners));
+                    "split it into faces of at most " + std::to_string(kMaxPolygonCorners));
     }
-    std::array<VertexId, kMostCorners> vertices;  // the first corners.size() are set
+    std::array<VertexId, kMaxPolygonCorners> vertices;  // the first corners.size() are set
     for (std::size_t i = 0; i < corners.size(); ++i) {
         const auto count = static_cast<std::int64_t>(mesh.mesh.positions.size());
         if (corners[i] < 0 || corners[i] >= count) {
@@ -139,7 +142,7 @@ void triangulate(std::span<const Vec3> positions,
         triangles.push_back({corners[0], corners[1], corners[2]});
         return;
     }
-    EarCutter cutter(flattened(positions, corners));
+    EarCutter cutter(projected(positions, corners));
     std::size_t position = 1;
     while (cutter.corner_count() >= 3) {
         const auto [a, b, c] = cutter.cut(position);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/results.h"
 
-#include <nlohmann/json.hpp>
+#include "earshot/io/internal/json_lines.h"
 
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace earshot::io {
 namespace {
@@ -44,29 +45,14 @@ Json to_json(const propagation::Path& path, const ResultHeader& header) {
             {"arrival", to_json(path.arrival)}};
 }
 
-// nlohmann-json writes either everything on one line or every number on its own; this joins values
-// line by line, which people can read and diff.
-std::string join_lines(const std::vector<std::string>& lines, const std::string& indent) {
-    std::string text;
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        text += (i == 0 ? "\n" : ",\n") + indent + lines[i];
-    }
-    return text;
-}
-
-// Names come from files and may not be UTF-8: what is not is replaced rather than refused.
-std::string dump(const Json& value) {
-    return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 /// `{"source": "s", "listener": "l", "time": 0.0` without the closing brace.
 std::string pair_head(const ResultHeader& header,
                       std::size_t source,
                       std::size_t listener,
                       double time) {
-    return "{\"source\":" + dump(header.scene.sources[source].name) +
-           ",\"listener\":" + dump(header.scene.listeners[listener].name) +
-           ",\"time\":" + dump(time);
+    return "{\"source\":" + json_text(header.scene.sources[source].name) +
+           ",\"listener\":" + json_text(header.scene.listeners[listener].name) +
+           ",\"time\":" + json_text(time);
 }
 
 Json column(const std::vector<audio::BandMetrics>& bands,
@@ -82,50 +68,66 @@ Json column(const std::vector<audio::BandMetrics>& bands,
 
 std::string encode_paths(const ResultHeader& header,
                          const std::vector<propagation::PairResult>& pairs) {
-    std::vector<std::string> lines;
+    JsonLines lines;
+    lines.begin_list("{\"version\":1,\"scene\":" + json_text(header.scene.name) +
+                         ",\"speed_of_sound\":" + json_text(header.speed_of_sound) +
+                         ",\"bands_hz\":" + json_text(to_json(header.bands.nominal_hz())) +
+                         ",\n\"pairs\":",
+                     1);
     for (const propagation::PairResult& pair : pairs) {
-        std::vector<std::string> paths;
+        lines.add_record(pair_head(header, pair.source, pair.listener, pair.time));
+        lines.begin_list(",\"paths\":", 2);
         for (const propagation::Path& path : pair.paths) {
-            paths.push_back(dump(to_json(path, header)));
+            lines.add_record(json_text(to_json(path, header)));
         }
-        lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) + ",\"paths\":[" +
-                        join_lines(paths, "  ") + "]}");
+        lines.end_list();
+        lines.append("}");
     }
-    return "{\"version\":1,\"scene\":" + dump(header.scene.name) +
-           ",\"speed_of_sound\":" + dump(header.speed_of_sound) +
-           ",\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) + ",\n\"pairs\":[" +
-           join_lines(lines, " ") + "]}\n";
+    lines.end_list();
+    return lines.finish();
 }
 
 namespace {
 
-/// A line per band.
-std::string bands_text(const std::vector<audio::Spectrum>& intervals, std::size_t bands) {
-    std::vector<std::string> lines;
+/// A list with a line per band.
+void add_bands(std::string_view opening,
+               const std::vector<audio::Spectrum>& intervals,
+               std::size_t bands,
+               JsonLines& lines) {
+    lines.begin_list(opening, 2);
     for (std::size_t band = 0; band < bands; ++band) {
         Json values = Json::array();
         for (const audio::Spectrum& interval : intervals) {
             values.push_back(interval[band]);
         }
-        lines.push_back(dump(values));
+        lines.add_record(json_text(values));
     }
-    return "[" + join_lines(lines, "  ") + "]";
+    lines.end_list();
+}
+
+/// The beginning of a document of pairs; leaves the list of pairs open.
+void begin_pairs(const ResultHeader& header, JsonLines& lines) {
+    lines.begin_list("{\"version\":1,\"bands_hz\":" +
+                         json_text(to_json(header.bands.nominal_hz())) + ",\n\"pairs\":",
+                     1);
 }
 
 }  // namespace
 
 std::string encode_histograms(const ResultHeader& header,
                               const std::vector<propagation::PairResult>& pairs) {
-    std::vector<std::string> lines;
+    JsonLines lines;
+    begin_pairs(header, lines);
     for (const propagation::PairResult& pair : pairs) {
         const std::size_t bands = header.bands.count();
-        lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) +
-                        ",\"bin\":" + dump(pair.late.bin) +
-                        ",\n \"energy\":" + bands_text(pair.late.energy, bands) +
-                        ",\n \"error\":" + bands_text(pair.late.error, bands) + "}");
+        lines.add_record(pair_head(header, pair.source, pair.listener, pair.time) +
+                         ",\"bin\":" + json_text(pair.late.bin));
+        add_bands(",\n \"energy\":", pair.late.energy, bands, lines);
+        add_bands(",\n \"error\":", pair.late.error, bands, lines);
+        lines.append("}");
     }
-    return "{\"version\":1,\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) +
-           ",\n\"pairs\":[" + join_lines(lines, " ") + "]}\n";
+    lines.end_list();
+    return lines.finish();
 }
 
 namespace {
@@ -177,38 +179,42 @@ void add_spatial(const std::optional<audio::LateralMetrics>& lateral,
 }  // namespace
 
 std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs) {
-    std::vector<std::string> lines;
+    JsonLines lines;
+    begin_pairs(header, lines);
     for (const PairMetrics& pair : pairs) {
         Json json = to_json(pair.metrics);
         json["schroeder_hz"] = pair.schroeder_hz ? Json(*pair.schroeder_hz) : Json(nullptr);
         add_spatial(pair.lateral, pair.binaural, json);
         json["energy"] = to_json(pair.energy);
-        lines.push_back(pair_head(header, pair.source, pair.listener, pair.time) + "," +
-                        dump(json).substr(1));
+        lines.add_record(pair_head(header, pair.source, pair.listener, pair.time) + "," +
+                         json_text(json).substr(1));
     }
-    return "{\"version\":1,\"bands_hz\":" + dump(to_json(header.bands.nominal_hz())) +
-           ",\n\"pairs\":[" + join_lines(lines, " ") + "]}\n";
+    lines.end_list();
+    return lines.finish();
 }
 
 std::string encode_sound_metrics(const std::string& file,
                                  double sample_rate,
                                  const audio::Bands& bands,
                                  const SoundMetrics& metrics) {
-    std::vector<std::string> lines;
-    for (std::size_t i = 0; i < metrics.channels.size(); ++i) {
-        lines.push_back("{\"channel\":" + std::to_string(i + 1) + "," +
-                        dump(to_json(metrics.channels[i])).substr(1));
-    }
     Json together = Json::object();
     add_spatial(metrics.lateral, metrics.binaural, together);
     std::string more;
     if (!together.empty()) {
-        const std::string text = dump(together);
+        const std::string text = json_text(together);
         more = text.substr(1, text.size() - 2) + ",";
     }
-    return "{\"version\":1,\"file\":" + dump(file) + ",\"sample_rate\":" + dump(sample_rate) +
-           ",\"bands_hz\":" + dump(to_json(bands.nominal_hz())) + "," + more + "\n\"channels\":[" +
-           join_lines(lines, " ") + "]}\n";
+    JsonLines lines;
+    lines.begin_list("{\"version\":1,\"file\":" + json_text(file) +
+                         ",\"sample_rate\":" + json_text(sample_rate) + ",\"bands_hz\":" +
+                         json_text(to_json(bands.nominal_hz())) + "," + more + "\n\"channels\":",
+                     1);
+    for (std::size_t i = 0; i < metrics.channels.size(); ++i) {
+        lines.add_record("{\"channel\":" + std::to_string(i + 1) + "," +
+                         json_text(to_json(metrics.channels[i])).substr(1));
+    }
+    lines.end_list();
+    return lines.finish();
 }
 
 }  // namespace earshot::io

@@ -59,7 +59,7 @@ LoadedScene load_by_suffix(const fs::path& file, const SceneOptions& options) {
 
 void check_place(const geometry::Vec3& p, std::string_view what, const std::string& file) {
     const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-    const bool is_near = largest <= kLargestCoordinate && p == p;  // false for what is no number
+    const bool is_near = largest <= kMaxCoordinate && p == p;  // false for what is no number
     if (!is_near) {
         throw Error(file,
                     std::string(what) + " lies beyond 1e12 m once its node has moved it",

@@ -25,6 +25,6 @@ LoadedScene load_scene(const std::filesystem::path& file, const SceneOptions& op
 
 /// Coordinates beyond this (metres) are taken for a damaged file: double precision still resolves
 /// a tenth of a millimetre there, and squares of distances stay far from overflow.
-inline constexpr double kLargestCoordinate = 1e12;
+inline constexpr double kMaxCoordinate = 1e12;
 
 }  // namespace earshot::io

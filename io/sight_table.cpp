@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/sight_table.h"
 
-#include <nlohmann/json.hpp>
-
-#include <utility>
+#include "earshot/io/internal/json_lines.h"
 
 namespace earshot::io {
 
@@ -50,38 +48,40 @@ void SightCsv::add_row(std::span<const TriangleId> blockers) {
 }
 
 SightJson::SightJson(std::string_view scene, const visibility::SightPoints& points)
-    : text_("{\"version\":1,\"scene\":" +
-            Json(scene).dump(-1, ' ', false, Json::error_handler_t::replace) +
-            ",\n\"from\":" + to_json(points.from).dump() +
-            ",\n\"to\":" + to_json(points.to).dump() + ",\n\"frames\":[") {}
+    : lines_(std::make_unique<JsonLines>()) {
+    lines_->begin_list("{\"version\":1,\"scene\":" + json_text(scene) +
+                           ",\n\"from\":" + to_json(points.from).dump() +
+                           ",\n\"to\":" + to_json(points.to).dump() + ",\n\"frames\":",
+                       1);
+}
+
+SightJson::~SightJson() = default;
 
 void SightJson::begin_frame(double time, bool with_blockers) {
-    text_ += is_first_frame_ ? "\n" : ",\n";
-    text_ +=
-        " {\"time\":" + Json(time).dump() + (with_blockers ? ",\"blockers\":[" : ",\"visible\":[");
-    is_first_frame_ = false;
-    is_first_row_ = true;
+    lines_->add_record("{\"time\":" + json_number(time));
+    lines_->begin_list(with_blockers ? ",\"blockers\":" : ",\"visible\":", 2);
 }
 
 void SightJson::add_row(std::span<const std::uint8_t> seen) {
-    text_ += std::exchange(is_first_row_, false) ? "\n  [" : ",\n  [";
-    append_row(seen, text_);
-    text_ += ']';
+    std::string row = "[";
+    append_row(seen, row);
+    lines_->add_record(row + "]");
 }
 
 void SightJson::add_row(std::span<const TriangleId> blockers) {
-    text_ += std::exchange(is_first_row_, false) ? "\n  [" : ",\n  [";
-    append_row(blockers, "null", text_);
-    text_ += ']';
+    std::string row = "[";
+    append_row(blockers, "null", row);
+    lines_->add_record(row + "]");
 }
 
 void SightJson::end_frame() {
-    text_ += "]}";
+    lines_->end_list();
+    lines_->append("}");
 }
 
 std::string SightJson::finish() {
-    text_ += "]}\n";
-    return std::move(text_);
+    lines_->end_list();
+    return lines_->finish();
 }
 
 }  // namespace earshot::io

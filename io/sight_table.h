@@ -5,11 +5,14 @@
 #include "earshot/visibility/sight_matrix.h"
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace earshot::io {
+
+class JsonLines;
 
 /// Writes who sees whom as a table without a header: a line per `from` point, a cell per `to`
 /// point, 1 where they see each other and 0 where not.
@@ -29,6 +32,9 @@ private:
 class SightJson {
 public:
     SightJson(std::string_view scene, const visibility::SightPoints& points);
+    ~SightJson();
+    SightJson(const SightJson&) = delete;
+    SightJson& operator=(const SightJson&) = delete;
 
     void begin_frame(double time, bool with_blockers);
     void add_row(std::span<const std::uint8_t> seen);
@@ -38,8 +44,7 @@ public:
     std::string finish();
 
 private:
-    std::string text_;
-    bool is_first_frame_ = true, is_first_row_ = true;
+    std::unique_ptr<JsonLines> lines_;
 };
 
 }  // namespace earshot::io

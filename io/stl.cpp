@@ -82,19 +82,19 @@ PolygonMesh parse_ascii(std::string_view text, const std::string& file) {
 
 PolygonMesh parse_stl(std::string_view bytes, const std::string& file) {
     // The size decides: binary files may begin with "solid" too.
-    const std::size_t room =
+    const std::size_t capacity =
         bytes.size() < kHeaderBytes ? 0 : (bytes.size() - kHeaderBytes) / kFacetBytes;
     const bool has_count = bytes.size() >= kHeaderBytes;
     if (has_count && claimed_triangles(bytes) * kFacetBytes + kHeaderBytes == bytes.size()) {
-        return parse_binary(bytes, room);
+        return parse_binary(bytes, capacity);
     }
     std::string_view start = bytes.substr(0, kHeaderBytes);
     if (take_word(start) == "solid" && bytes.find('\0') == std::string_view::npos) {
         return parse_ascii(bytes, file);
     }
-    if (!has_count || claimed_triangles(bytes) > room) {
+    if (!has_count || claimed_triangles(bytes) > capacity) {
         throw Error(file,
-                    "is truncated: " + std::to_string(room) + " of " +
+                    "is truncated: " + std::to_string(capacity) + " of " +
                         (has_count ? std::to_string(claimed_triangles(bytes)) : "?") +
                         " triangles are there",
                     "copy or export the file again");

@@ -35,7 +35,7 @@ std::uint64_t checksum(std::string_view bytes) {
 
 /// Numbers of cells, objects and groups.
 std::uint32_t read_id(ByteReader& in) {
-    const std::uint64_t id = in.varying();
+    const std::uint64_t id = in.leb128();
     if (id > std::numeric_limits<std::uint32_t>::max()) {
         in.fail("a number is too large");
     }
@@ -56,20 +56,20 @@ Vec3 read_point(ByteReader& in) {
 }
 
 void write_origin(ByteWriter& out, const SetsOrigin& origin) {
-    out.text(origin.scene);
+    out.string(origin.scene);
     out.number(origin.time);
     out.fixed(origin.mesh_digest, 8);
-    out.varying(origin.seed);
-    out.varying(origin.rays);
+    out.leb128(origin.seed);
+    out.leb128(origin.rays);
     out.number(origin.missed_share);
 }
 SetsOrigin read_origin(ByteReader& in) {
     SetsOrigin origin;
-    origin.scene = in.text();
+    origin.scene = in.string();
     origin.time = in.number();
     origin.mesh_digest = in.fixed(8);
-    origin.seed = in.varying();
-    origin.rays = in.varying();
+    origin.seed = in.leb128();
+    origin.rays = in.leb128();
     origin.missed_share = in.number();
     return origin;
 }
@@ -77,7 +77,7 @@ SetsOrigin read_origin(ByteReader& in) {
 void write_cells(ByteWriter& out, const ViewCells& cells) {
     write_point(out, cells.region().lower);
     write_point(out, cells.region().upper);
-    out.varying(cells.leaves());
+    out.leb128(cells.leaves());
     for (const CellNode& node : cells.nodes()) {
         write_point(out, node.normal);
         out.number(node.offset);
@@ -86,7 +86,7 @@ void write_cells(ByteWriter& out, const ViewCells& cells) {
     }
     for (std::size_t leaf = 0; leaf < cells.leaves(); ++leaf) {
         out.number(cells.leaf_volumes()[leaf]);
-        out.varying(cells.cell_of_leaf()[leaf]);
+        out.leb128(cells.cell_of_leaf()[leaf]);
     }
 }
 ViewCells read_cells(ByteReader& in) {
@@ -121,10 +121,10 @@ Objects read_objects(ByteReader& in) {
 
 // Sets are ascending: the steps are small.
 void write_set(ByteWriter& out, const std::vector<ObjectId>& set) {
-    out.varying(set.size());
+    out.leb128(set.size());
     ObjectId next = 0;
     for (const ObjectId object : set) {
-        out.varying(object - next);
+        out.leb128(object - next);
         next = object + 1;
     }
 }
@@ -132,7 +132,7 @@ std::vector<ObjectId> read_set(ByteReader& in, std::size_t objects) {
     std::vector<ObjectId> set(in.count(1));
     std::uint64_t next = 0;
     for (ObjectId& object : set) {
-        next += in.varying();
+        next += in.leb128();
         if (next >= objects) {
             in.fail("a set has an object that there is not");
         }
@@ -144,10 +144,10 @@ std::vector<ObjectId> read_set(ByteReader& in, std::size_t objects) {
 void write_history(ByteWriter& out, const MergeHistory& history) {
     out.number(history.leaf_cost());
     for (const CellMerge& merge : history.merges()) {
-        out.varying(merge.first);
-        out.varying(merge.second);
+        out.leb128(merge.first);
+        out.leb128(merge.second);
         out.number(merge.cost);
-        out.varying(merge.entries);
+        out.leb128(merge.entries);
     }
 }
 MergeHistory read_history(ByteReader& in, const std::vector<std::vector<ObjectId>>& sets) {
@@ -161,7 +161,7 @@ MergeHistory read_history(ByteReader& in, const std::vector<std::vector<ObjectId
         merge.first = read_id(in);
         merge.second = read_id(in);
         merge.cost = in.number();
-        merge.entries = in.varying();
+        merge.entries = in.leb128();
     }
     return {leaf_cost, std::move(leaf_entries), std::move(merges)};
 }
@@ -178,7 +178,7 @@ VisibleSets read_body(ByteReader& in) {
     if (in.fixed(1) != 0) {
         history = read_history(in, sets);
     }
-    if (in.left() > 0) {
+    if (in.remaining() > 0) {
         in.fail("there is more in it than there should be");
     }
     return {std::move(cells),
@@ -197,9 +197,9 @@ void write_visible_sets(const std::filesystem::path& file, const VisibleSets& se
     write_origin(out, sets.origin());
     write_cells(out, sets.cells());
     const auto object_of_triangle = sets.objects().object_of_triangle();
-    out.varying(object_of_triangle.size());
+    out.leb128(object_of_triangle.size());
     for (const ObjectId object : object_of_triangle) {
-        out.varying(object);
+        out.leb128(object);
     }
     for (const std::vector<ObjectId>& set : sets.sets()) {
         write_set(out, set);
@@ -226,8 +226,8 @@ VisibleSets read_visible_sets(const std::filesystem::path& file) {
                         " is known",
                     "make it anew");
     }
-    const std::size_t head_bytes = bytes.size() - head.left();
-    if (head.left() < kChecksumBytes) {
+    const std::size_t head_bytes = bytes.size() - head.remaining();
+    if (head.remaining() < kChecksumBytes) {
         head.fail("it ends too early");
     }
     const std::string_view checked(bytes.data(), bytes.size() - kChecksumBytes);

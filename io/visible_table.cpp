@@ -2,36 +2,14 @@
 #include "earshot/io/visible_table.h"
 
 #include "earshot/base/math.h"
-
-#include <nlohmann/json.hpp>
+#include "earshot/io/internal/json_lines.h"
 
 #include <algorithm>
-#include <string_view>
-#include <utility>
 
 namespace earshot::io {
 
 using visibility::VisibleTriangle;
 using visibility::VisibleTriangles;
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-
-/// With the fewest digits that read back as the same double.
-std::string digits(double value) {
-    return Json(value).dump();
-}
-
-std::string digits(const geometry::Vec3& v) {
-    return digits(v.x) + "," + digits(v.y) + "," + digits(v.z);
-}
-
-std::string json_string(std::string_view text) {
-    return Json(text).dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
-}  // namespace
 
 std::vector<MaterialShare> shares_of_materials(const VisibleTriangles& visible,
                                                const propagation::Scene& scene) {
@@ -56,7 +34,7 @@ std::string encode_visible_csv(const VisibleTriangles& visible) {
     std::string text = "triangle,pixels,solid_angle,x,y,z\n";
     for (const VisibleTriangle& entry : visible.triangles) {
         text += std::to_string(entry.triangle) + "," + std::to_string(entry.pixels) + "," +
-                digits(entry.solid_angle) + "," + digits(entry.direction) + "\n";
+                json_number(entry.solid_angle) + "," + json_numbers(entry.direction) + "\n";
     }
     return text;
 }
@@ -64,41 +42,43 @@ std::string encode_visible_csv(const VisibleTriangles& visible) {
 VisibleJson::VisibleJson(const propagation::Scene& scene,
                          const geometry::Vec3& point,
                          double resolution)
-    : scene_(scene),
-      text_("{\"version\":1,\"scene\":" + json_string(scene.name) + ",\n\"point\":[" +
-            digits(point) + "],\n\"resolution\":" + digits(resolution * 180.0 / math::kPi) +
-            ",\n\"frames\":[") {}
+    : scene_(scene), lines_(std::make_unique<JsonLines>()) {
+    lines_->begin_list("{\"version\":1,\"scene\":" + json_text(scene.name) + ",\n\"point\":[" +
+                           json_numbers(point) + "],\n\"resolution\":" +
+                           json_number(resolution * 180.0 / math::kPi) + ",\n\"frames\":",
+                       1);
+}
+
+VisibleJson::~VisibleJson() = default;
 
 void VisibleJson::add_frame(double time, const VisibleTriangles& visible) {
-    text_ += std::exchange(is_first_, false) ? "\n" : ",\n";
-    text_ += " {\"time\":" + digits(time) + ",\"rays\":" + std::to_string(visible.rays) +
-             ",\"complete\":" + (visible.is_complete ? "true" : "false") +
-             ",\"free_solid_angle\":" + digits(visible.free_solid_angle) + ",\n  \"materials\":[";
-    const char* separator = "\n";
+    lines_->add_record("{\"time\":" + json_number(time) +
+                       ",\"rays\":" + std::to_string(visible.rays) +
+                       ",\"complete\":" + (visible.is_complete ? "true" : "false") +
+                       ",\"free_solid_angle\":" + json_number(visible.free_solid_angle));
+    lines_->begin_list(",\n  \"materials\":", 3);
     for (const MaterialShare& share : shares_of_materials(visible, scene_)) {
-        text_ += separator + std::string("   {\"material\":") +
-                 json_string(scene_.materials[share.material].name) +
-                 ",\"triangles\":" + std::to_string(share.triangles) +
-                 ",\"solid_angle\":" + digits(share.solid_angle) + "}";
-        separator = ",\n";
+        lines_->add_record("{\"material\":" + json_text(scene_.materials[share.material].name) +
+                           ",\"triangles\":" + std::to_string(share.triangles) +
+                           ",\"solid_angle\":" + json_number(share.solid_angle) + "}");
     }
-    text_ += "],\n  \"triangles\":[";
-    separator = "\n";
+    lines_->end_list();
+    lines_->begin_list(",\n  \"triangles\":", 3);
     for (const VisibleTriangle& entry : visible.triangles) {
         const std::uint32_t material = scene_.material_of_triangle[entry.triangle];
-        text_ += separator + std::string("   {\"triangle\":") + std::to_string(entry.triangle) +
-                 ",\"material\":" + json_string(scene_.materials[material].name) +
-                 ",\"pixels\":" + std::to_string(entry.pixels) +
-                 ",\"solid_angle\":" + digits(entry.solid_angle) + ",\"direction\":[" +
-                 digits(entry.direction) + "]}";
-        separator = ",\n";
+        lines_->add_record("{\"triangle\":" + std::to_string(entry.triangle) +
+                           ",\"material\":" + json_text(scene_.materials[material].name) +
+                           ",\"pixels\":" + std::to_string(entry.pixels) +
+                           ",\"solid_angle\":" + json_number(entry.solid_angle) +
+                           ",\"direction\":[" + json_numbers(entry.direction) + "]}");
     }
-    text_ += "]}";
+    lines_->end_list();
+    lines_->append("}");
 }
 
 std::string VisibleJson::finish() {
-    text_ += "]}\n";
-    return std::move(text_);
+    lines_->end_list();
+    return lines_->finish();
 }
 
 }  // namespace earshot::io

@@ -7,10 +7,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace earshot::io {
+
+class JsonLines;
 
 /// What a point sees of one material.
 struct MaterialShare {
@@ -31,6 +34,9 @@ class VisibleJson {
 public:
     /// `resolution`: of the sweep, radians; written in degrees.
     VisibleJson(const propagation::Scene& scene, const geometry::Vec3& point, double resolution);
+    ~VisibleJson();
+    VisibleJson(const VisibleJson&) = delete;
+    VisibleJson& operator=(const VisibleJson&) = delete;
 
     void add_frame(double time, const visibility::VisibleTriangles& visible);
     /// To be called once, after the last instant.
@@ -38,8 +44,7 @@ public:
 
 private:
     const propagation::Scene& scene_;
-    std::string text_;
-    bool is_first_ = true;
+    std::unique_ptr<JsonLines> lines_;
 };
 
 }  // namespace earshot::io

@@ -18,10 +18,10 @@ namespace earshot::io {
 
 namespace {
 
-constexpr int kMostChannels = 1024;                // libsndfile's limit
-constexpr double kLargestSampleRate = 2147483647;  // the header's field, as libsndfile holds it
+constexpr int kMaxChannels = 1024;             // libsndfile's limit
+constexpr double kMaxSampleRate = 2147483647;  // the header's field, as libsndfile holds it
 // The sizes in a RIFF header have 32 bits; the header before the samples is far below 4 KiB.
-constexpr std::uint64_t kMostWavBytes = 0xFFFFFFFFULL - 4096;
+constexpr std::uint64_t kMaxWavBytes = 0xFFFFFFFFULL - 4096;
 constexpr std::size_t kFramesPerBlock = 16384;
 
 struct CloseSound {
@@ -76,15 +76,15 @@ sf_count_t memory_tell(void* user) {
 
 SF_INFO wav_header(const Sound& sound) {
     const double rate = sound.sample_rate;
-    if (!(rate >= 1.0 && rate <= kLargestSampleRate && rate == std::floor(rate))) {
+    if (!(rate >= 1.0 && rate <= kMaxSampleRate && rate == std::floor(rate))) {
         throw Error("sample rate",
                     "a WAV file cannot hold " + std::to_string(rate) + " Hz",
                     "use a whole number of hertz");
     }
-    if (sound.channels < 1 || sound.channels > kMostChannels) {
+    if (sound.channels < 1 || sound.channels > kMaxChannels) {
         throw Error("channels",
                     "a WAV file cannot hold " + std::to_string(sound.channels),
-                    "use 1 ... " + std::to_string(kMostChannels));
+                    "use 1 ... " + std::to_string(kMaxChannels));
     }
     SF_INFO info{};
     info.samplerate = static_cast<int>(rate);
@@ -141,7 +141,7 @@ std::string encode_wav(const Sound& sound) {
     SF_INFO info = wav_header(sound);
     const auto channels = static_cast<std::size_t>(sound.channels);
     EARSHOT_ASSERT(sound.samples.size() % channels == 0);
-    if (sound.samples.size() > kMostWavBytes / sizeof(float)) {
+    if (sound.samples.size() > kMaxWavBytes / sizeof(float)) {
         throw Error("WAV file", "would pass 4 GiB", "shorten the response or use fewer channels");
     }
     MemoryFile file;

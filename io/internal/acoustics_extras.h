@@ -37,7 +37,8 @@ NodeAcoustics read_node_acoustics(const nlohmann::json& node,
                                   const std::string& file,
                                   Warnings& warnings);
 
-/// "; did you mean a, b or c" of the library's names nearest in spelling, as a remedy.
+/// "nearest are a, b, c (see earshot materials)": the library's names of smallest edit distance, as
+/// the remedy of an error.
 std::string nearest_library_names(const std::string& name);
 
 }  // namespace earshot::io

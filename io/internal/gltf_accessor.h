@@ -9,9 +9,9 @@
 
 namespace earshot::io {
 
-/// Most elements of an accessor that has no bytes behind it (all zeros but for sparse values), so
+/// Limit of the elements of an accessor without a bufferView (all zeros but for sparse values), so
 /// that a few characters of JSON cannot ask for all memory.
-inline constexpr std::size_t kMostUnbackedElements = std::size_t{1} << 24U;
+inline constexpr std::size_t kMaxUnbackedElements = std::size_t{1} << 24U;
 
 /// The numbers of a glTF accessor (2.0 section 3.6.2) with `components` each (1 SCALAR, 3 VEC3, 4
 /// VEC4, 16 MAT4), element after element: floats as they are, normalised integers as fractions,
@@ -27,7 +27,7 @@ std::vector<std::uint32_t> accessor_indices(const GltfFile& file,
                                             std::size_t bound,
                                             const std::string& what);
 
-/// VEC3 numbers within kLargestCoordinate.
+/// VEC3 numbers within kMaxCoordinate.
 std::vector<geometry::Vec3> accessor_points(const GltfFile& file, int accessor);
 
 }  // namespace earshot::io

@@ -24,11 +24,11 @@ PolygonMesh parse_stl(std::string_view bytes, const std::string& file);
 PolygonMesh parse_off(std::string_view text, const std::string& file);
 
 /// More corners than any modelled face has; ear cutting takes up to their cube.
-inline constexpr std::size_t kMostCorners = 1000;
+inline constexpr std::size_t kMaxPolygonCorners = 1000;
 
 /// Appends one face's triangles. Throws Error naming `face` ("face 3", "line 7") if a corner is not
-/// a vertex that stands before it or there are more than kMostCorners; faces of fewer than three
-/// corners are points and lines, which are left out.
+/// a vertex that stands before it or there are more than kMaxPolygonCorners; faces of fewer than
+/// three corners are points and lines, which are left out.
 void add_polygon(PolygonMesh& mesh,
                  std::span<const std::int64_t> corners,
                  const std::string& file,

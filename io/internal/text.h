@@ -29,7 +29,7 @@ private:
 /// Removes and returns the first word (no blanks or tabs); empty at the end.
 std::string_view take_word(std::string_view& line) noexcept;
 
-/// What stands between the commas of a line, trimmed; at least one.
+/// The cells between the commas of a line, trimmed; at least one.
 std::vector<std::string_view> cells_of(std::string_view line);
 
 std::string_view trimmed(std::string_view text) noexcept;

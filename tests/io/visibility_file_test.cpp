@@ -128,7 +128,7 @@ TEST_F(VisibilityFile, IsRefusedIfANumberIsTooLargeForWhatItNames) {
     ASSERT_EQ(body.substr(body.size() - 5), std::string("\x01\x00\x01\x00\x00", 5));
     ByteWriter wrong;
     wrong.raw(std::string_view(body).substr(0, body.size() - 4));
-    wrong.varying(std::uint64_t{1} << 32U);
+    wrong.leb128(std::uint64_t{1} << 32U);
     wrong.raw(std::string_view(body).substr(body.size() - 3));
     EXPECT_EQ(fault_of(with_checksum(body)), "");
     EXPECT_NE(fault_of(with_checksum(wrong.bytes())).find("too large"), std::string::npos);
@@ -158,27 +158,27 @@ TEST_F(VisibilityFile, SaysWhatIsWrong) {
     EXPECT_THROW(write_visible_sets(path("no/folder"), made_sets(false)), Error);
 }
 
-TEST(Bytes, VaryingNumbersAreShortAndWhole) {
+TEST(Bytes, Leb128NumbersAreShortAndWhole) {
     ByteWriter out;
     const std::vector<std::uint64_t> values = {
         0, 1, 127, 128, 300, 1ULL << 32U, std::numeric_limits<std::uint64_t>::max()};
     for (const std::uint64_t value : values) {
-        out.varying(value);
+        out.leb128(value);
     }
     out.number(-0.1);
     EXPECT_EQ(out.bytes().substr(3, 2), "\x80\x01");
     ByteReader in(out.bytes(), "here");
     for (const std::uint64_t value : values) {
-        EXPECT_EQ(in.varying(), value);
+        EXPECT_EQ(in.leb128(), value);
     }
     EXPECT_EQ(in.number(), -0.1);
-    EXPECT_EQ(in.left(), 0U);
+    EXPECT_EQ(in.remaining(), 0U);
     EXPECT_THROW(in.fixed(1), Error);
-    EXPECT_THROW(ByteReader("\xff\xff\xff\xff\xff\xff\xff\xff\xff\x02", "here").varying(), Error);
+    EXPECT_THROW(ByteReader("\xff\xff\xff\xff\xff\xff\xff\xff\xff\x02", "here").leb128(), Error);
     EXPECT_THROW(ByteReader("\x05"
                             "abc",
                             "here")
-                     .text(),
+                     .string(),
                  Error);
 }
 
