@@ -4,7 +4,7 @@
 // over all files of queries below the folder, and how many answers differ from the truth.
 
 #include "earshot/base/error.h"
-#include "earshot/collision/moving_points.h"
+#include "earshot/collision/narrow_phase/ccd.h"
 #include "earshot/io/contact_queries.h"
 
 #include <algorithm>

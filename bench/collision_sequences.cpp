@@ -9,9 +9,9 @@
 #include "support/collision_sequences.h"
 
 #include "earshot/base/error.h"
-#include "earshot/collision/internal/element_tester.h"
-#include "earshot/collision/internal/elements.h"
-#include "earshot/collision/internal/pair_front.h"
+#include "earshot/collision/narrow_phase/internal/element_tester.h"
+#include "earshot/collision/broad_phase/internal/representatives.h"
+#include "earshot/collision/broad_phase/internal/bvtt_front.h"
 #include "earshot/collision/world.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 #include "earshot/base/parallel.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
-#include "earshot/collision/moving_points.h"
-#include "earshot/collision/separation.h"
+#include "earshot/collision/narrow_phase/ccd.h"
+#include "earshot/collision/narrow_phase/min_separation.h"
 #include "earshot/io/contact_queries.h"
 #include "earshot/io/whole_file.h"
 

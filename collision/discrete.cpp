@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/discrete.h"
 
-#include "earshot/collision/internal/box_pairs.h"
-#include "earshot/collision/internal/neighbours.h"
-#include "earshot/collision/internal/pair_search.h"
-#include "earshot/collision/internal/triangle_lanes.h"
-#include "earshot/collision/triangle_distance.h"
+#include "earshot/collision/broad_phase/internal/box_pairs.h"
+#include "earshot/collision/narrow_phase/internal/neighbours.h"
+#include "earshot/collision/narrow_phase/internal/leaf_pairs.h"
+#include "earshot/collision/narrow_phase/internal/triangle_lanes.h"
+#include "earshot/collision/narrow_phase/triangle_distance.h"
 
 #include <glm/geometric.hpp>
 

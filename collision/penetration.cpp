@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/penetration.h"
 
-#include "earshot/collision/internal/pair_search.h"
+#include "earshot/collision/narrow_phase/internal/leaf_pairs.h"
 
 #include <glm/geometric.hpp>
 

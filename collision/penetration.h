@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/collision/discrete.h"
-#include "earshot/collision/triangle_pair.h"
+#include "earshot/collision/narrow_phase/triangle_intersection.h"
 
 #include <optional>
 #include <span>

@@ -2,7 +2,7 @@
 #include "earshot/collision/rigid_motion.h"
 
 #include "earshot/base/math.h"
-#include "earshot/collision/internal/relative_pose.h"
+#include "earshot/collision/broad_phase/internal/relative_pose.h"
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>

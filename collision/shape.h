@@ -4,7 +4,7 @@
 #include "earshot/base/large_array.h"
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/tree.h"
-#include "earshot/collision/triangle_pair.h"
+#include "earshot/collision/narrow_phase/triangle_intersection.h"
 #include "earshot/geometry/mesh.h"
 
 #include <glm/mat3x3.hpp>

@@ -3,14 +3,14 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-#include "earshot/collision/internal/element_tester.h"
-#include "earshot/collision/internal/elements.h"
-#include "earshot/collision/internal/leaf_plates.h"
+#include "earshot/collision/narrow_phase/internal/element_tester.h"
+#include "earshot/collision/broad_phase/internal/representatives.h"
+#include "earshot/collision/broad_phase/internal/leaf_slabs.h"
 #include "earshot/collision/internal/moving_scene.h"
-#include "earshot/collision/internal/pair_front.h"
-#include "earshot/collision/internal/smooth_patches.h"
-#include "earshot/collision/internal/swept_forest.h"
-#include "earshot/collision/triangle_pair.h"
+#include "earshot/collision/broad_phase/internal/bvtt_front.h"
+#include "earshot/collision/broad_phase/internal/normal_cones.h"
+#include "earshot/collision/broad_phase/internal/swept_bvh.h"
+#include "earshot/collision/narrow_phase/triangle_intersection.h"
 
 #include <glm/geometric.hpp>
 

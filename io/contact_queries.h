@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/rational_points.h"
+#include "earshot/collision/narrow_phase/rational_ccd.h"
 
 #include <filesystem>
 #include <optional>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "earshot/collision/contact.h"
-#include "earshot/collision/internal/motion_slabs.h"
-#include "earshot/collision/moving_points.h"
+#include "earshot/collision/broad_phase/internal/swept_dop.h"
+#include "earshot/collision/narrow_phase/ccd.h"
 #include "earshot/geometry/mesh.h"
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/simd.h"
-#include "earshot/collision/triangle_distance.h"
+#include "earshot/collision/narrow_phase/triangle_distance.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/discrete.h"
-#include "earshot/collision/triangle_pair.h"
+#include "earshot/collision/narrow_phase/triangle_intersection.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/collision/triangle_distance.h"
+#include "earshot/collision/narrow_phase/triangle_distance.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>

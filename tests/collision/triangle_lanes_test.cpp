@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/collision/internal/triangle_lanes.h"
+#include "earshot/collision/narrow_phase/internal/triangle_lanes.h"
 
 #include "earshot/base/simd.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/triangle_pair.h"
+#include "earshot/collision/narrow_phase/triangle_intersection.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/moving_points.h"
+#include "earshot/collision/narrow_phase/ccd.h"
 #include "earshot/collision/world.h"
 
 #include <algorithm>

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/collision/narrow_phase/internal/element_tester.h"
+
+#include "earshot/collision/narrow_phase/ccd.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace earshot::collision {
+
+using geometry::Triangle;
+using geometry::VertexId;
+
+namespace {
+
+bool share_a_vertex(std::span<const VertexId> a, std::span<const VertexId> b) {
+    return std::any_of(a.begin(), a.end(), [&](VertexId vertex) {
+        return std::find(b.begin(), b.end(), vertex) != b.end();
+    });
+}
+
+}  // namespace
+
+void ElementTester::test(std::uint32_t slot_a, std::uint32_t slot_b) {
+    ++statistics_.triangle_pairs;
+    if (are_apart(forest_.slabs(slot_a), forest_.slabs(slot_b))) {
+        return;
+    }
+    const std::uint32_t a = forest_.triangle(slot_a);
+    const std::uint32_t b = forest_.triangle(slot_b);
+    // Neighbours touch where they meet: no plane is between them.
+    if (!share_a_vertex(scene_.triangles[a], scene_.triangles[b])) {
+        const MovingCorners one = scene_.corners_of(scene_.triangles[a]);
+        const MovingCorners other = scene_.corners_of(scene_.triangles[b]);
+        if (are_apart_along_normal(one, other, options_.margin()) ||
+            are_apart_along_normal(other, one, options_.margin())) {
+            return;
+        }
+    }
+    test_elements(a, b);
+}
+
+void ElementTester::test_elements(std::uint32_t a, std::uint32_t b) {
+    test_corners(a, b);
+    test_corners(b, a);
+    for (unsigned i = 0; i < 3; ++i) {
+        for (unsigned k = 0; k < 3; ++k) {
+            if ((own_[a] >> (3 + i) & own_[b] >> (3 + k) & 1) != 0) {
+                test_edges(a, i, b, k);
+            }
+        }
+    }
+}
+
+void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
+    const Triangle& corners = scene_.triangles[face];
+    for (unsigned i = 0; i < 3; ++i) {
+        const VertexId vertex = scene_.triangles[of][i];
+        if ((own_[of] >> i & 1) == 0 || share_a_vertex(std::span(&vertex, 1), corners)) {
+            continue;
+        }
+        ++statistics_.elementary_tests;
+        // Ascending, so that the time does not depend on how the triangle is written.
+        std::array<VertexId, 4> vertices{vertex, corners[0], corners[1], corners[2]};
+        std::sort(vertices.begin() + 1, vertices.end());
+        const MovingPoints points = scene_.points_of(vertices);
+        const auto time = options_.least_separation > 0.0
+                              ? vertex_face_time_within(points, separation())
+                              : vertex_face_time(points);
+        if (time) {
+            Contact contact{.kind = ContactKind::vertex_face,
+                            .a = scene_.element(mesh_of(of), std::span(vertices).first(1)),
+                            .b = scene_.element(mesh_of(face), std::span(vertices).last(3)),
+                            .toi = *time};
+            scene_.complete(vertices, contact);
+            contacts_.push_back(contact);
+        }
+    }
+}
+
+void ElementTester::test_edges(std::uint32_t a, unsigned i, std::uint32_t b, unsigned k) {
+    std::array<VertexId, 4> vertices{scene_.triangles[a][i],
+                                     scene_.triangles[a][(i + 1) % 3],
+                                     scene_.triangles[b][k],
+                                     scene_.triangles[b][(k + 1) % 3]};
+    if (share_a_vertex(std::span(vertices).first(2), std::span(vertices).last(2))) {
+        return;
+    }
+    ++statistics_.elementary_tests;
+    // In the order of the elements, so that the time does not depend on the triangles: vertices
+    // of later meshes come later.
+    std::sort(vertices.begin(), vertices.begin() + 2);
+    std::sort(vertices.begin() + 2, vertices.end());
+    if (std::pair(vertices[2], vertices[3]) < std::pair(vertices[0], vertices[1])) {
+        std::rotate(vertices.begin(), vertices.begin() + 2, vertices.end());
+        std::swap(a, b);
+    }
+    const MovingPoints points = scene_.points_of(vertices);
+    const auto time = options_.least_separation > 0.0 ? edge_edge_time_within(points, separation())
+                                                      : edge_edge_time(points);
+    if (time) {
+        Contact contact{.kind = ContactKind::edge_edge,
+                        .a = scene_.element(mesh_of(a), std::span(vertices).first(2)),
+                        .b = scene_.element(mesh_of(b), std::span(vertices).last(2)),
+                        .toi = *time};
+        scene_.complete(vertices, contact);
+        contacts_.push_back(contact);
+    }
+}
+
+}  // namespace earshot::collision

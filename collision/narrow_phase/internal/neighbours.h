@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/collision/narrow_phase/triangle_intersection.h"
+#include "earshot/geometry/mesh.h"
+
+namespace earshot::collision {
+
+/// Whether two triangles of one mesh meet in more than what they share, as find_self_contacts()
+/// defines it. Exact.
+bool meet_beyond_shared(const geometry::Triangle& one_ids,
+                        const Corners& one,
+                        const geometry::Triangle& other_ids,
+                        const Corners& other) noexcept;
+
+}  // namespace earshot::collision
