@@ -50,8 +50,8 @@ void measure(const std::filesystem::path& folder, const std::string& kind) {
         for (std::size_t i = 0; i < queries.size(); ++i) {
             const auto start = std::chrono::steady_clock::now();
             const bool hit =
-                is_face ? earshot::collision::vertex_face_time(queries[i].points).has_value()
-                        : earshot::collision::edge_edge_time(queries[i].points).has_value();
+                is_face ? earshot::collision::vertex_face_ccd(queries[i].points).has_value()
+                        : earshot::collision::edge_edge_ccd(queries[i].points).has_value();
             const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
             times[i] = std::min(times[i], 1e6 * elapsed.count());
             hits += hit ? 1 : 0;

@@ -9,9 +9,9 @@
 #include "support/collision_sequences.h"
 
 #include "earshot/base/error.h"
-#include "earshot/collision/narrow_phase/internal/element_tester.h"
-#include "earshot/collision/broad_phase/internal/representatives.h"
 #include "earshot/collision/broad_phase/internal/bvtt_front.h"
+#include "earshot/collision/broad_phase/internal/representatives.h"
+#include "earshot/collision/narrow_phase/internal/element_tester.h"
 #include "earshot/collision/world.h"
 
 #include <algorithm>
@@ -88,14 +88,15 @@ Measured measure(const std::vector<Part>& parts,
 void measure(const char* name, const std::vector<Part>& parts, Executor& executor) {
     const std::vector<Variant> variants{
         {"", {.within_meshes = true}},
-        {", no front", {.within_meshes = true, .keeps_front = false}},
-        {", no patches", {.within_meshes = true, .leaves_out_smooth_patches = false}},
-        {", elements as often as they come", {.within_meshes = true, .assigns_elements = false}},
+        {", no front", {.within_meshes = true, .track_front = false}},
+        {", no patches", {.within_meshes = true, .cull_with_normal_cones = false}},
+        {", elements as often as they come",
+         {.within_meshes = true, .assign_representatives = false}},
         {", none of these",
          {.within_meshes = true,
-          .keeps_front = false,
-          .leaves_out_smooth_patches = false,
-          .assigns_elements = false}}};
+          .track_front = false,
+          .cull_with_normal_cones = false,
+          .assign_representatives = false}}};
     std::size_t triangles = 0;
     for (const Part& part : parts) {
         triangles += part.triangles.size();
@@ -121,7 +122,7 @@ class PairLister {
 public:
     explicit PairLister(const ElementTester& rules) : rules_(rules) {}
 
-    bool is_wanted(std::uint32_t a, std::uint32_t b) const { return rules_.is_wanted(a, b); }
+    bool accepts(std::uint32_t a, std::uint32_t b) const { return rules_.accepts(a, b); }
     bool is_free_of_contact(std::uint32_t node) const { return rules_.is_free_of_contact(node); }
     bool are_leaves_apart(std::uint32_t a, std::uint32_t b) const {
         return rules_.are_leaves_apart(a, b);
@@ -169,7 +170,7 @@ void split(const char* name, const std::vector<Part>& parts) {
         ElementTester tester(scene, forest, plates, &patches, own, options);
         PairLister lister(tester);
         PartSearch<PairLister> pairs(forest, lister);
-        front.prepare(forest.tree(), options.keeps_front, pairs);
+        front.prepare(forest.tree(), options.track_front, pairs);
         for (std::size_t part = 0; part < front.parts(); ++part) {
             pairs.run(front.part(part));
         }

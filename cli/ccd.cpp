@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/collision/narrow_phase/ccd.h"
+
 #include "earshot/base/parallel.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
-#include "earshot/collision/narrow_phase/ccd.h"
 #include "earshot/collision/narrow_phase/min_separation.h"
 #include "earshot/io/contact_queries.h"
 #include "earshot/io/whole_file.h"
@@ -58,7 +59,7 @@ public:
         app().add_option("-o,--output", output_, "the .csv file to write")->required();
         add_number(app(),
                    "--min-separation",
-                   separation_.least_separation,
+                   separation_.min_separation,
                    {0.0, 1e100},
                    "points as near as this along every axis are in contact; 0: exact contact");
         add_number(app(),
@@ -91,7 +92,7 @@ public:
 private:
     Answer answer(const RationalPoints& points) const {
         const auto doubles = collision::as_doubles(points);
-        if (!doubles && separation_.least_separation > 0.0) {
+        if (!doubles && separation_.min_separation > 0.0) {
             throw Error(
                 queries_file_, "has coordinates that are no doubles", "leave --min-separation out");
         }
@@ -105,16 +106,16 @@ private:
 
     std::optional<double> time_of(const MovingPoints& points) const {
         const bool is_face = kind_ == "vertex-face";
-        if (separation_.least_separation > 0.0) {
-            return is_face ? collision::vertex_face_time_within(points, separation_)
-                           : collision::edge_edge_time_within(points, separation_);
+        if (separation_.min_separation > 0.0) {
+            return is_face ? collision::vertex_face_min_separation_ccd(points, separation_)
+                           : collision::edge_edge_min_separation_ccd(points, separation_);
         }
-        return is_face ? collision::vertex_face_time(points) : collision::edge_edge_time(points);
+        return is_face ? collision::vertex_face_ccd(points) : collision::edge_edge_ccd(points);
     }
 
     std::optional<double> time_of(const RationalPoints& points) const {
-        return kind_ == "vertex-face" ? collision::vertex_face_time(points)
-                                      : collision::edge_edge_time(points);
+        return kind_ == "vertex-face" ? collision::vertex_face_ccd(points)
+                                      : collision::edge_edge_ccd(points);
     }
 
     std::string summary(const std::vector<io::ContactQuery>& queries,
@@ -165,7 +166,7 @@ private:
     }
 
     std::string queries_file_, kind_, output_;
-    collision::SeparationOptions separation_;
+    collision::MinSeparationOptions separation_;
 };
 
 }  // namespace

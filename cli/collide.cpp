@@ -76,7 +76,7 @@ public:
         app().add_flag("--self", within_, "meshes are tested against themselves too");
         add_number(app(),
                    "--min-separation",
-                   options_.least_separation,
+                   options_.min_separation,
                    {0.0, 1e6},
                    "elements as near as this along every axis are in contact, metres");
         add_number(app(),

@@ -2,8 +2,8 @@
 #include "earshot/collision/discrete.h"
 
 #include "earshot/collision/broad_phase/internal/box_pairs.h"
-#include "earshot/collision/narrow_phase/internal/neighbours.h"
 #include "earshot/collision/narrow_phase/internal/leaf_pairs.h"
+#include "earshot/collision/narrow_phase/internal/neighbours.h"
 #include "earshot/collision/narrow_phase/internal/triangle_lanes.h"
 #include "earshot/collision/narrow_phase/triangle_distance.h"
 
@@ -84,7 +84,7 @@ Vec3 direction_between(const Corners& one, const Corners& other) noexcept {
 }
 
 /// Whether planes across a direction keep triangles more than a distance apart, and
-/// distance_apart() would say so.
+/// distance_of_disjoint() would say so.
 bool are_parted(const Corners& one,
                 const Corners& other,
                 const Vec3& direction,
@@ -111,11 +111,11 @@ bool ContactSearch::meets(const LeafPair& leaves) {
     const Corners& one = a_.corners(leaves[0]);
     const Corners& other = b_.corners(leaves[1]);
     return wanted_ == Wanted::all_of_one_mesh
-               ? meet_beyond_shared(triangles_[a_.triangle(leaves[0])],
-                                    one,
-                                    triangles_[b_.triangle(leaves[1])],
-                                    other)
-               : meet(one, other);
+               ? intersect_beyond_shared_features(triangles_[a_.triangle(leaves[0])],
+                                                  one,
+                                                  triangles_[b_.triangle(leaves[1])],
+                                                  other)
+               : intersect(one, other);
 }
 
 void ContactSearch::decide_lanes_of(std::span<const LeafPair> pairs) {
@@ -161,7 +161,7 @@ void DistanceSearch::add(std::uint32_t a, std::uint32_t b) noexcept {
         are_parted(one, other, direction_between(one, other), best.distance)) {
         return;
     }
-    const TriangleDistance here = distance_apart(one, other);
+    const TriangleDistance here = distance_of_disjoint(one, other);
     const TrianglePair pair{a_.triangle(a), b_.triangle(b)};
     if (here.distance < best.distance ||
         (here.distance == best.distance && pair < best.triangles)) {

@@ -14,9 +14,9 @@ namespace earshot::collision {
 
 // What touches what, and how far apart things are, at one instant. Triangles are surfaces: a mesh
 // inside another does not touch it. Everything is decided in the world, on vertices where
-// Pose::place() puts them, by meet() and distance() of two triangles; hierarchies only leave out
-// what is far away. So answers depend on the placed triangles alone. All functions throw Error if a
-// pose is not rigid (rotations may be off by 1e-9) and work on empty shapes.
+// Pose::apply() puts them, by intersect() and distance() of two triangles; hierarchies only leave
+// out what is far away. So answers depend on the placed triangles alone. All functions throw Error
+// if a pose is not rigid (rotations may be off by 1e-9) and work on empty shapes.
 
 /// A triangle of each of two meshes, or two of one mesh.
 struct TrianglePair {

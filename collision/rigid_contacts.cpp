@@ -21,8 +21,8 @@ void check(const RigidContactOptions& options) {
     if (!(options.tolerance > 0.0) || !std::isfinite(options.tolerance)) {
         throw Error("tolerance", "is not positive", "give metres, such as 1e-3");
     }
-    if (!(options.least_separation >= 0.0) || !std::isfinite(options.least_separation)) {
-        throw Error("least separation", "is negative or not finite", "give metres, or 0");
+    if (!(options.min_separation >= 0.0) || !std::isfinite(options.min_separation)) {
+        throw Error("minimum separation", "is negative or not finite", "give metres, or 0");
     }
 }
 
@@ -30,7 +30,7 @@ double steps_of(std::span<const MovingBody> bodies, double tolerance) {
     double steps = 1.0;
     for (const MovingBody& body : bodies) {
         const double bound = body.motion.acceleration_bound(body.mesh.positions);
-        steps = std::max(steps, straight_steps(bound, tolerance));
+        steps = std::max(steps, linear_step_count(bound, tolerance));
     }
     if (!(steps <= kMostSteps)) {
         throw Error("motion",
@@ -47,7 +47,7 @@ std::vector<std::vector<Vec3>> place(std::span<const MovingBody> bodies, double 
         const Pose pose = body.motion.at(time);
         std::vector<Vec3>& positions = placed.emplace_back();
         for (const Vec3& position : body.mesh.positions) {
-            positions.push_back(pose.place(position));
+            positions.push_back(pose.apply(position));
         }
     }
     return placed;
@@ -67,7 +67,7 @@ std::optional<Contact> first_contact(std::span<const MovingBody> bodies,
     // Both bodies of a pair stray, by an eighth of the tolerance each with what rounding adds; the
     // search for when they come near has its own tolerance, twice.
     const double steps = steps_of(bodies, options.tolerance / 9.0);
-    const bool is_exact = options.least_separation == 0.0 &&
+    const bool is_exact = options.min_separation == 0.0 &&
                           std::all_of(bodies.begin(), bodies.end(), [](const MovingBody& body) {
                               return body.motion.acceleration_bound(body.mesh.positions) == 0.0;
                           });
@@ -78,7 +78,7 @@ std::optional<Contact> first_contact(std::span<const MovingBody> bodies,
                     !bodies[a].motion.screws.empty() || !bodies[b].motion.screws.empty();
                 return moves && (!options.filter || options.filter(a, b));
             },
-        .least_separation = is_exact ? 0.0 : options.least_separation + 0.25 * options.tolerance,
+        .min_separation = is_exact ? 0.0 : options.min_separation + 0.25 * options.tolerance,
         .tolerance = 0.25 * options.tolerance};
     World world;
     for (const MovingBody& body : bodies) {

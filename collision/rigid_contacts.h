@@ -21,7 +21,7 @@ struct MovingBody {
 
 struct RigidContactOptions {
     /// Bodies that come as near as this along every axis are in contact, metres.
-    double least_separation = 0.0;
+    double min_separation = 0.0;
     /// How many metres more a contact may be apart along an axis; > 0. The fewer, the more steps.
     double tolerance = 1e-3;
     /// Which pairs of bodies (a < b) are looked at; empty: all of which one moves.

@@ -79,7 +79,7 @@ Pose RigidMotion::at(double time) const noexcept {
     Pose pose = start;
     for (auto screw = screws.rbegin(); screw != screws.rend(); ++screw) {
         const Pose moved = screw->at(time);
-        pose = {moved.rotation * pose.rotation, moved.place(pose.translation)};
+        pose = {moved.rotation * pose.rotation, moved.apply(pose.translation)};
     }
     return pose;
 }
@@ -91,7 +91,7 @@ double RigidMotion::acceleration_bound(std::span<const Vec3> points) const noexc
     double to_axis = 0.0;   // the largest distance from the axis of the screw at hand
     double to_point = 0.0;  // and from its point
     for (const Vec3& point : points) {
-        const Vec3 placed = start.place(point);
+        const Vec3 placed = start.apply(point);
         to_axis = std::max(to_axis, distance_to_axis(screws.back(), placed));
         to_point = std::max(to_point, glm::length(placed - screws.back().point));
     }
@@ -110,7 +110,7 @@ double RigidMotion::acceleration_bound(std::span<const Vec3> points) const noexc
     return acceleration * (1.0 + 1e-12);
 }
 
-double straight_steps(double acceleration_bound, double tolerance) noexcept {
+double linear_step_count(double acceleration_bound, double tolerance) noexcept {
     return std::max(1.0, std::ceil(std::sqrt(acceleration_bound / (8.0 * tolerance))));
 }
 

@@ -45,6 +45,6 @@ struct RigidMotion {
 /// How many straight steps of equal times stay within `tolerance` metres (> 0) of a path at all
 /// times, if its acceleration is bounded: chords of a step of time h stray by at most a h^2 / 8. At
 /// least 1; infinite if that is beyond doubles.
-double straight_steps(double acceleration_bound, double tolerance) noexcept;
+double linear_step_count(double acceleration_bound, double tolerance) noexcept;
 
 }  // namespace earshot::collision

@@ -225,13 +225,13 @@ void Shape::set_boxes() {
             boxes[i].include(box);
         }
     }
-    reach_ = 0.0;
+    max_abs_coordinate_ = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
-        reach_ = std::max({reach_,
-                           std::abs(static_cast<double>(boxes[0].lower[k])),
-                           std::abs(static_cast<double>(boxes[0].upper[k]))});
+        max_abs_coordinate_ = std::max({max_abs_coordinate_,
+                                        std::abs(static_cast<double>(boxes[0].lower[k])),
+                                        std::abs(static_cast<double>(boxes[0].upper[k]))});
     }
-    if (!(reach_ <= kReachLimit)) {
+    if (!(max_abs_coordinate_ <= kMaxCoordinate)) {
         throw Error("mesh", "has a coordinate beyond 2^60 m", "scale it down");
     }
 }

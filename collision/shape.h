@@ -42,8 +42,8 @@ public:
 
     /// The hierarchy is that of bvh::Tree::build() over the triangles' boxes, one triangle to a
     /// leaf (options.leaf_size is not looked at), collapsed. Answers do not depend on it. Throws
-    /// Error as bvh::Tree::build(), and if a coordinate is beyond kReachLimit. Preconditions: those
-    /// of MeshView; the mesh's arrays stay where they are as long as the shape is used.
+    /// Error as bvh::Tree::build(), and if a coordinate is beyond kMaxCoordinate. Preconditions:
+    /// those of MeshView; the mesh's arrays stay where they are as long as the shape is used.
     static Shape build(const geometry::MeshView& mesh,
                        const bvh::BuildOptions& options = {},
                        Executor& executor = Executor::serial());
@@ -63,10 +63,10 @@ public:
     std::span<const Corners> corners() const noexcept { return corners_; }
 
     /// The largest absolute coordinate of a triangle, rounded up; 0 without triangles.
-    double reach() const noexcept { return reach_; }
+    double max_abs_coordinate() const noexcept { return max_abs_coordinate_; }
 
     /// Metres. Squares of what lies within are finite in single precision.
-    static constexpr double kReachLimit = 0x1p60;
+    static constexpr double kMaxCoordinate = 0x1p60;
 
 private:
     void set_corners();
@@ -77,7 +77,7 @@ private:
     LargeArray<BoxNode> nodes_;
     LargeArray<geometry::TriangleId> triangles_;
     LargeArray<Corners> corners_;
-    double reach_ = 0.0;
+    double max_abs_coordinate_ = 0.0;
 };
 
 /// Where a mesh stands: a point p of it at rotation * p + translation.
@@ -87,7 +87,7 @@ struct Pose {
 
     /// Rounded to doubles; with the default pose p itself. What is asked about meshes in a pose is
     /// asked, exactly, about vertices at these points.
-    geometry::Vec3 place(const geometry::Vec3& p) const noexcept {
+    geometry::Vec3 apply(const geometry::Vec3& p) const noexcept {
         geometry::Vec3 placed;
         for (int k = 0; k < 3; ++k) {
             placed[k] =

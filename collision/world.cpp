@@ -3,13 +3,13 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-#include "earshot/collision/narrow_phase/internal/element_tester.h"
-#include "earshot/collision/broad_phase/internal/representatives.h"
-#include "earshot/collision/broad_phase/internal/leaf_slabs.h"
-#include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/broad_phase/internal/bvtt_front.h"
+#include "earshot/collision/broad_phase/internal/leaf_slabs.h"
 #include "earshot/collision/broad_phase/internal/normal_cones.h"
+#include "earshot/collision/broad_phase/internal/representatives.h"
 #include "earshot/collision/broad_phase/internal/swept_bvh.h"
+#include "earshot/collision/internal/moving_scene.h"
+#include "earshot/collision/narrow_phase/internal/element_tester.h"
 #include "earshot/collision/narrow_phase/triangle_intersection.h"
 
 #include <glm/geometric.hpp>
@@ -61,8 +61,7 @@ void World::State::follow(const ContactOptions& options, Executor& executor) {
 
 const SmoothPatches* World::State::patches_for(const ContactOptions& options, Executor& executor) {
     // What is free of contact may still come near.
-    if (!options.within_meshes || !options.leaves_out_smooth_patches ||
-        options.least_separation > 0.0) {
+    if (!options.within_meshes || !options.cull_with_normal_cones || options.min_separation > 0.0) {
         return nullptr;
     }
     if (!has_patches) {
@@ -156,13 +155,13 @@ std::vector<Contact> World::contacts(const ContactOptions& options, Executor& ex
     }
     state.follow(options, executor);
     const SmoothPatches* patches = state.patches_for(options, executor);
-    const auto& elements = options.assigns_elements ? state.own : state.all;
+    const auto& elements = options.assign_representatives ? state.own : state.all;
     const auto new_tester = [&] {
         return ElementTester(state.scene, state.forest, state.plates, patches, elements, options);
     };
     ElementTester first = new_tester();
     PartSearch<ElementTester> top(state.forest, first);
-    state.front.prepare(state.forest.tree(), options.keeps_front, top);
+    state.front.prepare(state.forest.tree(), options.track_front, top);
     state.statistics.box_tests = top.tests();
 
     struct Findings {
@@ -198,7 +197,7 @@ std::vector<Contact> World::contacts_at_begin(const ContactOptions& options, Exe
     std::vector<Contact> contacts;
     for (std::uint32_t a = 0; a < meshes; ++a) {
         for (std::uint32_t b = a; b < meshes; ++b) {
-            if (!options.is_wanted(a, b)) {
+            if (!options.accepts(a, b)) {
                 continue;
             }
             const Shape& one = state.shape_at_begin(a, executor);

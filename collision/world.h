@@ -24,28 +24,28 @@ struct ContactOptions {
     /// Which pairs of meshes (a <= b) are looked at; empty: all. Must not change during a call.
     std::function<bool(std::uint32_t a, std::uint32_t b)> filter{};
     /// Elements as near as this along every axis are in contact, metres; 0: exact contact.
-    double least_separation = 0.0;
-    double tolerance = 1e-6;  ///< metres, with least_separation
+    double min_separation = 0.0;
+    double tolerance = 1e-6;  ///< metres, with min_separation
 
     // What saves work; contacts are the same without.
 
     /// A search begins where the one before ended.
-    bool keeps_front = true;
+    bool track_front = true;
     /// Patches that face one way and whose border does not meet itself are not searched within;
     /// only without a separation.
-    bool leaves_out_smooth_patches = true;
+    bool cull_with_normal_cones = true;
     /// Every vertex and edge is tested as part of one triangle only.
-    bool assigns_elements = true;
+    bool assign_representatives = true;
 
     /// Whether anything of two meshes is looked at.
-    bool is_wanted(std::uint32_t a, std::uint32_t b) const {
+    bool accepts(std::uint32_t a, std::uint32_t b) const {
         return (a == b ? within_meshes : between_meshes) &&
                (!filter || filter(std::min(a, b), std::max(a, b)));
     }
 
     /// What boxes grow by so that no contact is left out, metres.
     double margin() const noexcept {
-        return least_separation > 0.0 ? least_separation + 2.0 * tolerance : 0.0;
+        return min_separation > 0.0 ? min_separation + 2.0 * tolerance : 0.0;
     }
 };
 
@@ -62,7 +62,7 @@ struct WorldStatistics {
 /// straight line. Every vertex, edge and face of a mesh belongs to its first triangle (Curtis et
 /// al. 2008), so each pair of elements is tested once; elements of one mesh that share a vertex are
 /// not tested against each other. Contacts depend on the positions alone: trees only leave out what
-/// is far away, and each contact is decided by vertex_face_time() or edge_edge_time().
+/// is far away, and each contact is decided by vertex_face_ccd() or edge_edge_ccd().
 class World {
 public:
     /// The builder of the trees changes what a search costs, not what it finds.

@@ -35,7 +35,7 @@ void require_rigid(const Pose& pose) {
         }
     }
     if (!(deviation <= kRigidTolerance) || glm::determinant(pose.rotation) < 0.0 ||
-        !(reach_of(pose.translation) <= Shape::kReachLimit)) {
+        !(reach_of(pose.translation) <= Shape::kMaxCoordinate)) {
         throw Error("pose",
                     "is not a rotation, or a translation within 2^60 m",
                     "orthonormalise the rotation");
@@ -70,7 +70,8 @@ RelativePose::RelativePose(const Body& a, const Body& b) {
     // off by at most 7 u reach (three products with rounded factors, three sums), a difference of
     // centres by 9 u, its component along a turned axis by 26 u, the sides added to it by 12 u;
     // 64 u covers that. Positions in the world are rounded to doubles there.
-    const double reach = 2.0 * (a.shape.reach() + b.shape.reach()) + 2.0 * reach_of(apart);
+    const double reach =
+        2.0 * (a.shape.max_abs_coordinate() + b.shape.max_abs_coordinate()) + 2.0 * reach_of(apart);
     const double in_world = reach_of(a.pose.translation) + reach_of(b.pose.translation);
     const double padding = 64.0 * 0x1p-24 * reach + 0x1p-48 * in_world +
                            64.0 * static_cast<double>(std::numeric_limits<float>::min());

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/contact.h"
 #include "earshot/collision/broad_phase/internal/swept_dop.h"
+#include "earshot/collision/contact.h"
 #include "earshot/collision/narrow_phase/ccd.h"
 #include "earshot/geometry/mesh.h"
 

@@ -358,7 +358,7 @@ bool are_apart_across(const MovingPoints& points, std::size_t count) {
 
 }  // namespace
 
-std::optional<double> vertex_face_time(const MovingPoints& points) {
+std::optional<double> vertex_face_ccd(const MovingPoints& points) {
     if (are_apart(points, 1)) {
         return std::nullopt;
     }
@@ -384,10 +384,10 @@ std::optional<double> vertex_face_time(const MovingPoints& points) {
     if (are_apart_across(points, 1)) {
         return std::nullopt;
     }
-    return exact_vertex_face_time(integers_of(points));
+    return exact_vertex_face_ccd(integers_of(points));
 }
 
-std::optional<double> edge_edge_time(const MovingPoints& points) {
+std::optional<double> edge_edge_ccd(const MovingPoints& points) {
     if (are_apart(points, 2)) {
         return std::nullopt;
     }
@@ -413,7 +413,7 @@ std::optional<double> edge_edge_time(const MovingPoints& points) {
     if (are_apart_across(points, 2)) {
         return std::nullopt;
     }
-    return exact_edge_edge_time(integers_of(points));
+    return exact_edge_edge_ccd(integers_of(points));
 }
 
 }  // namespace earshot::collision

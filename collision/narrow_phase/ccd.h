@@ -21,9 +21,9 @@ struct MovingPoints {
 /// Triangles may be segments or points, now or always. Bernstein signs and bisection with proven
 /// bounds decide nearly all queries (Tang et al. 2014; Wang et al. 2021 for the problem), integers
 /// of any size the rest: see docs/algorithms/collision.md.
-std::optional<double> vertex_face_time(const MovingPoints& points);
+std::optional<double> vertex_face_ccd(const MovingPoints& points);
 
 /// The same of the closed segments of the first two points and of the last two.
-std::optional<double> edge_edge_time(const MovingPoints& points);
+std::optional<double> edge_edge_ccd(const MovingPoints& points);
 
 }  // namespace earshot::collision

@@ -64,9 +64,9 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
         std::array<VertexId, 4> vertices{vertex, corners[0], corners[1], corners[2]};
         std::sort(vertices.begin() + 1, vertices.end());
         const MovingPoints points = scene_.points_of(vertices);
-        const auto time = options_.least_separation > 0.0
-                              ? vertex_face_time_within(points, separation())
-                              : vertex_face_time(points);
+        const auto time = options_.min_separation > 0.0
+                              ? vertex_face_min_separation_ccd(points, separation())
+                              : vertex_face_ccd(points);
         if (time) {
             Contact contact{.kind = ContactKind::vertex_face,
                             .a = scene_.element(mesh_of(of), std::span(vertices).first(1)),
@@ -96,8 +96,9 @@ void ElementTester::test_edges(std::uint32_t a, unsigned i, std::uint32_t b, uns
         std::swap(a, b);
     }
     const MovingPoints points = scene_.points_of(vertices);
-    const auto time = options_.least_separation > 0.0 ? edge_edge_time_within(points, separation())
-                                                      : edge_edge_time(points);
+    const auto time = options_.min_separation > 0.0
+                          ? edge_edge_min_separation_ccd(points, separation())
+                          : edge_edge_ccd(points);
     if (time) {
         Contact contact{.kind = ContactKind::edge_edge,
                         .a = scene_.element(mesh_of(a), std::span(vertices).first(2)),

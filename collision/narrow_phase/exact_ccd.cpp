@@ -176,7 +176,7 @@ IntegerPoints integers_of(const MovingPoints& points) {
     return result;
 }
 
-std::optional<double> exact_vertex_face_time(const IntegerPoints& points) {
+std::optional<double> exact_vertex_face_ccd(const IntegerPoints& points) {
     const auto [p, a, b, c] = motions_of(points);
     const Polynomial volume = dot(cross(b - a, c - a), p - a);
     if (!volume.is_zero()) {
@@ -193,7 +193,7 @@ std::optional<double> exact_vertex_face_time(const IntegerPoints& points) {
                    reaches_segment(p, c, a));
 }
 
-std::optional<double> exact_edge_edge_time(const IntegerPoints& points) {
+std::optional<double> exact_edge_edge_ccd(const IntegerPoints& points) {
     const auto [a, b, c, d] = motions_of(points);
     const Polynomial volume = dot(cross(b - a, d - c), c - a);
     if (!volume.is_zero()) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/narrow_phase/internal/neighbours.h"
-
 #include "earshot/geometry/intersect.h"
 #include "earshot/geometry/predicates.h"
 
@@ -59,13 +58,13 @@ struct Shared {
 
 }  // namespace
 
-bool meet_beyond_shared(const Triangle& one_ids,
-                        const Corners& one,
-                        const Triangle& other_ids,
-                        const Corners& other) noexcept {
+bool intersect_beyond_shared_features(const Triangle& one_ids,
+                                      const Corners& one,
+                                      const Triangle& other_ids,
+                                      const Corners& other) noexcept {
     const Shared shared(one_ids, other_ids);
     if (shared.count == 0) {
-        return meet(one, other);
+        return intersect(one, other);
     }
     // From here on no vertex stands twice in a triangle, because each has an area.
     if (!has_area(one) || !has_area(other)) {

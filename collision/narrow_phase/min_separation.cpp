@@ -177,10 +177,10 @@ double rounding_of(const MovingPoints& points) {
 }
 
 template <bool kIsFace>
-std::optional<double> time_within(const MovingPoints& points, const SeparationOptions& options) {
-    EARSHOT_ASSERT(options.least_separation >= 0.0 && options.tolerance > 0.0);
+std::optional<double> time_within(const MovingPoints& points, const MinSeparationOptions& options) {
+    EARSHOT_ASSERT(options.min_separation >= 0.0 && options.tolerance > 0.0);
     constexpr int kMostBoxes = 200000;
-    const double near = options.least_separation + rounding_of(points);
+    const double near = options.min_separation + rounding_of(points);
     const std::array<double, 3> extent = extents<kIsFace>(points);
     std::priority_queue<Box, std::vector<Box>, IsLater> open;
     open.push({});
@@ -220,13 +220,13 @@ std::optional<double> time_within(const MovingPoints& points, const SeparationOp
 
 }  // namespace
 
-std::optional<double> vertex_face_time_within(const MovingPoints& points,
-                                              const SeparationOptions& options) {
+std::optional<double> vertex_face_min_separation_ccd(const MovingPoints& points,
+                                                     const MinSeparationOptions& options) {
     return time_within<true>(points, options);
 }
 
-std::optional<double> edge_edge_time_within(const MovingPoints& points,
-                                            const SeparationOptions& options) {
+std::optional<double> edge_edge_min_separation_ccd(const MovingPoints& points,
+                                                   const MinSeparationOptions& options) {
     return time_within<false>(points, options);
 }
 

@@ -79,12 +79,12 @@ std::optional<MovingPoints> as_doubles(const RationalPoints& points) {
     return result;
 }
 
-std::optional<double> vertex_face_time(const RationalPoints& points) {
-    return exact_vertex_face_time(integers_of(points));
+std::optional<double> vertex_face_ccd(const RationalPoints& points) {
+    return exact_vertex_face_ccd(integers_of(points));
 }
 
-std::optional<double> edge_edge_time(const RationalPoints& points) {
-    return exact_edge_edge_time(integers_of(points));
+std::optional<double> edge_edge_ccd(const RationalPoints& points) {
+    return exact_edge_edge_ccd(integers_of(points));
 }
 
 }  // namespace earshot::collision

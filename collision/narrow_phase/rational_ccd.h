@@ -25,7 +25,7 @@ struct RationalPoints {
 std::optional<MovingPoints> as_doubles(const RationalPoints& points);
 
 /// As the functions of moving_points.h, in exact arithmetic throughout.
-std::optional<double> vertex_face_time(const RationalPoints& points);
-std::optional<double> edge_edge_time(const RationalPoints& points);
+std::optional<double> vertex_face_ccd(const RationalPoints& points);
+std::optional<double> edge_edge_ccd(const RationalPoints& points);
 
 }  // namespace earshot::collision

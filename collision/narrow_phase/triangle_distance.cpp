@@ -110,7 +110,7 @@ private:
 
 // Larsen, Gottschalk, Lin and Manocha 1999, section 5: of triangles apart the nearest points lie on
 // an edge of each, or one is a corner and the other in the face.
-TriangleDistance distance_apart(const Corners& one, const Corners& other) noexcept {
+TriangleDistance distance_of_disjoint(const Corners& one, const Corners& other) noexcept {
     const Vec3 origin = one[0];
     const Local a(one, origin);
     const Local b(other, origin);
@@ -133,7 +133,7 @@ TriangleDistance distance(const Corners& one, const Corners& other) noexcept {
     if (const auto shared = intersection(one, other)) {
         return {0.0, shared->from, shared->from};
     }
-    return distance_apart(one, other);
+    return distance_of_disjoint(one, other);
 }
 
 }  // namespace earshot::collision

@@ -21,6 +21,6 @@ struct TriangleDistance {
 TriangleDistance distance(const Corners& one, const Corners& other) noexcept;
 
 /// The same for triangles that are known not to meet: of others, what their borders' distance is.
-TriangleDistance distance_apart(const Corners& one, const Corners& other) noexcept;
+TriangleDistance distance_of_disjoint(const Corners& one, const Corners& other) noexcept;
 
 }  // namespace earshot::collision

@@ -85,7 +85,9 @@ struct Crossing {
     bool b_is_first(std::size_t i, std::size_t j) const noexcept {
         return orient3d(a[0], a[i], b[0], b[j]) >= 0;
     }
-    bool meet() const noexcept { return b_is_first(1, 1) && orient3d(a[0], a[2], b[0], b[2]) <= 0; }
+    bool intersect() const noexcept {
+        return b_is_first(1, 1) && orient3d(a[0], a[2], b[0], b[2]) <= 0;
+    }
 
 private:
     /// Returns whether that corner lies above the other's plane.
@@ -208,7 +210,7 @@ private:
 
 }  // namespace
 
-bool meet(const Corners& one, const Corners& other) noexcept {
+bool intersect(const Corners& one, const Corners& other) noexcept {
     const Sides one_sides = sides_of(other, one);
     if (is_one_sided(one_sides)) {
         return false;
@@ -220,7 +222,7 @@ bool meet(const Corners& one, const Corners& other) noexcept {
     if (has_zero(one_sides) || has_zero(other_sides)) {
         return TriangleRegion(one[0], one[1], one[2]).touches(other[0], other[1], other[2]);
     }
-    return Crossing(one, one_sides, other, other_sides).meet();
+    return Crossing(one, one_sides, other, other_sides).intersect();
 }
 
 std::optional<Segment> intersection(const Corners& one, const Corners& other) noexcept {
@@ -231,7 +233,7 @@ std::optional<Segment> intersection(const Corners& one, const Corners& other) no
     }
     if (!has_zero(one_sides) && !has_zero(other_sides)) {
         const Crossing crossing(one, one_sides, other, other_sides);
-        return crossing.meet() ? std::optional(cut_of(crossing)) : std::nullopt;
+        return crossing.intersect() ? std::optional(cut_of(crossing)) : std::nullopt;
     }
     if (!TriangleRegion(one[0], one[1], one[2]).touches(other[0], other[1], other[2])) {
         return std::nullopt;

@@ -105,7 +105,7 @@ HWY_INLINE Sign orientation(const Vector& a, const Vector& b, const Vector& c, c
     return {Product(a - d, b - d), c - d};
 }
 
-/// As meet() does, with what is certain: see Crossing in triangle_pair.cpp.
+/// As intersect() does, with what is certain: see Crossing in triangle_intersection.cpp.
 HWY_INLINE LanesDecided decided(const Triangle& one, const Triangle& other) {
     const Sides one_sides(other, one);
     const Sides other_sides(one, other);
@@ -129,7 +129,7 @@ HWY_INLINE Triangle placed(const double (&corners)[3][3][TriangleLanes::kWidth],
         const Doubles y = load(&corners[corner][1][lane]);
         const Doubles z = load(&corners[corner][2][lane]);
         for (int k = 0; k < 3; ++k) {
-            // In the order of Pose::place().
+            // In the order of Pose::apply().
             const auto term = [&](int axis, const Doubles& p) {
                 return multiply(broadcast(pose.rotation[axis][k]), p);
             };

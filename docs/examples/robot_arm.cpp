@@ -56,7 +56,7 @@ int main() {
             {shelf.view()}};
         const auto contact = collision::first_contact(
             scene,
-            {.least_separation = 0.02,
+            {.min_separation = 0.02,
              .tolerance = 1e-3,
              // Links that a joint holds together are not asked about.
              .filter = [](std::uint32_t a, std::uint32_t b) { return b - a > 1 || b == 3; }});

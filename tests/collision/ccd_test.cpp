@@ -4,14 +4,14 @@
 #include "earshot/collision/narrow_phase/ccd.h"
 
 #include "earshot/collision/narrow_phase/internal/exact_ccd.h"
-#include "earshot/collision/narrow_phase/rational_ccd.h"
 #include "earshot/collision/narrow_phase/min_separation.h"
+#include "earshot/collision/narrow_phase/rational_ccd.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "generated_queries.h"
 #include "ccd_oracle.h"
+#include "generated_queries.h"
 #include "support/dice.h"
 #include <algorithm>
 #include <cmath>
@@ -28,12 +28,12 @@ Vec3 random_point(Dice& dice) {
 }
 
 std::optional<double> time_of(const MovingPoints& points, bool is_face) {
-    return is_face ? vertex_face_time(points) : edge_edge_time(points);
+    return is_face ? vertex_face_ccd(points) : edge_edge_ccd(points);
 }
 
 std::optional<double> exact_time_of(const MovingPoints& points, bool is_face) {
     const IntegerPoints integers = integers_of(points);
-    return is_face ? exact_vertex_face_time(integers) : exact_edge_edge_time(integers);
+    return is_face ? exact_vertex_face_ccd(integers) : exact_edge_edge_ccd(integers);
 }
 
 void expect_neither_missed_nor_late(std::uint64_t seed, int count) {
@@ -223,22 +223,22 @@ TEST(MovingPoints, KnowsContactsAtTheEndsAndOnEdges) {
     MovingPoints drop{{Vec3(0.25, 1, 0.25), {0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {}};
     drop.end = drop.begin;
     drop.end[0].y = 0.0;
-    EXPECT_NEAR(*vertex_face_time(drop), 1.0, 0x1p-40);
+    EXPECT_NEAR(*vertex_face_ccd(drop), 1.0, 0x1p-40);
     std::swap(drop.begin, drop.end);
-    EXPECT_EQ(vertex_face_time(drop), 0.0);
+    EXPECT_EQ(vertex_face_ccd(drop), 0.0);
     drop.begin[0].y = std::numeric_limits<double>::denorm_min();
-    EXPECT_FALSE(vertex_face_time(drop));
+    EXPECT_FALSE(vertex_face_ccd(drop));
     // On the far edge: u + v = 1.
     drop.begin[0] = {0.5, 1, 0.5};
     drop.end[0] = {0.5, -1, 0.5};
-    EXPECT_NEAR(*vertex_face_time(drop), 0.5, 0x1p-40);
+    EXPECT_NEAR(*vertex_face_ccd(drop), 0.5, 0x1p-40);
     drop.begin[0].x = drop.end[0].x = std::nextafter(0.5, 1.0);
-    EXPECT_FALSE(vertex_face_time(drop));
+    EXPECT_FALSE(vertex_face_ccd(drop));
     // A third, which is no double: the time is below it.
     drop.begin[0] = {0.25, 1, 0.25};
     drop.end[0] = {0.25, -2, 0.25};
-    EXPECT_LE(*vertex_face_time(drop) * 3.0, 1.0);
-    EXPECT_NEAR(*vertex_face_time(drop), 1.0 / 3.0, 0x1p-39);
+    EXPECT_LE(*vertex_face_ccd(drop) * 3.0, 1.0);
+    EXPECT_NEAR(*vertex_face_ccd(drop), 1.0 / 3.0, 0x1p-39);
 }
 
 TEST(RationalPoints, NeedNotBeDoubles) {
@@ -250,9 +250,9 @@ TEST(RationalPoints, NeedNotBeDoubles) {
     points.end = points.begin;
     points.end[0][1] = {"-1", "7"};
     EXPECT_FALSE(as_doubles(points));
-    EXPECT_NEAR(*vertex_face_time(points), 0.875, 0x1p-49);
+    EXPECT_NEAR(*vertex_face_ccd(points), 0.875, 0x1p-49);
     points.begin[0][0] = points.end[0][0] = {"6666666666666666666667", "10000000000000000000000"};
-    EXPECT_FALSE(vertex_face_time(points));
+    EXPECT_FALSE(vertex_face_ccd(points));
     points.begin[0][0] = points.end[0][0] = {"-7", "16"};
     points.begin[0][2] = points.end[0][2] = {"3", "12"};
     points.end[0][1] = {"-5", "1"};
@@ -311,9 +311,9 @@ TEST(Separation, IsHeldWhereFeaturesSlideAlongEachOther) {
         const bool is_face = i % 2 == 0;
         const MovingPoints points =
             sliding(dice, is_face, kSeparation * (i % 3 == 0 ? 1.8 : dice.between(0.2, 1.7)));
-        const SeparationOptions options{.least_separation = kSeparation, .tolerance = 1e-6};
-        const auto found = is_face ? vertex_face_time_within(points, options)
-                                   : edge_edge_time_within(points, options);
+        const MinSeparationOptions options{.min_separation = kSeparation, .tolerance = 1e-6};
+        const auto found = is_face ? vertex_face_min_separation_ccd(points, options)
+                                   : edge_edge_min_separation_ccd(points, options);
         ++(found ? contacts : none);
         const double until = found.value_or(1.0);
         for (int k = 0; until > 0.0 && k < 8; ++k) {
@@ -333,9 +333,9 @@ TEST(Separation, IsSeenBeforeContactAndNeverLate) {
     for (int i = 0; i < 300; ++i) {
         const bool is_face = i % 2 == 0;
         const MadeContact made = made_contact(dice, is_face);
-        const SeparationOptions options{.least_separation = 1e-3, .tolerance = 1e-4};
-        const auto found = is_face ? vertex_face_time_within(made.points, options)
-                                   : edge_edge_time_within(made.points, options);
+        const MinSeparationOptions options{.min_separation = 1e-3, .tolerance = 1e-4};
+        const auto found = is_face ? vertex_face_min_separation_ccd(made.points, options)
+                                   : edge_edge_min_separation_ccd(made.points, options);
         ASSERT_TRUE(found) << i;
         EXPECT_LE(*found, made.time) << i;
     }
@@ -343,11 +343,11 @@ TEST(Separation, IsSeenBeforeContactAndNeverLate) {
     MovingPoints drop{{Vec3(0.25, 1, 0.25), {0, 0, 0}, {1, 0, 0}, {0, 0, 1}}, {}};
     drop.end = drop.begin;
     drop.end[0].y = 0.0;
-    const double time = *vertex_face_time_within(drop, {.least_separation = 0.1});
+    const double time = *vertex_face_min_separation_ccd(drop, {.min_separation = 0.1});
     EXPECT_LE(time, 0.9);
     EXPECT_GT(time, 0.899);
     drop.end[0].y = 0.11;
-    EXPECT_FALSE(vertex_face_time_within(drop, {.least_separation = 0.1}));
+    EXPECT_FALSE(vertex_face_min_separation_ccd(drop, {.min_separation = 0.1}));
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ glm::dmat3 random_rotation(std::uint64_t seed, std::uint64_t i) {
 Corners placed(const Mesh& mesh, const Pose& pose, std::size_t triangle) {
     Corners corners;
     for (std::size_t k = 0; k < 3; ++k) {
-        corners[k] = pose.place(mesh.positions[mesh.triangles[triangle][k]]);
+        corners[k] = pose.apply(mesh.positions[mesh.triangles[triangle][k]]);
     }
     return corners;
 }

@@ -20,11 +20,11 @@ struct Search {
     WorldStatistics statistics;
 };
 
-Search search(const MovingMesh& mesh, bool leaves_out_smooth_patches) {
+Search search(const MovingMesh& mesh, bool cull_with_normal_cones) {
     World world = world_of({mesh});
-    Search result{world.contacts({.within_meshes = true,
-                                  .leaves_out_smooth_patches = leaves_out_smooth_patches}),
-                  {}};
+    Search result{
+        world.contacts({.within_meshes = true, .cull_with_normal_cones = cull_with_normal_cones}),
+        {}};
     result.statistics = world.statistics();
     return result;
 }

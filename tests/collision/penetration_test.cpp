@@ -28,14 +28,14 @@ TEST(Penetration, MoveTakesTheTrianglesApartAndLessAlongItDoesNot) {
             a[k] = test::random_point(50, 3 * i + k);
             b[k] = test::random_point(51, 3 * i + k);
         }
-        if (!meet(a, b)) {
+        if (!intersect(a, b)) {
             continue;
         }
         ++meeting;
         const auto found = depth(a, b);
         ASSERT_TRUE(found);
         EXPECT_NEAR(glm::length(found->move), found->depth, 1e-15);
-        EXPECT_FALSE(meet(moved(a, (1.0 + 1e-6) * found->move), b)) << i;
+        EXPECT_FALSE(intersect(moved(a, (1.0 + 1e-6) * found->move), b)) << i;
         // The plane that ends up between them has no smaller move.
         const Vec3 direction = found->move / found->depth;
         const auto height = [&](const Corners& t, auto pick) {

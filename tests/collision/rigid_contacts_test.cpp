@@ -50,8 +50,7 @@ TEST(FirstContact, OfADoorIsAtTheAngleItSeems) {
             const std::vector<MovingBody> short_way{{leaf.view(), opening(angle - 0.05)},
                                                     {obstacle.view()}};
             EXPECT_FALSE(first_contact(short_way, {.tolerance = tolerance}));
-            EXPECT_TRUE(
-                first_contact(short_way, {.least_separation = 0.08, .tolerance = tolerance}));
+            EXPECT_TRUE(first_contact(short_way, {.min_separation = 0.08, .tolerance = tolerance}));
         }
     }
 }
@@ -100,7 +99,7 @@ TEST(FirstContact, RefusesWhatCannotBe) {
     const std::vector<MovingBody> bodies{{leaf.view(), opening(1.0)}};
     EXPECT_THROW(first_contact(bodies, {.tolerance = 0.0}), Error);
     EXPECT_THROW(first_contact(bodies, {.tolerance = NAN}), Error);
-    EXPECT_THROW(first_contact(bodies, {.least_separation = -1.0}), Error);
+    EXPECT_THROW(first_contact(bodies, {.min_separation = -1.0}), Error);
     EXPECT_THROW(first_contact(bodies, {.tolerance = 1e-30}), Error);
 }
 

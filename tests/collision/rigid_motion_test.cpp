@@ -36,15 +36,15 @@ void expect_same(const Pose& is, const Pose& should_be, double error) {
 }
 
 Pose after(const Pose& first, const Pose& then) {
-    return {then.rotation * first.rotation, then.place(first.translation)};
+    return {then.rotation * first.rotation, then.apply(first.translation)};
 }
 
 TEST(Screw, TurnsRightHandedAndSlides) {
     const Screw quarter{
         .point = {1.0, 0.0, 0.0}, .axis = {0.0, 0.0, 1.0}, .angle = math::kPi / 2.0, .slide = 3.0};
-    const Vec3 moved = quarter.at(1.0).place({2.0, 0.0, 0.0});
+    const Vec3 moved = quarter.at(1.0).apply({2.0, 0.0, 0.0});
     EXPECT_LE(glm::length(moved - Vec3(1.0, 1.0, 3.0)), 1e-15);
-    const Vec3 halfway = quarter.at(0.5).place({2.0, 0.0, 0.0});
+    const Vec3 halfway = quarter.at(0.5).apply({2.0, 0.0, 0.0});
     EXPECT_LE(glm::length(halfway - Vec3(1.0 + std::sqrt(0.5), std::sqrt(0.5), 1.5)), 1e-15);
 }
 
@@ -90,7 +90,7 @@ TEST(RigidMotion, ChordsStayWithinTheTolerance) {
         }
         const std::vector<Vec3> points{somewhere(dice, 1.0), somewhere(dice, 1.0)};
         const double tolerance = dice.between(1e-3, 0.1);
-        const double steps = straight_steps(motion.acceleration_bound(points), tolerance);
+        const double steps = linear_step_count(motion.acceleration_bound(points), tolerance);
         for (double step = 0.0; step < std::min(steps, 50.0); step += 1.0) {
             const Pose begin = motion.at(step / steps);
             const Pose end = motion.at((step + 1.0) / steps);
@@ -98,8 +98,8 @@ TEST(RigidMotion, ChordsStayWithinTheTolerance) {
                 const Pose true_pose = motion.at((step + within) / steps);
                 for (const Vec3& point : points) {
                     const Vec3 chord =
-                        (1.0 - within) * begin.place(point) + within * end.place(point);
-                    const double error = glm::length(chord - true_pose.place(point));
+                        (1.0 - within) * begin.apply(point) + within * end.apply(point);
+                    const double error = glm::length(chord - true_pose.apply(point));
                     EXPECT_LE(error, tolerance);
                     tightest = std::max(tightest, error / tolerance);
                 }
@@ -114,11 +114,11 @@ TEST(RigidMotion, StraightMotionIsOneStep) {
     const RigidMotion slide{.screws = {{.slide = 5.0}, {.axis = {1.0, 0.0, 0.0}, .slide = 2.0}}};
     const std::vector<Vec3> points{{1.0, 2.0, 3.0}};
     EXPECT_EQ(slide.acceleration_bound(points), 0.0);
-    EXPECT_EQ(straight_steps(0.0, 1e-9), 1.0);
+    EXPECT_EQ(linear_step_count(0.0, 1e-9), 1.0);
     EXPECT_EQ(RigidMotion{}.acceleration_bound(points), 0.0);
     expect_same(slide.at(0.5), {.translation = {1.0, 2.5, 0.0}}, 0.0);
     // A whole turn of radius 1 with a sagitta of 1 mm: 1 - cos(pi / n) <= 0.001.
-    EXPECT_EQ(straight_steps(4.0 * math::kPi * math::kPi, 1e-3), 71.0);
+    EXPECT_EQ(linear_step_count(4.0 * math::kPi * math::kPi, 1e-3), 71.0);
 }
 
 }  // namespace

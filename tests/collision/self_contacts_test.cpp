@@ -39,7 +39,7 @@ TEST(SelfContacts, AreAllPairsThatMeetAmongThoseWithoutCommonVertices) {
         for (geometry::TriangleId i = 0; i < mesh.triangles.size(); ++i) {
             for (geometry::TriangleId k = i + 1; k < mesh.triangles.size(); ++k) {
                 if (!share_a_vertex(mesh.triangles[i], mesh.triangles[k]) &&
-                    meet(corners(i), corners(k))) {
+                    intersect(corners(i), corners(k))) {
                     expected.push_back({i, k});
                 }
             }

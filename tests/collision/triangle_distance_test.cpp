@@ -25,7 +25,7 @@ void expect_true_distance(const Corners& a, const Corners& b) {
     const TriangleDistance found = distance(a, b);
     const auto expected = static_cast<double>(test::feature_distance(a, b));
     const double tolerance = 0x1p-44 * (expected + longest_edge(a, b));
-    if (meet(a, b)) {
+    if (intersect(a, b)) {
         EXPECT_EQ(found.distance, 0.0);
     } else {
         EXPECT_GT(found.distance, 0.0);

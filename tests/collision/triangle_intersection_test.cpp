@@ -32,10 +32,10 @@ TEST(Meet, IsExactForHardPairs) {
         const test::WholePair pair = test::hard_pair(1, i);
         const bool expected = test::meet_exactly(pair.one, pair.other);
         const auto [a, b] = pair.scaled(static_cast<int>(random_bits(2, 0, i) % 81) - 60);
-        ASSERT_EQ(meet(a, b), expected) << "pair " << i;
-        ASSERT_EQ(meet(b, a), expected) << "pair " << i;
-        ASSERT_EQ(meet(turned(a), reversed(b)), expected) << "pair " << i;
-        ASSERT_EQ(meet(reversed(a), turned(b)), expected) << "pair " << i;
+        ASSERT_EQ(intersect(a, b), expected) << "pair " << i;
+        ASSERT_EQ(intersect(b, a), expected) << "pair " << i;
+        ASSERT_EQ(intersect(turned(a), reversed(b)), expected) << "pair " << i;
+        ASSERT_EQ(intersect(reversed(a), turned(b)), expected) << "pair " << i;
         meeting += expected ? 1 : 0;
     }
     EXPECT_GT(meeting, 800);
@@ -44,11 +44,11 @@ TEST(Meet, IsExactForHardPairs) {
 
 TEST(Meet, SeesTheLastBit) {
     const Corners floor{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    EXPECT_TRUE(meet(floor, {Vec3{0.25, 0.25, 0}, {0, 0, 1}, {1, 0, 1}}));
-    EXPECT_FALSE(meet(floor, {Vec3{0.25, 0.25, 1e-80}, {0, 0, 1}, {1, 0, 1}}));
-    EXPECT_TRUE(meet(floor, {Vec3{0.5, 0.5, -1}, {0.5, 0.5, 1}, {1, 1, 0}}));
+    EXPECT_TRUE(intersect(floor, {Vec3{0.25, 0.25, 0}, {0, 0, 1}, {1, 0, 1}}));
+    EXPECT_FALSE(intersect(floor, {Vec3{0.25, 0.25, 1e-80}, {0, 0, 1}, {1, 0, 1}}));
+    EXPECT_TRUE(intersect(floor, {Vec3{0.5, 0.5, -1}, {0.5, 0.5, 1}, {1, 1, 0}}));
     const double beyond = std::nextafter(0.5, 1.0);
-    EXPECT_FALSE(meet(floor, {Vec3{0.5, beyond, -1}, {0.5, beyond, 1}, {1, 1, 0}}));
+    EXPECT_FALSE(intersect(floor, {Vec3{0.5, beyond, -1}, {0.5, beyond, 1}, {1, 1, 0}}));
 }
 
 /// Where the border of one passes through the inside of the other, in extended precision.
@@ -106,7 +106,7 @@ TEST(Intersection, IsThereExactlyWhereTrianglesMeet) {
     for (std::uint64_t i = 0; i < 4000; ++i) {
         const auto [a, b] = test::hard_pair(5, i).scaled(-10);
         const auto found = intersection(a, b);
-        ASSERT_EQ(found.has_value(), meet(a, b)) << "pair " << i;
+        ASSERT_EQ(found.has_value(), intersect(a, b)) << "pair " << i;
         if (!found) {
             continue;
         }

@@ -68,11 +68,11 @@ TEST(TriangleLanes, DecideAllButFewRandomPairsWhereTheyStand) {
             for (std::size_t k = 0; k < 3; ++k) {
                 a[k] = point(next++);
                 b[k] = point(next++);
-                placed_a[k] = one.place(a[k]);
-                placed_b[k] = other.place(b[k]);
+                placed_a[k] = one.apply(a[k]);
+                placed_b[k] = other.apply(b[k]);
             }
             lanes.set(lane, a, b);
-            expected.push_back(meet(placed_a, placed_b));
+            expected.push_back(intersect(placed_a, placed_b));
         }
         const LanesDecided decided = decide_lanes(lanes, one, other);
         for (std::size_t lane = 0; lane < kWidth; ++lane) {

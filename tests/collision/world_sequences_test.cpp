@@ -23,9 +23,9 @@ std::set<Found> found(const std::vector<Contact>& contacts) {
 /// With all that saves work, and with each of it turned off; one of them lives through all steps.
 struct Variants {
     Variants() {
-        options[1].keeps_front = false;
-        options[2].leaves_out_smooth_patches = false;
-        options[3].assigns_elements = false;
+        options[1].track_front = false;
+        options[2].cull_with_normal_cones = false;
+        options[3].assign_representatives = false;
         for (ContactOptions& option : options) {
             option.within_meshes = true;
         }

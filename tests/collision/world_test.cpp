@@ -170,7 +170,7 @@ TEST(World, SaysWhenAndWhereAndFromWhere) {
     EXPECT_FALSE(world.first_contact({.between_meshes = false, .within_meshes = true}));
     EXPECT_FALSE(
         world.first_contact({.filter = [](std::uint32_t, std::uint32_t) { return false; }}));
-    const auto near = world.first_contact({.least_separation = 0.15, .tolerance = 1e-3});
+    const auto near = world.first_contact({.min_separation = 0.15, .tolerance = 1e-3});
     ASSERT_TRUE(near);
     EXPECT_LE(near->toi, 0.85 / 1.5);
     EXPECT_GT(near->toi, 0.8 / 1.5);

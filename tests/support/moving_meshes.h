@@ -63,7 +63,7 @@ inline std::set<Found> brute_force(const std::vector<MovingMesh>& meshes,
                 points.end[n++] = meshes[x->mesh].end[x->vertices[i]];
             }
         }
-        return a.size == 1 ? vertex_face_time(points) : edge_edge_time(points);
+        return a.size == 1 ? vertex_face_ccd(points) : edge_edge_ccd(points);
     };
     std::set<Found> result;
     for (const Element& vertex : vertices) {

@@ -70,9 +70,9 @@ TEST(ClothBall, ContactsAreThoseOfAllPairsOfElements) {
         std::set<Found> contacts;
         for (const Contact& contact : world.contacts({.between_meshes = false,
                                       .within_meshes = true,
-                                      .keeps_front = turned_off != 1,
-                                      .leaves_out_smooth_patches = turned_off != 2,
-                                      .assigns_elements = turned_off != 3})) {
+                                      .track_front = turned_off != 1,
+                                      .cull_with_normal_cones = turned_off != 2,
+                                      .assign_representatives = turned_off != 3})) {
             EXPECT_TRUE(contacts.insert(found(contact)).second);
         }
         EXPECT_EQ(contacts, expected) << turned_off;

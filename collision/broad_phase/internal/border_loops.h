@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/broad_phase/internal/swept_bvh.h"
+#include "earshot/collision/internal/moving_scene.h"
 
 #include <vector>
 

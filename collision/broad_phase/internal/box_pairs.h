@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/narrow_phase/internal/leaf_pairs.h"
 #include "earshot/collision/broad_phase/internal/relative_pose.h"
+#include "earshot/collision/narrow_phase/internal/leaf_pairs.h"
 
 #include <cstdint>
 #include <vector>

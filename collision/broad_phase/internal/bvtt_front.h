@@ -49,7 +49,7 @@ private:
 void divide(const bvh::Tree& tree, NodePair pair, std::vector<NodePair>& into);
 
 /// Searches one part of a tree against itself. `Rules` has
-///   bool is_wanted(mesh, mesh)         whether anything of two meshes is looked at,
+///   bool accepts(mesh, mesh)         whether anything of two meshes is looked at,
 ///   bool is_free_of_contact(node)      whether all triangles below a node are known not to touch
 ///                                      each other,
 ///   bool are_leaves_apart(node, node)  whether nothing of two leaves is known to touch,
@@ -66,13 +66,13 @@ public:
         const auto [a, b] = pair;
         ++tests_;
         // Boxes first: nothing but the nodes is looked at for most pairs.
-        if (a != b && !meet(nodes_[a].box, nodes_[b].box)) {
+        if (a != b && !intersect(nodes_[a].box, nodes_[b].box)) {
             return true;
         }
         const std::uint32_t mesh_a = forest_.mesh_of_node(a);
         const std::uint32_t mesh_b = forest_.mesh_of_node(b);
         if (mesh_a != SweptForest::kManyMeshes && mesh_b != SweptForest::kManyMeshes &&
-            !rules_.is_wanted(mesh_a, mesh_b)) {
+            !rules_.accepts(mesh_a, mesh_b)) {
             return true;
         }
         return a == b && rules_.is_free_of_contact(a);
@@ -122,14 +122,14 @@ private:
             for (std::uint32_t k = pair.first == pair.second ? i + 1 : right.begin; k < right.end;
                  ++k) {
                 ++tests_;
-                if (meet(forest_.box(i), forest_.box(k))) {
+                if (intersect(forest_.box(i), forest_.box(k))) {
                     rules_.test(i, k);
                 }
             }
         }
     }
 
-    static bool meet(const geometry::Aabb& a, const geometry::Aabb& b) noexcept {
+    static bool intersect(const geometry::Aabb& a, const geometry::Aabb& b) noexcept {
         return (a.lower[0] <= b.upper[0]) & (b.lower[0] <= a.upper[0]) &
                (a.lower[1] <= b.upper[1]) & (b.lower[1] <= a.upper[1]) &
                (a.lower[2] <= b.upper[2]) & (b.lower[2] <= a.upper[2]);

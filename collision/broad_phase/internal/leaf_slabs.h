@@ -2,8 +2,8 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/broad_phase/internal/swept_bvh.h"
+#include "earshot/collision/internal/moving_scene.h"
 
 #include <array>
 #include <cstddef>

@@ -14,7 +14,7 @@ struct GuestFrame {
     float padding;
 };
 
-/// Throws Error if a pose turns by no rotation or is beyond Shape::kReachLimit.
+/// Throws Error if a pose turns by no rotation or is beyond Shape::kMaxCoordinate.
 void require_rigid(const Pose& pose);
 
 /// Two bodies' spaces as seen from each other.

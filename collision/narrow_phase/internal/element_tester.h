@@ -2,9 +2,9 @@
 #pragma once
 
 #include "earshot/collision/broad_phase/internal/leaf_slabs.h"
-#include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/broad_phase/internal/normal_cones.h"
 #include "earshot/collision/broad_phase/internal/swept_bvh.h"
+#include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/narrow_phase/min_separation.h"
 #include "earshot/collision/world.h"
 
@@ -31,8 +31,8 @@ public:
           own_(own),
           options_(options) {}
 
-    bool is_wanted(std::uint32_t mesh_a, std::uint32_t mesh_b) const {
-        return options_.is_wanted(mesh_a, mesh_b);
+    bool accepts(std::uint32_t mesh_a, std::uint32_t mesh_b) const {
+        return options_.accepts(mesh_a, mesh_b);
     }
     bool is_free_of_contact(std::uint32_t node) const {
         return patches_ != nullptr && patches_->is_free_of_contact(scene_, forest_, node);
@@ -54,8 +54,8 @@ private:
     std::uint32_t mesh_of(std::uint32_t triangle) const noexcept {
         return scene_.mesh_of_triangle[triangle];
     }
-    SeparationOptions separation() const {
-        return {.least_separation = options_.least_separation, .tolerance = options_.tolerance};
+    MinSeparationOptions separation() const {
+        return {.min_separation = options_.min_separation, .tolerance = options_.tolerance};
     }
 
     const MovingScene& scene_;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/narrow_phase/internal/exact_polynomial.h"
 #include "earshot/collision/narrow_phase/ccd.h"
+#include "earshot/collision/narrow_phase/internal/exact_polynomial.h"
 
 #include <array>
 #include <optional>
@@ -17,8 +17,8 @@ struct IntegerPoints {
 /// Exactly the points of doubles.
 IntegerPoints integers_of(const MovingPoints& points);
 
-/// As vertex_face_time() and edge_edge_time(), by integers of any size alone.
-std::optional<double> exact_vertex_face_time(const IntegerPoints& points);
-std::optional<double> exact_edge_edge_time(const IntegerPoints& points);
+/// As vertex_face_ccd() and edge_edge_ccd(), by integers of any size alone.
+std::optional<double> exact_vertex_face_ccd(const IntegerPoints& points);
+std::optional<double> exact_edge_edge_ccd(const IntegerPoints& points);
 
 }  // namespace earshot::collision

@@ -20,9 +20,9 @@ namespace earshot::collision {
 inline Corners corners_of(const Body& body, geometry::TriangleId id) noexcept {
     const geometry::MeshView& mesh = body.shape.mesh();
     const geometry::Triangle& triangle = mesh.triangles[id];
-    return {body.pose.place(mesh.positions[triangle[0]]),
-            body.pose.place(mesh.positions[triangle[1]]),
-            body.pose.place(mesh.positions[triangle[2]])};
+    return {body.pose.apply(mesh.positions[triangle[0]]),
+            body.pose.apply(mesh.positions[triangle[1]]),
+            body.pose.apply(mesh.positions[triangle[2]])};
 }
 
 /// The corners of the leaf that was asked for last: searches ask for one several times on end.
@@ -43,7 +43,7 @@ public:
         if (leaf != leaf_) {
             leaf_ = leaf;
             for (std::size_t i = 0; i < 3; ++i) {
-                placed_[i] = pose_.place(corners_[leaf][i]);
+                placed_[i] = pose_.apply(corners_[leaf][i]);
             }
         }
         return placed_;

@@ -8,9 +8,9 @@ namespace earshot::collision {
 
 /// Whether two triangles of one mesh meet in more than what they share, as find_self_contacts()
 /// defines it. Exact.
-bool meet_beyond_shared(const geometry::Triangle& one_ids,
-                        const Corners& one,
-                        const geometry::Triangle& other_ids,
-                        const Corners& other) noexcept;
+bool intersect_beyond_shared_features(const geometry::Triangle& one_ids,
+                                      const Corners& one,
+                                      const geometry::Triangle& other_ids,
+                                      const Corners& other) noexcept;
 
 }  // namespace earshot::collision

@@ -26,15 +26,15 @@ struct TriangleLanes {
     }
 };
 
-/// What is certain of which pairs: bit i stands for lane i. The others are left to meet().
+/// What is certain of which pairs: bit i stands for lane i. The others are left to intersect().
 struct LanesDecided {
     std::uint32_t apart = 0, meeting = 0;
 
     friend bool operator==(const LanesDecided&, const LanesDecided&) = default;
 };
 
-/// Decides with the filters of meet(), in doubles, whether triangles meet where Pose::place() puts
-/// them; compiled for every instruction set. Preconditions as meet().
+/// Decides with the filters of intersect(), in doubles, whether triangles meet where Pose::apply()
+/// puts them; compiled for every instruction set. Preconditions as intersect().
 LanesDecided decide_lanes(const TriangleLanes& pairs, const Pose& one, const Pose& other);
 
 }  // namespace earshot::collision
