@@ -11,7 +11,7 @@ namespace bench {
 
 /// Answers of one kind for every pose.
 struct DiscreteAnswers {
-    std::vector<bool> meets;
+    std::vector<bool> intersects;
     std::vector<double> distances;
     std::vector<std::vector<earshot::collision::TrianglePair>> contacts;  // ascending
 };
@@ -25,7 +25,7 @@ public:
                        const earshot::geometry::MeshView& b) = 0;
     virtual bool intersects(const earshot::collision::Pose& pose) = 0;
     virtual double distance(const earshot::collision::Pose& pose) = 0;
-    /// All pairs of triangles that meet, in any order, and where.
+    /// All pairs of triangles that intersect, in any order, and where.
     virtual std::vector<earshot::collision::TrianglePair> contacts(
         const earshot::collision::Pose& pose) = 0;
 };

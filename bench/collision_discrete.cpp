@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // bench_collision_discrete MESH_A MESH_B [POSES]: two meshes, scaled to a diagonal of 1, at random
-// poses of the second: building, whether they meet, how far apart they are, all contacts. Beside
-// FCL, question by question in turns, where it was there at configure time. One thread.
+// poses of the second: building, whether they intersect, how far apart they are, all contacts.
+// Beside FCL, question by question in turns, where it was there at configure time. One thread.
 
 #include "earshot/base/digest.h"
 #include "earshot/base/error.h"
@@ -107,36 +107,36 @@ struct Times {
         }
         return each.empty() ? 0.0 : sum / static_cast<double>(each.size());
     }
-    double at(double share) const {
+    double at(double quantile) const {
         std::vector<double> sorted = each;
         std::sort(sorted.begin(), sorted.end());
         return sorted.empty() ? 0.0
                               : sorted[static_cast<std::size_t>(
-                                    share * static_cast<double>(sorted.size() - 1))];
+                                    quantile * static_cast<double>(sorted.size() - 1))];
     }
 };
 
 struct Run {
     std::string name;
     std::unique_ptr<DiscreteContender> contender;
-    Times build{}, meets{}, distance{}, contacts{};
+    Times build{}, intersects{}, distance{}, contacts{};
     DiscreteAnswers answers{};
 };
 
 void ask(Run& run, const Pose& pose) {
-    bool meets = false;
+    bool intersects = false;
     double distance = 0.0;
     std::vector<TrianglePair> pairs;
-    run.meets.measure([&] { meets = run.contender->intersects(pose); });
+    run.intersects.measure([&] { intersects = run.contender->intersects(pose); });
     run.distance.measure([&] { distance = run.contender->distance(pose); });
     Times all;
     all.measure([&] { pairs = run.contender->contacts(pose); });
-    if (meets) {
+    if (intersects) {
         run.contacts.each.push_back(all.mean());
     }
     std::sort(pairs.begin(), pairs.end());
-    run.answers.meets.push_back(meets);
-    run.answers.distances.push_back(meets ? 0.0 : distance);
+    run.answers.intersects.push_back(intersects);
+    run.answers.distances.push_back(intersects ? 0.0 : distance);
     run.answers.contacts.push_back(std::move(pairs));
 }
 
@@ -155,18 +155,19 @@ void print(const std::vector<Run>& runs) {
                         (runs.back().*times).mean() / t.mean());
         }
     };
-    std::printf("| us | library | times | mean | median | 99 %% | least | last's mean / mean |\n");
+    std::printf(
+        "| us | library | times | mean | median | 99 %% | minimum | last's mean / mean |\n");
     std::printf("| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     line("build both", &Run::build);
-    line("meet?", &Run::meets);
+    line("intersect?", &Run::intersects);
     line("distance", &Run::distance);
-    line("all contacts, where they meet", &Run::contacts);
+    line("all contacts, where they intersect", &Run::contacts);
 }
 
 void print_digest(const Run& run) {
     earshot::Digest digest;
     std::size_t contacts = 0;
-    for (std::size_t i = 0; i < run.answers.meets.size(); ++i) {
+    for (std::size_t i = 0; i < run.answers.intersects.size(); ++i) {
         digest.add(run.answers.distances[i]);
         for (const TrianglePair& pair : run.answers.contacts[i]) {
             digest.add(pair.a);
@@ -174,20 +175,20 @@ void print_digest(const Run& run) {
             ++contacts;
         }
     }
-    std::printf("%s: %td poses meet, %zu contacts, digest %016llx\n",
+    std::printf("%s: %td poses intersect, %zu contacts, digest %016llx\n",
                 run.name.c_str(),
-                std::count(run.answers.meets.begin(), run.answers.meets.end(), true),
+                std::count(run.answers.intersects.begin(), run.answers.intersects.end(), true),
                 contacts,
                 static_cast<unsigned long long>(digest.value()));
 }
 
 void print_differences(const Run& one, const Run& other) {
-    std::size_t meets = 0;
+    std::size_t intersects = 0;
     std::size_t missing = 0;
     std::size_t more = 0;
     double largest = 0.0;
-    for (std::size_t i = 0; i < one.answers.meets.size(); ++i) {
-        meets += one.answers.meets[i] != other.answers.meets[i] ? 1 : 0;
+    for (std::size_t i = 0; i < one.answers.intersects.size(); ++i) {
+        intersects += one.answers.intersects[i] != other.answers.intersects[i] ? 1 : 0;
         largest =
             std::max(largest, std::abs(one.answers.distances[i] - other.answers.distances[i]));
         std::vector<TrianglePair> only;
@@ -204,7 +205,7 @@ void print_differences(const Run& one, const Run& other) {
         "and has %zu others\n",
         other.name.c_str(),
         one.name.c_str(),
-        meets,
+        intersects,
         largest,
         missing,
         more);

@@ -89,9 +89,8 @@ void measure(const char* name, const std::vector<Part>& parts, Executor& executo
     const std::vector<Variant> variants{
         {"", {.within_meshes = true}},
         {", no front", {.within_meshes = true, .track_front = false}},
-        {", no patches", {.within_meshes = true, .cull_with_normal_cones = false}},
-        {", elements as often as they come",
-         {.within_meshes = true, .assign_representatives = false}},
+        {", no normal cones", {.within_meshes = true, .cull_with_normal_cones = false}},
+        {", no representative triangles", {.within_meshes = true, .assign_representatives = false}},
         {", none of these",
          {.within_meshes = true,
           .track_front = false,
@@ -117,15 +116,15 @@ void measure(const char* name, const std::vector<Part>& parts, Executor& executo
     }
 }
 
-/// The rules of a search that lists the pairs of triangles instead of testing them.
+/// The tester of a traversal that lists the pairs of triangles instead of testing them.
 class PairLister {
 public:
     explicit PairLister(const ElementTester& rules) : rules_(rules) {}
 
     bool accepts(std::uint32_t a, std::uint32_t b) const { return rules_.accepts(a, b); }
-    bool is_free_of_contact(std::uint32_t node) const { return rules_.is_free_of_contact(node); }
-    bool are_leaves_apart(std::uint32_t a, std::uint32_t b) const {
-        return rules_.are_leaves_apart(a, b);
+    bool is_contact_free(std::uint32_t node) const { return rules_.is_contact_free(node); }
+    bool disjoint_leaves(std::uint32_t a, std::uint32_t b) const {
+        return rules_.disjoint_leaves(a, b);
     }
     void test(std::uint32_t slot_a, std::uint32_t slot_b) { pairs.emplace_back(slot_a, slot_b); }
 
@@ -142,13 +141,13 @@ void split(const char* name, const std::vector<Part>& parts) {
     for (const Part& part : parts) {
         scene.add(part.triangles, part.at(0.0).size());
     }
-    const auto own = own_elements(scene.triangles);
+    const auto representatives = representative_features(scene.triangles);
     const ContactOptions options{.within_meshes = true};
     Executor& executor = Executor::serial();
-    SweptForest forest;
-    LeafPlates plates;
-    SmoothPatches patches;
-    PairFront front;
+    SweptBvh swept_bvh;
+    LeafSlabs leaf_slabs;
+    NormalCones normal_cones;
+    BvttFront front;
     std::vector<double> follow, search, test;
     for (int frame = 0; frame < kFrames; ++frame) {
         for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -159,20 +158,20 @@ void split(const char* name, const std::vector<Part>& parts) {
             std::copy(end.begin(), end.end(), scene.end.begin() + first);
         }
         const double start = processor_ms();
-        if (forest.update(scene, options.margin(), executor)) {
+        if (swept_bvh.update(scene, options.margin(), executor)) {
             front.reset();
-            plates.build(scene, forest);
-            patches.build(scene, forest);
+            leaf_slabs.build(scene, swept_bvh);
+            normal_cones.build(scene, swept_bvh);
         }
-        plates.update(scene, forest, options.margin(), executor);
-        patches.update(scene, forest, executor);
+        leaf_slabs.update(scene, swept_bvh, options.margin(), executor);
+        normal_cones.update(scene, swept_bvh, executor);
         const double followed = processor_ms();
-        ElementTester tester(scene, forest, plates, &patches, own, options);
+        ElementTester tester(scene, swept_bvh, leaf_slabs, &normal_cones, representatives, options);
         PairLister lister(tester);
-        PartSearch<PairLister> pairs(forest, lister);
-        front.prepare(forest.tree(), options.track_front, pairs);
-        for (std::size_t part = 0; part < front.parts(); ++part) {
-            pairs.run(front.part(part));
+        SelfTraversal<PairLister> pairs(swept_bvh, lister);
+        front.prepare(swept_bvh.tree(), options.track_front, pairs);
+        for (std::size_t part = 0; part < front.size(); ++part) {
+            pairs.run(front.subfront(part));
         }
         const double searched = processor_ms();
         for (const auto& [a, b] : lister.pairs) {

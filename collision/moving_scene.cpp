@@ -65,7 +65,8 @@ Element MovingScene::element(std::uint32_t mesh, std::span<const VertexId> verti
     return element;
 }
 
-void MovingScene::complete(const std::array<VertexId, 4>& vertices, Contact& contact) const {
+void MovingScene::set_point_and_normal(const std::array<VertexId, 4>& vertices,
+                                       Contact& contact) const {
     std::array<Vec3, 4> x;
     for (std::size_t i = 0; i < 4; ++i) {
         x[i] = begin[vertices[i]] + contact.toi * (end[vertices[i]] - begin[vertices[i]]);
@@ -73,17 +74,17 @@ void MovingScene::complete(const std::array<VertexId, 4>& vertices, Contact& con
     Vec3 from_b;  // to a, at the beginning
     if (contact.kind == ContactKind::vertex_face) {
         contact.point = x[0];
-        contact.normal = unit_or_zero(glm::cross(x[2] - x[1], x[3] - x[1]));
+        contact.normal = normalized_or_zero(glm::cross(x[2] - x[1], x[3] - x[1]));
         from_b = begin[vertices[0]] - begin[vertices[1]];
     } else {
         const Vec3 along = x[1] - x[0];
         const Vec3 normal = glm::cross(along, x[3] - x[2]);
-        contact.normal = unit_or_zero(normal);
+        contact.normal = normalized_or_zero(normal);
         // a + u (b - a) on the plane of the other edge and the normal.
         const double area = glm::dot(normal, normal);
-        const double share =
+        const double parameter =
             area > 0.0 ? glm::dot(glm::cross(x[2] - x[0], x[3] - x[2]), normal) / area : 0.5;
-        contact.point = x[0] + std::clamp(share, 0.0, 1.0) * along;
+        contact.point = x[0] + std::clamp(parameter, 0.0, 1.0) * along;
         from_b = begin[vertices[0]] - begin[vertices[2]];
     }
     if (glm::dot(contact.normal, from_b) < 0.0) {
@@ -91,7 +92,7 @@ void MovingScene::complete(const std::array<VertexId, 4>& vertices, Contact& con
     }
 }
 
-Vec3 unit_or_zero(const Vec3& v) {
+Vec3 normalized_or_zero(const Vec3& v) {
     const double length = glm::length(v);
     return length > 0.0 && std::isfinite(length) ? v / length : Vec3(0.0);
 }

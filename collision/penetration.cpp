@@ -14,8 +14,8 @@ using geometry::Vec3;
 
 namespace {
 
-/// How far the moved triangle must go along the other's normal to lie on one side of it; `face` is
-/// the one that stays. Empty without an area.
+/// The shortest translation of `moved` along the normal of `face` to one side of its plane. Empty
+/// if `face` has no area.
 std::optional<PairDepth> depth_in(const Corners& face, const Corners& moved) noexcept {
     const Vec3 normal = glm::cross(face[1] - face[0], face[2] - face[0]);
     const double length = glm::length(normal);

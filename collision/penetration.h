@@ -9,19 +9,19 @@
 
 namespace earshot::collision {
 
-/// How far two triangles that meet reach through each other.
+/// Penetration depth of two triangles that intersect.
 struct PairDepth {
-    /// Metres: the least move along the normal of either triangle, to either side, after which they
-    /// only touch, within 2^-44 of the longest edge. 0 for triangles that touch or lie in one
-    /// plane.
+    /// Metres: the shortest translation along the normal of either triangle, to either side, after
+    /// which they only touch, within 2^-44 of the longest edge. 0 for triangles that touch or are
+    /// coplanar.
     double depth = 0.0;
     geometry::Vec3 move{0.0};  ///< of the first triangle, of that length, metres
 };
 
-/// Empty if neither triangle has an area. Precondition: they meet.
+/// Empty if neither triangle has an area. Precondition: they intersect.
 std::optional<PairDepth> depth(const Corners& one, const Corners& other) noexcept;
 
-/// Where two meshes reach farthest through each other.
+/// The pair of triangles with the largest penetration depth.
 struct Penetration {
     TrianglePair triangles{};
     PairDepth depth{};
@@ -31,7 +31,7 @@ struct Penetration {
 /// The deepest of the pairs; of equally deep ones the first. It tells where meshes meet and how
 /// badly, and its move takes these two triangles apart: it is not the move that parts the meshes,
 /// for which the surfaces alone do not tell what is inside. Empty if there is no pair in which a
-/// triangle has an area. Precondition: all pairs meet, as those of find_contacts() do.
+/// triangle has an area. Precondition: all pairs intersect, as those of find_contacts() do.
 std::optional<Penetration> deepest_penetration(const Body& a,
                                                const Body& b,
                                                std::span<const TrianglePair> contacts);

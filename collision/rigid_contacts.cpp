@@ -15,7 +15,7 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr double kMostSteps = 0x1p24;
+constexpr double kMaxSteps = 0x1p24;
 
 void check(const RigidContactOptions& options) {
     if (!(options.tolerance > 0.0) || !std::isfinite(options.tolerance)) {
@@ -32,28 +32,28 @@ double steps_of(std::span<const MovingBody> bodies, double tolerance) {
         const double bound = body.motion.acceleration_bound(body.mesh.positions);
         steps = std::max(steps, linear_step_count(bound, tolerance));
     }
-    if (!(steps <= kMostSteps)) {
+    if (!(steps <= kMaxSteps)) {
         throw Error("motion",
-                    "more than 2^24 straight steps were needed",
+                    "more than 2^24 linear steps were needed",
                     "allow a larger tolerance, or cut the motion");
     }
     return steps;
 }
 
-/// All vertices of the bodies at a time.
-std::vector<std::vector<Vec3>> place(std::span<const MovingBody> bodies, double time) {
-    std::vector<std::vector<Vec3>> placed;
+/// World positions of all bodies' vertices at a time.
+std::vector<std::vector<Vec3>> positions_at(std::span<const MovingBody> bodies, double time) {
+    std::vector<std::vector<Vec3>> positions_of_bodies;
     for (const MovingBody& body : bodies) {
         const Pose pose = body.motion.at(time);
-        std::vector<Vec3>& positions = placed.emplace_back();
+        std::vector<Vec3>& positions = positions_of_bodies.emplace_back();
         for (const Vec3& position : body.mesh.positions) {
             positions.push_back(pose.apply(position));
         }
     }
-    return placed;
+    return positions_of_bodies;
 }
 
-/// The time in the whole motion, not rounded up.
+/// The time within the whole motion, rounded down.
 double time_within(double step, double toi, double steps) {
     return (step + toi) / steps * (1.0 - 0x1p-50);
 }
@@ -64,8 +64,8 @@ std::optional<Contact> first_contact(std::span<const MovingBody> bodies,
                                      const RigidContactOptions& options,
                                      Executor& executor) {
     check(options);
-    // Both bodies of a pair stray, by an eighth of the tolerance each with what rounding adds; the
-    // search for when they come near has its own tolerance, twice.
+    // Both bodies of a pair deviate from their chords, each by an eighth of the tolerance with
+    // rounding; the minimum-separation search adds its own tolerance twice.
     const double steps = steps_of(bodies, options.tolerance / 9.0);
     const bool is_exact = options.min_separation == 0.0 &&
                           std::all_of(bodies.begin(), bodies.end(), [](const MovingBody& body) {
@@ -84,13 +84,13 @@ std::optional<Contact> first_contact(std::span<const MovingBody> bodies,
     for (const MovingBody& body : bodies) {
         world.add_mesh(body.mesh.triangles, body.mesh.positions.size());
     }
-    std::vector<std::vector<Vec3>> begin = place(bodies, 0.0);
+    std::vector<std::vector<Vec3>> begin = positions_at(bodies, 0.0);
     for (double step = 0.0; step < steps; step += 1.0) {
-        std::vector<std::vector<Vec3>> end = place(bodies, (step + 1.0) / steps);
+        std::vector<std::vector<Vec3>> end = positions_at(bodies, (step + 1.0) / steps);
         for (std::uint32_t body = 0; body < bodies.size(); ++body) {
             world.update(body, begin[body], end[body]);
         }
-        // What reaches through each other without touching elements does so from the beginning.
+        // Bodies that intersect without elementary contacts do so from the beginning.
         if (step == 0.0) {
             const std::vector<Contact> contacts = world.contacts_at_begin(each, executor);
             if (!contacts.empty()) {

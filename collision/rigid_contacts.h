@@ -13,25 +13,26 @@
 
 namespace earshot::collision {
 
-/// A mesh and how it moves. Its arrays stay where they are while it is asked about.
+/// A mesh and its rigid motion. The arrays of the view outlive the query.
 struct MovingBody {
     geometry::MeshView mesh;
     RigidMotion motion{};
 };
 
 struct RigidContactOptions {
-    /// Bodies that come as near as this along every axis are in contact, metres.
+    /// Bodies this close along every axis are in contact, metres.
     double min_separation = 0.0;
-    /// How many metres more a contact may be apart along an axis; > 0. The fewer, the more steps.
+    /// How much farther apart along an axis a contact may be, metres, > 0. The smaller, the more
+    /// steps.
     double tolerance = 1e-3;
-    /// Which pairs of bodies (a < b) are looked at; empty: all of which one moves.
+    /// Which pairs of bodies (a < b) are tested; empty: all of which at least one moves.
     std::function<bool(std::uint32_t a, std::uint32_t b)> filter{};
 };
 
 /// The first contact of bodies that move rigidly, or none; toi is within the whole motion. Motions
-/// are cut into equal straight steps of World, whose chords stray by a share of the tolerance, by
-/// which the separation is widened: no contact is missed, and none is late. Bodies that meet at the
-/// beginning are in contact at 0, by two faces of them. The same for any executor.
+/// are split into equal linear steps of World, whose chords deviate by a fraction of the tolerance,
+/// and the separation is widened by it: no contact is missed, and none is late. Bodies that
+/// intersect at the beginning are in contact at 0, by two faces of them. The same for any executor.
 ///
 /// Throws Error if the tolerance is not positive, the separation is negative, or more than 2^24
 /// steps were needed, and what World::update() and find_contacts() throw. Preconditions: those of

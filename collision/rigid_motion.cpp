@@ -17,7 +17,7 @@ using geometry::Vec3;
 namespace {
 
 /// Rodrigues' formula.
-glm::dmat3 turn(const Vec3& axis, double angle) noexcept {
+glm::dmat3 rotation_about(const Vec3& axis, double angle) noexcept {
     const double s = math::sin(angle);
     const double half = math::sin(0.5 * angle);
     const double c1 = 2.0 * half * half;  // 1 - cos
@@ -26,8 +26,8 @@ glm::dmat3 turn(const Vec3& axis, double angle) noexcept {
     return glm::dmat3(1.0) + s * cross + c1 * (cross * cross);
 }
 
-/// The axis of a turn as the longest column of the quaternion products' matrix: one that does not
-/// vanish near half a turn, as the antisymmetric part does.
+/// The axis of a rotation. Close to half a turn, where the antisymmetric part vanishes, it is the
+/// longest column of the symmetric part.
 Vec3 axis_of(const glm::dmat3& r, const Vec3& twice_sine) {
     const double cosine = 0.5 * (r[0][0] + r[1][1] + r[2][2] - 1.0);
     if (cosine > -0.5) {
@@ -56,7 +56,7 @@ Screw Screw::between(const Pose& from, const Pose& to) {
     const Vec3 twice_sine(r[1][2] - r[2][1], r[2][0] - r[0][2], r[0][1] - r[1][0]);
     const double cosine = 0.5 * (r[0][0] + r[1][1] + r[2][2] - 1.0);
     const double angle = math::atan2(0.5 * glm::length(twice_sine), cosine);
-    // The axis of a smaller turn lies too far away to be told.
+    // The axis of a smaller rotation is too far away to be determined.
     if (!(angle > 1e-9)) {
         const double length = glm::length(shift);
         return {.axis = length > 0.0 ? shift / length : Vec3(0.0, 1.0, 0.0), .slide = length};
@@ -71,7 +71,7 @@ Screw Screw::between(const Pose& from, const Pose& to) {
 }
 
 Pose Screw::at(double time) const noexcept {
-    const glm::dmat3 rotation = turn(axis, time * angle);
+    const glm::dmat3 rotation = rotation_about(axis, time * angle);
     return {rotation, point - rotation * point + (time * slide) * axis};
 }
 

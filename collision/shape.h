@@ -15,9 +15,9 @@
 
 namespace earshot::collision {
 
-/// Up to eight boxes side by side, so that a box meets them in one step. They are stored as centre
-/// and half sides, which is what tests between turned boxes work with. What is in a box also lies
-/// in a slab, whose normal is the mean of the triangles': of a patch of surface it is thin.
+/// Up to eight child boxes in SIMD lanes, as centre and half sides for separating-axis tests. The
+/// triangles of a box also lie in a slab whose normal is their mean normal: around a piece of
+/// surface it is thin.
 struct alignas(64) BoxNode {
     static constexpr std::size_t kWidth = 8;
 
@@ -34,8 +34,8 @@ static_assert(sizeof(BoxNode) == 448);
 
 inline constexpr std::uint32_t kTriangleFlag = 0x80000000U;
 
-/// A mesh prepared for collision queries: a hierarchy of eight-wide nodes whose leaves are single
-/// triangles, numbered so that those of a node lie together. It keeps a view of the mesh.
+/// A mesh prepared for collision queries: an eight-wide BVH whose leaves are single triangles,
+/// numbered in the order of the nodes. It keeps a view of the mesh.
 class Shape {
 public:
     Shape() = default;
@@ -65,7 +65,7 @@ public:
     /// The largest absolute coordinate of a triangle, rounded up; 0 without triangles.
     double max_abs_coordinate() const noexcept { return max_abs_coordinate_; }
 
-    /// Metres. Squares of what lies within are finite in single precision.
+    /// Metres. Squares of smaller coordinates are finite in single precision.
     static constexpr double kMaxCoordinate = 0x1p60;
 
 private:
@@ -80,13 +80,13 @@ private:
     double max_abs_coordinate_ = 0.0;
 };
 
-/// Where a mesh stands: a point p of it at rotation * p + translation.
+/// A rigid pose: a point p of a mesh is at rotation * p + translation.
 struct Pose {
     glm::dmat3 rotation{1.0};
     geometry::Vec3 translation{0.0};
 
-    /// Rounded to doubles; with the default pose p itself. What is asked about meshes in a pose is
-    /// asked, exactly, about vertices at these points.
+    /// The transformed point, rounded to doubles; p itself with the default pose. Queries about
+    /// meshes in a pose are, exactly, queries about vertices at these points.
     geometry::Vec3 apply(const geometry::Vec3& p) const noexcept {
         geometry::Vec3 placed;
         for (int k = 0; k < 3; ++k) {

@@ -30,46 +30,47 @@ enum class ShapeAge : std::uint8_t { none, outdated, current };
 struct World::State {
     MovingScene scene;
     bvh::Builder builder = bvh::Builder::binned_sah;
-    SweptForest forest;
-    LeafPlates plates;
-    SmoothPatches patches;
-    bool has_patches = false;  // of this tree
-    PairFront front;
-    std::vector<std::uint8_t> own, all;  // see elements.h
-    std::vector<Shape> shapes;           // of the meshes at the beginning, where asked for
+    SweptBvh swept_bvh;
+    LeafSlabs leaf_slabs;
+    NormalCones normal_cones;
+    bool has_normal_cones = false;  // whether they were built for the present tree
+    BvttFront front;
+    std::vector<std::uint8_t> representatives, all;  // see representatives.h
+    std::vector<Shape> shapes;  // BVHs of meshes at the beginning of the step, built on demand
     std::vector<ShapeAge> shape_ages;
     WorldStatistics statistics;
 
     void follow(const ContactOptions& options, Executor& executor);
-    const SmoothPatches* patches_for(const ContactOptions& options, Executor& executor);
+    const NormalCones* normal_cones_for(const ContactOptions& options, Executor& executor);
     const Shape& shape_at_begin(std::uint32_t mesh, Executor& executor);
     Contact contact_at_begin(std::uint32_t mesh_a, std::uint32_t mesh_b, TrianglePair pair) const;
 };
 
 void World::State::follow(const ContactOptions& options, Executor& executor) {
-    if (own.size() != scene.triangles.size()) {
-        own = own_elements(scene.triangles);
-        all = all_elements(scene.triangles);
+    if (representatives.size() != scene.triangles.size()) {
+        representatives = representative_features(scene.triangles);
+        all = all_features(scene.triangles);
     }
-    if (forest.update(scene, options.margin(), executor)) {
+    if (swept_bvh.update(scene, options.margin(), executor)) {
         front.reset();
-        has_patches = false;
-        plates.build(scene, forest);
+        has_normal_cones = false;
+        leaf_slabs.build(scene, swept_bvh);
     }
-    plates.update(scene, forest, options.margin(), executor);
+    leaf_slabs.update(scene, swept_bvh, options.margin(), executor);
 }
 
-const SmoothPatches* World::State::patches_for(const ContactOptions& options, Executor& executor) {
-    // What is free of contact may still come near.
+const NormalCones* World::State::normal_cones_for(const ContactOptions& options,
+                                                  Executor& executor) {
+    // A node without self-contact may still hold elements closer than the separation.
     if (!options.within_meshes || !options.cull_with_normal_cones || options.min_separation > 0.0) {
         return nullptr;
     }
-    if (!has_patches) {
-        patches.build(scene, forest);
-        has_patches = true;
+    if (!has_normal_cones) {
+        normal_cones.build(scene, swept_bvh);
+        has_normal_cones = true;
     }
-    patches.update(scene, forest, executor);
-    return &patches;
+    normal_cones.update(scene, swept_bvh, executor);
+    return &normal_cones;
 }
 
 const Shape& World::State::shape_at_begin(std::uint32_t mesh, Executor& executor) {
@@ -97,7 +98,7 @@ Contact World::State::contact_at_begin(std::uint32_t mesh_a,
     if (const auto segment = intersection(one, other)) {
         contact.point = 0.5 * (segment->from + segment->to);
     }
-    contact.normal = unit_or_zero(glm::cross(other[1] - other[0], other[2] - other[0]));
+    contact.normal = normalized_or_zero(glm::cross(other[1] - other[0], other[2] - other[0]));
     if (glm::dot(contact.normal, (one[0] + one[1] + one[2]) / 3.0 - other[0]) < 0.0) {
         contact.normal = -contact.normal;
     }
@@ -112,7 +113,7 @@ WorldStatistics& WorldStatistics::operator+=(const WorldStatistics& other) noexc
 }
 
 World::World(bvh::Builder builder) : state_(std::make_unique<State>()) {
-    state_->forest = SweptForest(builder);
+    state_->swept_bvh = SweptBvh(builder);
     state_->builder = builder;
 }
 World::~World() = default;
@@ -122,7 +123,7 @@ World& World::operator=(World&&) noexcept = default;
 std::uint32_t World::add_mesh(std::span<const Triangle> triangles, std::size_t vertices) {
     State& state = *state_;
     state.scene.add(triangles, vertices);
-    // Shapes look at arrays that may have been moved.
+    // Shapes hold views of arrays that may have been reallocated.
     state.shapes.assign(state.scene.meshes(), {});
     state.shape_ages.assign(state.scene.meshes(), ShapeAge::none);
     return state.scene.meshes() - 1;
@@ -154,27 +155,28 @@ std::vector<Contact> World::contacts(const ContactOptions& options, Executor& ex
         return {};
     }
     state.follow(options, executor);
-    const SmoothPatches* patches = state.patches_for(options, executor);
-    const auto& elements = options.assign_representatives ? state.own : state.all;
+    const NormalCones* normal_cones = state.normal_cones_for(options, executor);
+    const auto& elements = options.assign_representatives ? state.representatives : state.all;
     const auto new_tester = [&] {
-        return ElementTester(state.scene, state.forest, state.plates, patches, elements, options);
+        return ElementTester(
+            state.scene, state.swept_bvh, state.leaf_slabs, normal_cones, elements, options);
     };
     ElementTester first = new_tester();
-    PartSearch<ElementTester> top(state.forest, first);
-    state.front.prepare(state.forest.tree(), options.track_front, top);
-    state.statistics.box_tests = top.tests();
+    SelfTraversal<ElementTester> top(state.swept_bvh, first);
+    state.front.prepare(state.swept_bvh.tree(), options.track_front, top);
+    state.statistics.box_tests = top.box_tests();
 
     struct Findings {
         std::vector<Contact> contacts;
         WorldStatistics statistics;
     };
-    std::vector<Findings> findings(state.front.parts());
-    executor.for_each(state.front.parts(), 1, [&](std::size_t part, std::size_t) {
+    std::vector<Findings> findings(state.front.size());
+    executor.for_each(state.front.size(), 1, [&](std::size_t index, std::size_t) {
         ElementTester tester = new_tester();
-        PartSearch<ElementTester> search(state.forest, tester);
-        search.run(state.front.part(part));
-        findings[part] = {std::move(tester.contacts()), tester.statistics()};
-        findings[part].statistics.box_tests = search.tests();
+        SelfTraversal<ElementTester> traversal(state.swept_bvh, tester);
+        traversal.run(state.front.subfront(index));
+        findings[index] = {std::move(tester.contacts()), tester.statistics()};
+        findings[index].statistics.box_tests = traversal.box_tests();
     });
     std::vector<Contact> contacts;
     for (const Findings& part : findings) {

@@ -11,104 +11,106 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::collision::HWY_NAMESPACE {
 
-/// Which slots of a node the guest may meet.
-HWY_INLINE std::uint32_t met(const BoxNode& node,
-                             const Slot& guest,
-                             std::span<const Corners> guest_corners,
-                             const GuestFrame& frame,
-                             bool is_aligned) {
-    return guest.is_triangle()
-               ? overlapping(node, GuestTriangle(guest, guest_corners, frame), frame.padding)
-               : overlapping(node, guest, frame, is_aligned);
+/// Which slots of a node may overlap the other box or triangle.
+HWY_INLINE std::uint32_t overlapping_slots(const BoxNode& node,
+                                           const Slot& other,
+                                           std::span<const Corners> other_corners,
+                                           const RelativeFrame& frame,
+                                           bool is_aligned) {
+    return other.is_triangle()
+               ? overlapping(node, RelativeTriangle(other, other_corners, frame), frame.padding)
+               : overlapping(node, other, frame, is_aligned);
 }
 
-/// Asks memory for what a child will be tested with: its node, or its triangle's corners.
-HWY_INLINE void fetch(std::span<const BoxNode> nodes,
-                      std::span<const Corners> corners,
-                      std::uint32_t child) {
+/// Prefetches what a child will be tested with: its node, or its triangle's corners.
+HWY_INLINE void prefetch(std::span<const BoxNode> nodes,
+                         std::span<const Corners> corners,
+                         std::uint32_t child) {
     if ((child & kTriangleFlag) != 0) {
         const Corners& own = corners[child & ~kTriangleFlag];
         __builtin_prefetch(&own.front());
         __builtin_prefetch(&own.back());
         return;
     }
-    const auto* const place = reinterpret_cast<const std::byte*>(&nodes[child]);
+    const auto* const address = reinterpret_cast<const std::byte*>(&nodes[child]);
     for (std::size_t line = 0; line < sizeof(BoxNode); line += 64) {
-        __builtin_prefetch(place + line);
+        __builtin_prefetch(address + line);
     }
 }
 
-/// Lists the pairs that a pair is opened into. Precondition: it is not of two triangles.
+/// Lists the pairs that a pair is expanded into. Precondition: it is not of two triangles.
 template <typename Visit>
-HWY_INLINE void open(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
+HWY_INLINE void expand(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
     const Slot a(trees.a, pair.a);
     const Slot b(trees.b, pair.b);
     const RelativePose& pose = trees.pose;
-    if (is_opened_first(a, b)) {
-        for_each_bit(met(trees.a[a.child], b, trees.b_corners, pose.b_in_a, pose.is_aligned),
-                     [&](std::uint32_t slot) {
-                         fetch(trees.a, trees.a_corners, trees.a[a.child].child[slot]);
-                         visit(BoxPair{a.child * 8 + slot, pair.b});
-                     });
+    if (expands_first(a, b)) {
+        for_each_bit(
+            overlapping_slots(trees.a[a.child], b, trees.b_corners, pose.b_in_a, pose.is_aligned),
+            [&](std::uint32_t slot) {
+                prefetch(trees.a, trees.a_corners, trees.a[a.child].child[slot]);
+                visit(BoxPair{a.child * 8 + slot, pair.b});
+            });
     } else {
-        for_each_bit(met(trees.b[b.child], a, trees.a_corners, pose.a_in_b, pose.is_aligned),
-                     [&](std::uint32_t slot) {
-                         fetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
-                         visit(BoxPair{pair.a, b.child * 8 + slot});
-                     });
+        for_each_bit(
+            overlapping_slots(trees.b[b.child], a, trees.a_corners, pose.a_in_b, pose.is_aligned),
+            [&](std::uint32_t slot) {
+                prefetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
+                visit(BoxPair{pair.a, b.child * 8 + slot});
+            });
     }
 }
 
-void touching(const BoxPairs& trees, BoxPair from, ContactSearch& search) {
-    std::array<BoxPair, kMostWaiting> waiting;
+void overlapping_leaves(const BoxPairs& trees, BoxPair from, ContactSearch& search) {
+    std::array<BoxPair, kMaxStackSize> stack;
     std::size_t count = 0;
-    bool goes_on = true;
-    // Triangles are decided at once, while what they were found by is still at hand.
+    bool unfinished = true;
+    // Pairs of triangles leave the stack at once, while their corners are in cache.
     const auto take = [&](BoxPair pair) {
         const std::uint32_t a = child_of(trees.a, pair.a);
         const std::uint32_t b = child_of(trees.b, pair.b);
         if ((a & b & kTriangleFlag) == 0) {
-            waiting[count++] = pair;
+            stack[count++] = pair;
         } else {
-            goes_on = goes_on && search.add(a & ~kTriangleFlag, b & ~kTriangleFlag);
+            unfinished = unfinished && search.add(a & ~kTriangleFlag, b & ~kTriangleFlag);
         }
     };
     take(from);
-    while (goes_on && count > 0) {
-        open(trees, waiting[--count], take);
+    while (unfinished && count > 0) {
+        expand(trees, stack[--count], take);
     }
 }
 
-void opened(const BoxPairs& trees, BoxPair pair, std::vector<BoxPair>& out) {
+void expanded(const BoxPairs& trees, BoxPair pair, std::vector<BoxPair>& out) {
     if ((child_of(trees.a, pair.a) & child_of(trees.b, pair.b) & kTriangleFlag) != 0) {
         out.push_back(pair);
     } else {
-        open(trees, pair, [&](BoxPair child) { out.push_back(child); });
+        expand(trees, pair, [&](BoxPair child) { out.push_back(child); });
     }
 }
 
-void touching_within(const BoxPairs& trees, std::uint32_t index, ContactSearch& search) {
+void self_overlapping(const BoxPairs& trees, std::uint32_t index, ContactSearch& search) {
     const BoxNode& node = trees.a[index];
     for (std::uint32_t slot = 0; slot + 1 < node.count; ++slot) {
         const Slot own(trees.a, index * 8 + slot);
         const std::uint32_t later = ~0U << (slot + 1);
         const std::uint32_t mask = overlapping(node, own, trees.pose.a_in_b, true) & later;
         for_each_bit(mask, [&](std::uint32_t other) {
-            touching(trees, {index * 8 + slot, index * 8 + other}, search);
+            overlapping_leaves(trees, {index * 8 + slot, index * 8 + other}, search);
         });
     }
 }
 
-void nearest(const BoxPairs& trees, DistanceSearch& search) {
-    struct Waiting {
+void closest(const BoxPairs& trees, DistanceSearch& search) {
+    struct StackEntry {
         BoxPair pair;
         float squared;
     };
-    std::array<Waiting, kMostWaiting> waiting;
+    std::array<StackEntry, kMaxStackSize> stack;
     std::size_t count = 1;
-    waiting[0] = {{0, 0}, 0.0F};
+    stack[0] = {{0, 0}, 0.0F};
     while (count > 0) {
-        const auto [pair, squared] = waiting[--count];
+        const auto [pair, squared] = stack[--count];
         if (squared > search.squared_bound()) {
             continue;
         }
@@ -118,27 +120,29 @@ void nearest(const BoxPairs& trees, DistanceSearch& search) {
             search.add(a.child & ~kTriangleFlag, b.child & ~kTriangleFlag);
             continue;
         }
-        const bool opens_a = is_opened_first(a, b);
+        const bool expands_a = expands_first(a, b);
         alignas(64) float squares[8];
         const std::uint32_t mask =
-            opens_a
-                ? within(trees.a[a.child], b, trees.pose.b_in_a, search.squared_bound(), squares)
-                : within(trees.b[b.child], a, trees.pose.a_in_b, search.squared_bound(), squares);
-        // The nearest on top.
+            expands_a
+                ? within_distance(
+                      trees.a[a.child], b, trees.pose.b_in_a, search.squared_bound(), squares)
+                : within_distance(
+                      trees.b[b.child], a, trees.pose.a_in_b, search.squared_bound(), squares);
+        // Insertion sort: the closest child ends on top of the stack.
         const std::size_t first = count;
         for_each_bit(mask, [&](std::uint32_t slot) {
-            if (opens_a) {
-                fetch(trees.a, trees.a_corners, trees.a[a.child].child[slot]);
+            if (expands_a) {
+                prefetch(trees.a, trees.a_corners, trees.a[a.child].child[slot]);
             } else {
-                fetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
+                prefetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
             }
-            std::size_t place = count++;
-            for (; place > first && waiting[place - 1].squared < squares[slot]; --place) {
-                waiting[place] = waiting[place - 1];
+            std::size_t top = count++;
+            for (; top > first && stack[top - 1].squared < squares[slot]; --top) {
+                stack[top] = stack[top - 1];
             }
-            waiting[place] = {
-                opens_a ? BoxPair{a.child * 8 + slot, pair.b} : BoxPair{pair.a, b.child * 8 + slot},
-                squares[slot]};
+            stack[top] = {expands_a ? BoxPair{a.child * 8 + slot, pair.b}
+                                    : BoxPair{pair.a, b.child * 8 + slot},
+                          squares[slot]};
         });
     }
 }
@@ -149,27 +153,27 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace earshot::collision {
 
-HWY_EXPORT(touching);
-HWY_EXPORT(opened);
-HWY_EXPORT(touching_within);
-HWY_EXPORT(nearest);
+HWY_EXPORT(overlapping_leaves);
+HWY_EXPORT(expanded);
+HWY_EXPORT(self_overlapping);
+HWY_EXPORT(closest);
 
-void find_touching(const BoxPairs& trees, BoxPair from, ContactSearch& search) {
-    HWY_DYNAMIC_DISPATCH(touching)(trees, from, search);
+void traverse_overlapping(const BoxPairs& trees, BoxPair from, ContactSearch& search) {
+    HWY_DYNAMIC_DISPATCH(overlapping_leaves)(trees, from, search);
 }
 
-std::vector<BoxPair> open_touching(const BoxPairs& trees, BoxPair pair) {
+std::vector<BoxPair> expand_overlapping(const BoxPairs& trees, BoxPair pair) {
     std::vector<BoxPair> found;
-    HWY_DYNAMIC_DISPATCH(opened)(trees, pair, found);
+    HWY_DYNAMIC_DISPATCH(expanded)(trees, pair, found);
     return found;
 }
 
-void find_touching_within(const BoxPairs& trees, std::uint32_t node, ContactSearch& search) {
-    HWY_DYNAMIC_DISPATCH(touching_within)(trees, node, search);
+void traverse_self(const BoxPairs& trees, std::uint32_t node, ContactSearch& search) {
+    HWY_DYNAMIC_DISPATCH(self_overlapping)(trees, node, search);
 }
 
-void find_nearest(const BoxPairs& trees, DistanceSearch& search) {
-    HWY_DYNAMIC_DISPATCH(nearest)(trees, search);
+void traverse_closest(const BoxPairs& trees, DistanceSearch& search) {
+    HWY_DYNAMIC_DISPATCH(closest)(trees, search);
 }
 
 }  // namespace earshot::collision

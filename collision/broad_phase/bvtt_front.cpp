@@ -5,40 +5,40 @@
 
 namespace earshot::collision {
 
-void PairFront::begin_at_root(const bvh::Tree& tree,
-                              const std::function<bool(const NodePair&)>& is_settled) {
-    // Far more parts than there are threads, so that none waits for the last.
-    constexpr std::size_t kParts = 1024;
+void BvttFront::restart_at_root(const bvh::Tree& tree,
+                                const std::function<bool(const BvttNode&)>& is_culled) {
+    // Far more sub-fronts than there are threads, so that the load is balanced.
+    constexpr std::size_t kMinSubfronts = 1024;
     age_ = 0;
-    parts_.clear();
+    subfronts_.clear();
     if (tree.nodes().empty()) {
         return;
     }
-    std::vector<NodePair> settled;
-    std::vector<NodePair> pairs{{0, 0}};
-    for (bool grows = true; grows && pairs.size() < kParts;) {
+    std::vector<BvttNode> culled;
+    std::vector<BvttNode> level{{0, 0}};
+    for (bool grows = true; grows && level.size() < kMinSubfronts;) {
         grows = false;
-        std::vector<NodePair> next;
-        for (const NodePair& pair : pairs) {
-            if (tree.nodes()[pair.first].is_leaf() && tree.nodes()[pair.second].is_leaf()) {
-                next.push_back(pair);
-            } else if (is_settled(pair)) {
-                settled.push_back(pair);
+        std::vector<BvttNode> next;
+        for (const BvttNode& node : level) {
+            if (tree.nodes()[node.first].is_leaf() && tree.nodes()[node.second].is_leaf()) {
+                next.push_back(node);
+            } else if (is_culled(node)) {
+                culled.push_back(node);
             } else {
-                divide(tree, pair, next);
+                expand(tree, node, next);
                 grows = true;
             }
         }
-        pairs = std::move(next);
+        level = std::move(next);
     }
-    for (const NodePair& pair : pairs) {
-        parts_.push_back({pair});
+    for (const BvttNode& node : level) {
+        subfronts_.push_back({node});
     }
-    parts_.push_back(std::move(settled));
+    subfronts_.push_back(std::move(culled));
 }
 
-void divide(const bvh::Tree& tree, NodePair pair, std::vector<NodePair>& into) {
-    const auto [a, b] = pair;
+void expand(const bvh::Tree& tree, BvttNode node, std::vector<BvttNode>& into) {
+    const auto [a, b] = node;
     const bvh::Node& left = tree.nodes()[a];
     const bvh::Node& right = tree.nodes()[b];
     if (a == b) {
@@ -47,11 +47,11 @@ void divide(const bvh::Tree& tree, NodePair pair, std::vector<NodePair>& into) {
         into.emplace_back(left.first, left.first + 1);
         return;
     }
-    // The larger is divided, so that boxes stay of one size.
-    const bool divides_left =
+    // The larger node is expanded, so that both boxes stay of similar size.
+    const bool expands_left =
         right.is_leaf() || (!left.is_leaf() && left.box.half_area() >= right.box.half_area());
-    const std::uint32_t child = divides_left ? left.first : right.first;
-    const std::uint32_t other = divides_left ? b : a;
+    const std::uint32_t child = expands_left ? left.first : right.first;
+    const std::uint32_t other = expands_left ? b : a;
     into.emplace_back(child, other);
     into.emplace_back(child + 1, other);
 }

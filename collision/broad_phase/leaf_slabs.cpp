@@ -18,11 +18,11 @@ using geometry::VertexId;
 
 namespace {
 
-/// What must lie between places along a normal whose magnitudes sum up to 1, so that rounding does
-/// not matter. An offset is rounded twice, products and sums five times, and bounds on both sides
-/// are off; nothing is larger than the largest offset.
-float room_for(double largest, double margin) {
-    constexpr double kLargest = 1e37;  // sums of three are finite
+/// The gap that rounding cannot close between projections onto a normal whose absolute components
+/// sum to 1. An offset is rounded twice, products and sums five times, both extents are off, and no
+/// intermediate result exceeds the largest offset.
+float gap_error(double largest, double margin) {
+    constexpr double kLargest = 1e37;  // so that sums of three are finite
     return largest < kLargest && margin < kLargest
                ? geometry::round_up(2.0 * margin * (1.0 + 0x1p-20) + 0x1p-20 * largest + 0x1p-140)
                : std::numeric_limits<float>::infinity();
@@ -30,8 +30,8 @@ float room_for(double largest, double margin) {
 
 }  // namespace
 
-void LeafPlates::build(const MovingScene& scene, const SweptForest& forest) {
-    const std::span<const bvh::Node> nodes = forest.tree().nodes();
+void LeafSlabs::build(const MovingScene& scene, const SweptBvh& swept_bvh) {
+    const std::span<const bvh::Node> nodes = swept_bvh.tree().nodes();
     leaf_of_node_.assign(nodes.size(), 0);
     nodes_.clear();
     blocks_of_.clear();
@@ -41,9 +41,9 @@ void LeafPlates::build(const MovingScene& scene, const SweptForest& forest) {
             continue;
         }
         const std::size_t first = vertices_.size();
-        const SlotRange slots = forest.slots_of_node(i);
+        const SlotRange slots = swept_bvh.slots_of_node(i);
         for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) {
-            const Triangle& triangle = scene.triangles[forest.triangle(slot)];
+            const Triangle& triangle = scene.triangles[swept_bvh.triangle(slot)];
             vertices_.insert(vertices_.end(), triangle.begin(), triangle.end());
         }
         const auto start = vertices_.begin() + static_cast<std::ptrdiff_t>(first);
@@ -59,31 +59,31 @@ void LeafPlates::build(const MovingScene& scene, const SweptForest& forest) {
     blocks_.resize(vertices_.size() / kLanes);
 }
 
-void LeafPlates::update(const MovingScene& scene,
-                        const SweptForest& forest,
-                        double margin,
-                        Executor& executor) {
-    plates_.resize(nodes_.size());
+void LeafSlabs::update(const MovingScene& scene,
+                       const SweptBvh& swept_bvh,
+                       double margin,
+                       Executor& executor) {
+    leaf_slabs_.resize(nodes_.size());
     if (nodes_.empty()) {
         return;
     }
-    const geometry::Aabb& all = forest.tree().nodes()[0].box;
+    const geometry::Aabb& all = swept_bvh.tree().nodes()[0].box;
     Vec3 half(0.0);
     for (int axis = 0; axis < 3; ++axis) {
         const double lower = all.lower[axis], upper = all.upper[axis];
         origin_[axis] = 0.5 * (lower + upper);
         half[axis] = 0.5 * (upper - lower);
     }
-    room_ = room_for(std::max({half.x, half.y, half.z}), margin);
-    executor.for_each(plates_.size(), 1024, [&](std::size_t from, std::size_t to) {
+    error_ = gap_error(std::max({half.x, half.y, half.z}), margin);
+    executor.for_each(leaf_slabs_.size(), 1024, [&](std::size_t from, std::size_t to) {
         for (std::size_t leaf = from; leaf < to; ++leaf) {
-            place_vertices(scene, leaf);
-            plates_[leaf] = plate(scene, forest, leaf);
+            copy_vertices(scene, leaf);
+            leaf_slabs_[leaf] = slab(scene, swept_bvh, leaf);
         }
     });
 }
 
-void LeafPlates::place_vertices(const MovingScene& scene, std::size_t leaf) {
+void LeafSlabs::copy_vertices(const MovingScene& scene, std::size_t leaf) {
     for (std::uint32_t i = blocks_of_[leaf].begin; i < blocks_of_[leaf].end; ++i) {
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
             const VertexId vertex = vertices_[i * kLanes + lane];
@@ -99,13 +99,14 @@ void LeafPlates::place_vertices(const MovingScene& scene, std::size_t leaf) {
     }
 }
 
-LeafPlates::Plate LeafPlates::plate(const MovingScene& scene,
-                                    const SweptForest& forest,
-                                    std::size_t leaf) const {
+LeafSlabs::Slab LeafSlabs::slab(const MovingScene& scene,
+                                const SweptBvh& swept_bvh,
+                                std::size_t leaf) const {
+    // The area-weighted mean normal half-way through the step, scaled to a largest component of 1.
     Vec3 normal(0.0);
-    const SlotRange slots = forest.slots_of_node(nodes_[leaf]);
+    const SlotRange slots = swept_bvh.slots_of_node(nodes_[leaf]);
     for (std::uint32_t slot = slots.begin; slot < slots.end; ++slot) {
-        const Triangle& t = scene.triangles[forest.triangle(slot)];
+        const Triangle& t = scene.triangles[swept_bvh.triangle(slot)];
         const auto half_way = [&](VertexId vertex) {
             return 0.5 * (scene.begin[vertex] + scene.end[vertex]);
         };
@@ -113,45 +114,45 @@ LeafPlates::Plate LeafPlates::plate(const MovingScene& scene,
     }
     const Vec3 sizes = glm::abs(normal);
     const double size = std::max({sizes.x, sizes.y, sizes.z});
-    Plate plate;
+    Slab slab;
     float length = 0.0F;
     for (int axis = 0; axis < 3 && size > 0.0 && std::isfinite(size); ++axis) {
-        float& component = plate.normal[static_cast<std::size_t>(axis)];
+        float& component = slab.normal[static_cast<std::size_t>(axis)];
         component = static_cast<float>(normal[axis] / size);
         length += std::abs(component);
     }
-    plate.room = room_ * (length * (1.0F + 0x1p-20F));
-    plate.begin = extent(&Block::begin, blocks_of_[leaf], plate.normal);
-    plate.end = extent(&Block::end, blocks_of_[leaf], plate.normal);
-    return plate;
+    slab.error = error_ * (length * (1.0F + 0x1p-20F));
+    slab.begin = extent(&Block::begin, blocks_of_[leaf], slab.normal);
+    slab.end = extent(&Block::end, blocks_of_[leaf], slab.normal);
+    return slab;
 }
 
-LeafPlates::Extent LeafPlates::extent(std::array<Lanes, 3> Block::*time,
-                                      SlotRange blocks,
-                                      const std::array<float, 3>& normal) const noexcept {
+LeafSlabs::Extent LeafSlabs::extent(std::array<Lanes, 3> Block::*time,
+                                    SlotRange blocks,
+                                    const std::array<float, 3>& normal) const noexcept {
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
-    Lanes least{kInfinity, kInfinity, kInfinity, kInfinity};
-    Lanes most{-kInfinity, -kInfinity, -kInfinity, -kInfinity};
+    Lanes lower{kInfinity, kInfinity, kInfinity, kInfinity};
+    Lanes upper{-kInfinity, -kInfinity, -kInfinity, -kInfinity};
     for (std::uint32_t i = blocks.begin; i < blocks.end; ++i) {
         const auto& [x, y, z] = blocks_[i].*time;
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
-            const float place = x[lane] * normal[0] + y[lane] * normal[1] + z[lane] * normal[2];
-            least[lane] = std::min(least[lane], place);
-            most[lane] = std::max(most[lane], place);
+            const float height = x[lane] * normal[0] + y[lane] * normal[1] + z[lane] * normal[2];
+            lower[lane] = std::min(lower[lane], height);
+            upper[lane] = std::max(upper[lane], height);
         }
     }
-    return {std::min(std::min(least[0], least[1]), std::min(least[2], least[3])),
-            std::max(std::max(most[0], most[1]), std::max(most[2], most[3]))};
+    return {std::min(std::min(lower[0], lower[1]), std::min(lower[2], lower[3])),
+            std::max(std::max(upper[0], upper[1]), std::max(upper[2], upper[3]))};
 }
 
-bool LeafPlates::is_beside(const Plate& plate, SlotRange blocks) const noexcept {
+bool LeafSlabs::separates(const Slab& slab, SlotRange blocks) const noexcept {
     const auto side = [&](const Extent& own, const Extent& other) {
-        return other.lower - own.upper > plate.room   ? 1
-               : own.lower - other.upper > plate.room ? -1
+        return other.lower - own.upper > slab.error   ? 1
+               : own.lower - other.upper > slab.error ? -1
                                                       : 0;
     };
-    const int begin = side(plate.begin, extent(&Block::begin, blocks, plate.normal));
-    return begin != 0 && begin == side(plate.end, extent(&Block::end, blocks, plate.normal));
+    const int begin = side(slab.begin, extent(&Block::begin, blocks, slab.normal));
+    return begin != 0 && begin == side(slab.end, extent(&Block::end, blocks, slab.normal));
 }
 
 }  // namespace earshot::collision

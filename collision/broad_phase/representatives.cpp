@@ -8,7 +8,7 @@ namespace earshot::collision {
 
 using geometry::VertexId;
 
-std::vector<std::uint8_t> own_elements(std::span<const geometry::Triangle> triangles) {
+std::vector<std::uint8_t> representative_features(std::span<const geometry::Triangle> triangles) {
     struct Entry {
         std::array<VertexId, 2> vertices;  // of a corner, both the same
         std::uint32_t triangle;
@@ -31,16 +31,16 @@ std::vector<std::uint8_t> own_elements(std::span<const geometry::Triangle> trian
     std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
         return std::tie(a.vertices, a.triangle, a.bit) < std::tie(b.vertices, b.triangle, b.bit);
     });
-    std::vector<std::uint8_t> own(triangles.size(), 0);
+    std::vector<std::uint8_t> representatives(triangles.size(), 0);
     for (std::size_t i = 0; i < entries.size(); ++i) {
         if (i == 0 || entries[i].vertices != entries[i - 1].vertices) {
-            own[entries[i].triangle] |= entries[i].bit;
+            representatives[entries[i].triangle] |= entries[i].bit;
         }
     }
-    return own;
+    return representatives;
 }
 
-std::vector<std::uint8_t> all_elements(std::span<const geometry::Triangle> triangles) {
+std::vector<std::uint8_t> all_features(std::span<const geometry::Triangle> triangles) {
     std::vector<std::uint8_t> all;
     all.reserve(triangles.size());
     for (const geometry::Triangle& triangle : triangles) {

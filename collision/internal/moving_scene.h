@@ -33,11 +33,12 @@ struct MovingScene {
     MovingCorners corners_of(const geometry::Triangle& triangle) const noexcept;
     MovingPoints points_of(const std::array<geometry::VertexId, 4>& vertices) const noexcept;
     Element element(std::uint32_t mesh, std::span<const geometry::VertexId> vertices) const;
-    /// Sets point and normal of a contact between these vertices, from its kind and time.
-    void complete(const std::array<geometry::VertexId, 4>& vertices, Contact& contact) const;
+    /// Sets the point and normal of a contact between these vertices, given its kind and time.
+    void set_point_and_normal(const std::array<geometry::VertexId, 4>& vertices,
+                              Contact& contact) const;
 };
 
 /// v / |v|, or 0 where that has no direction.
-geometry::Vec3 unit_or_zero(const geometry::Vec3& v);
+geometry::Vec3 normalized_or_zero(const geometry::Vec3& v);
 
 }  // namespace earshot::collision

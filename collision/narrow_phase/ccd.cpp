@@ -15,47 +15,53 @@ using geometry::Vec3;
 
 namespace {
 
-// Half an ulp of 1, with room for the bounds' own rounding.
+// Half an ulp of 1, and a little more for the rounding of the bounds themselves.
 constexpr double kRounding = 0x1.01p-53;
 
-/// Bernstein coefficients over an interval of time, each within `error` of the true ones.
+/// A polynomial in Bernstein form over an interval of time; each coefficient is within `error` of
+/// the true one.
 template <std::size_t kSize>
-struct Bends {
-    std::array<double, kSize> b{};
+struct BernsteinForm {
+    std::array<double, kSize> coefficients{};
     double error = 0.0;
 
-    /// 1 or -1 if it has that sign over the whole interval, else 0.
+    /// 1 or -1 if the polynomial certainly has that sign over the whole interval, else 0.
     int sign() const {
-        const auto [least, most] = std::minmax_element(b.begin(), b.end());
-        return *least > error ? 1 : *most < -error ? -1 : 0;
+        const auto [min, max] = std::minmax_element(coefficients.begin(), coefficients.end());
+        return *min > error ? 1 : *max < -error ? -1 : 0;
     }
-    int sign_at_begin() const { return b.front() > error ? 1 : b.front() < -error ? -1 : 0; }
-    int sign_at_end() const { return b.back() > error ? 1 : b.back() < -error ? -1 : 0; }
+    int sign_at_begin() const { return sign_of(coefficients.front()); }
+    int sign_at_end() const { return sign_of(coefficients.back()); }
+
+private:
+    int sign_of(double value) const { return value > error ? 1 : value < -error ? -1 : 0; }
 };
 
-/// de Casteljau; every mean is rounded once, and kSize - 1 times at most.
+/// Subdivision by de Casteljau's algorithm: a mean is rounded once, over at most kSize - 1 levels.
 template <std::size_t kSize>
-void halve(const Bends<kSize>& whole, Bends<kSize>& lower, Bends<kSize>& upper) {
-    std::array<double, kSize> row = whole.b;
+void subdivide(const BernsteinForm<kSize>& whole,
+               BernsteinForm<kSize>& lower,
+               BernsteinForm<kSize>& upper) {
+    std::array<double, kSize> row = whole.coefficients;
     double largest = 0.0;
     for (const double value : row) {
         largest = std::max(largest, std::abs(value));
     }
-    lower.b[0] = row[0];
-    upper.b[kSize - 1] = row[kSize - 1];
+    lower.coefficients[0] = row[0];
+    upper.coefficients[kSize - 1] = row[kSize - 1];
     for (std::size_t level = 1; level < kSize; ++level) {
         for (std::size_t i = 0; i + level < kSize; ++i) {
             row[i] = 0.5 * (row[i] + row[i + 1]);
         }
-        lower.b[level] = row[0];
-        upper.b[kSize - 1 - level] = row[kSize - 1 - level];
+        lower.coefficients[level] = row[0];
+        upper.coefficients[kSize - 1 - level] = row[kSize - 1 - level];
     }
     lower.error = upper.error = whole.error + static_cast<double>(kSize) * kRounding * largest;
 }
 
 double magnitude(const Vec3& begin, const Vec3& end) {
-    const Vec3 most = glm::max(glm::abs(begin), glm::abs(end));
-    return std::max({most.x, most.y, most.z});
+    const Vec3 largest = glm::max(glm::abs(begin), glm::abs(end));
+    return std::max({largest.x, largest.y, largest.z});
 }
 
 double cross(const Vec3& a, const Vec3& b, int axis) {
@@ -64,24 +70,25 @@ double cross(const Vec3& a, const Vec3& b, int axis) {
     return a[i] * b[k] - a[k] * b[i];
 }
 
-/// A difference of two points, at both ends of the step, each component rounded once.
-struct Way {
+/// A moving edge vector: the difference of two points at both ends of the step, each component
+/// rounded once.
+struct MovingEdge {
     Vec3 begin, end;
-    double most;  // no component is larger
+    double max_component;
 
-    Way(const MovingPoints& points, std::size_t from, std::size_t to)
+    MovingEdge(const MovingPoints& points, std::size_t from, std::size_t to)
         : begin(points.begin[to] - points.begin[from]),
           end(points.end[to] - points.end[from]),
-          most(magnitude(begin, end)) {}
+          max_component(magnitude(begin, end)) {}
 };
 
 /// Component `axis` of the cross product. Two products of factors that are rounded once each, and
 /// then at most four sums: within 16 roundings of the largest product.
-Bends<3> cross(const Way& a, const Way& b, int axis) {
+BernsteinForm<3> cross(const MovingEdge& a, const MovingEdge& b, int axis) {
     return {{cross(a.begin, b.begin, axis),
              0.5 * (cross(a.begin, b.end, axis) + cross(a.end, b.begin, axis)),
              cross(a.end, b.end, axis)},
-            16.0 * kRounding * (a.most * b.most)};
+            16.0 * kRounding * (a.max_component * b.max_component)};
 }
 
 double determinant(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -89,7 +96,7 @@ double determinant(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 /// Six products of three such factors: within 64 roundings of the largest.
-Bends<4> determinant(const Way& a, const Way& b, const Way& c) {
+BernsteinForm<4> determinant(const MovingEdge& a, const MovingEdge& b, const MovingEdge& c) {
     constexpr double kThird = 1.0 / 3.0;
     return {{determinant(a.begin, b.begin, c.begin),
              kThird * (determinant(a.end, b.begin, c.begin) + determinant(a.begin, b.end, c.begin) +
@@ -97,25 +104,26 @@ Bends<4> determinant(const Way& a, const Way& b, const Way& c) {
              kThird * (determinant(a.begin, b.end, c.end) + determinant(a.end, b.begin, c.end) +
                        determinant(a.end, b.end, c.begin)),
              determinant(a.end, b.end, c.end)},
-            64.0 * kRounding * (a.most * b.most * c.most)};
+            64.0 * kRounding * (a.max_component * b.max_component * c.max_component)};
 }
 
-Bends<3> difference(const Bends<3>& a, const Bends<3>& b) {
-    Bends<3> result;
+BernsteinForm<3> difference(const BernsteinForm<3>& a, const BernsteinForm<3>& b) {
+    BernsteinForm<3> result;
     double largest = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
-        result.b[i] = a.b[i] - b.b[i];
-        largest = std::max(largest, std::abs(result.b[i]));
+        result.coefficients[i] = a.coefficients[i] - b.coefficients[i];
+        largest = std::max(largest, std::abs(result.coefficients[i]));
     }
     result.error = a.error + b.error + kRounding * largest;
     return result;
 }
 
-/// There is a contact where the volume is 0 and every condition has the sign of the area or is 0.
-struct Part {
-    Bends<4> volume;
-    Bends<3> area;
-    std::array<Bends<3>, 4> conditions;
+/// The polynomials of a query over an interval of time. There is a contact where the volume of the
+/// tetrahedron of the four points is 0 and every inside condition is 0 or has the sign of the area.
+struct TimeInterval {
+    BernsteinForm<4> volume;
+    BernsteinForm<3> area;
+    std::array<BernsteinForm<3>, 4> conditions;
     double begin = 0.0, width = 1.0;
 };
 
@@ -126,87 +134,88 @@ struct Answer {
     double time = 0.0;
 };
 
-bool conditions_exclude(const Part& part, int area) {
+bool violates_condition(const TimeInterval& interval, int area) {
     return area != 0 &&
-           std::any_of(part.conditions.begin(), part.conditions.end(), [&](const auto& condition) {
-               return condition.sign() == -area;
-           });
+           std::any_of(interval.conditions.begin(),
+                       interval.conditions.end(),
+                       [&](const auto& condition) { return condition.sign() == -area; });
 }
 
-bool is_contact(const Part& part, int area) {
-    return area != 0 && part.volume.sign_at_begin() * part.volume.sign_at_end() < 0 &&
-           std::all_of(part.conditions.begin(), part.conditions.end(), [&](const auto& condition) {
-               return condition.sign() == area;
-           });
+bool is_certain_contact(const TimeInterval& interval, int area) {
+    return area != 0 && interval.volume.sign_at_begin() * interval.volume.sign_at_end() < 0 &&
+           std::all_of(interval.conditions.begin(),
+                       interval.conditions.end(),
+                       [&](const auto& condition) { return condition.sign() == area; });
 }
 
-/// The part before `share` of the interval. Every step of de Casteljau's rounds three times.
-Bends<4> before(const Bends<4>& whole, double share) {
-    Bends<4> part;
-    std::array<double, 4> row = whole.b;
+/// The polynomial over [0, parameter] of the interval. Each step of de Casteljau's algorithm rounds
+/// three times.
+BernsteinForm<4> restricted_to(const BernsteinForm<4>& whole, double parameter) {
+    BernsteinForm<4> restricted;
+    std::array<double, 4> row = whole.coefficients;
     double largest = 0.0;
     for (const double value : row) {
         largest = std::max(largest, std::abs(value));
     }
-    part.b[0] = row[0];
+    restricted.coefficients[0] = row[0];
     for (std::size_t level = 1; level < 4; ++level) {
         for (std::size_t i = 0; i + level < 4; ++i) {
-            row[i] += share * (row[i + 1] - row[i]);
+            row[i] += parameter * (row[i + 1] - row[i]);
         }
-        part.b[level] = row[0];
+        restricted.coefficients[level] = row[0];
     }
-    part.error = whole.error + 24.0 * kRounding * largest;
-    return part;
+    restricted.error = whole.error + 24.0 * kRounding * largest;
+    return restricted;
 }
 
-/// The largest share of the interval for which `holds` is seen to be true, where it is at 0.
+/// The largest parameter in [0, 1] for which `holds` was found true by bisection; it is true at 0.
 template <class Holds>
-double largest_share(const Holds& holds) {
-    double least = 0.0, most = 1.0;
-    constexpr double kNarrow = 0x1p-48;
-    while (most - least > kNarrow) {
-        const double middle = 0.5 * (least + most);
-        (holds(middle) ? least : most) = middle;
+double largest_parameter(const Holds& holds) {
+    double low = 0.0, high = 1.0;
+    constexpr double kWidth = 0x1p-48;
+    while (high - low > kWidth) {
+        const double middle = 0.5 * (low + high);
+        (holds(middle) ? low : high) = middle;
     }
-    return least;
+    return low;
 }
 
-/// Closes in on a simple change of sign by Newton's method, and takes the place if its neighbours
-/// prove it. Nothing if they do not.
-std::optional<double> newton_change(const Bends<4>& volume, double narrow) {
-    const auto& b = volume.b;
+/// A lower bound of a simple root, by Newton's method, if the signs on both sides of it are
+/// certain; nothing if they are not.
+std::optional<double> newton_root(const BernsteinForm<4>& volume, double max_error) {
+    const auto& b = volume.coefficients;
     const std::array<double, 3> slopes{
         3.0 * (b[1] - b[0]), 3.0 * (b[2] - b[1]), 3.0 * (b[3] - b[2])};
-    double place = b[0] / (b[0] - b[3]);
+    double root = b[0] / (b[0] - b[3]);
     double slope = 0.0;
     for (int step = 0; step < 6; ++step) {
-        const double rest = 1.0 - place;
-        const double value = rest * rest * (rest * b[0] + 3.0 * place * b[1]) +
-                             place * place * (3.0 * rest * b[2] + place * b[3]);
-        slope = rest * (rest * slopes[0] + 2.0 * place * slopes[1]) + place * place * slopes[2];
-        place = std::clamp(place - value / slope, 0.0, 1.0);
+        const double rest = 1.0 - root;
+        const double value = rest * rest * (rest * b[0] + 3.0 * root * b[1]) +
+                             root * root * (3.0 * rest * b[2] + root * b[3]);
+        slope = rest * (rest * slopes[0] + 2.0 * root * slopes[1]) + root * root * slopes[2];
+        root = std::clamp(root - value / slope, 0.0, 1.0);
     }
-    const double room = std::min(narrow, 4.0 * volume.error / std::abs(slope) + 0x1p-46);
-    const double without = place - room;
-    const double until = place + room;
+    const double error = std::min(max_error, 4.0 * volume.error / std::abs(slope) + 0x1p-46);
+    const double without = root - error;
+    const double until = root + error;
     const int sign = volume.sign_at_begin();
     // Comparisons that are false for what is not a number.
-    if (without >= 0.0 && until <= 1.0 && before(volume, without).sign() == sign &&
-        before(volume, until).sign_at_end() == -sign) {
+    if (without >= 0.0 && until <= 1.0 && restricted_to(volume, without).sign() == sign &&
+        restricted_to(volume, until).sign_at_end() == -sign) {
         return without;
     }
     return std::nullopt;
 }
 
-/// Not after the first change of sign, and before it by 2^-40 at most. Nothing if rounding hides
-/// where that is. Precondition: signs at the ends are certain and differ.
-std::optional<double> first_change(Bends<4> volume, double begin, double width) {
+/// A lower bound of the first root, by 2^-40 at most too early. Nothing if rounding hides
+/// the root. Precondition: signs at the ends are certain and differ.
+std::optional<double> first_root_of(BernsteinForm<4> volume, double begin, double width) {
     constexpr double kTolerance = 0x1p-40;
-    // Halved a few times, or until the sign in the middle is not certain.
-    constexpr int kHalvings = 4;
-    for (int i = 0; i < kHalvings; ++i) {
-        Bends<4> lower, upper;
-        halve(volume, lower, upper);
+    // A few subdivisions, until the sign in the middle is not certain.
+    constexpr int kMaxSubdivisions = 4;
+    for (int i = 0; i < kMaxSubdivisions; ++i) {
+        BernsteinForm<4> lower, upper;
+        subdivide(volume, lower, upper);
         if (lower.sign() != 0) {
             begin += 0.5 * width;
             volume = upper;
@@ -217,14 +226,14 @@ std::optional<double> first_change(Bends<4> volume, double begin, double width) 
         }
         width *= 0.5;
     }
-    if (const auto without = newton_change(volume, 0.5 * kTolerance / width)) {
+    if (const auto without = newton_root(volume, 0.5 * kTolerance / width)) {
         return std::max(begin, begin + *without * width - 0x1p-52);
     }
     const int sign = volume.sign_at_begin();
-    const double without =
-        largest_share([&](double share) { return before(volume, share).sign() == sign; });
-    const double until =
-        largest_share([&](double share) { return before(volume, share).sign_at_end() != -sign; });
+    const double without = largest_parameter(
+        [&](double parameter) { return restricted_to(volume, parameter).sign() == sign; });
+    const double until = largest_parameter(
+        [&](double parameter) { return restricted_to(volume, parameter).sign_at_end() != -sign; });
     if ((until - without) * width > kTolerance) {
         return std::nullopt;
     }
@@ -232,44 +241,44 @@ std::optional<double> first_change(Bends<4> volume, double begin, double width) 
     return std::max(begin, begin + without * width - 0x1p-52);
 }
 
-Answer decide(const Part& whole) {
-    constexpr int kMostParts = 48;
-    constexpr std::size_t kDeepest = 16;
-    std::array<Part, kDeepest> open;
+Answer decide(const TimeInterval& whole) {
+    constexpr int kMaxIntervals = 48;
+    constexpr std::size_t kMaxStackSize = 16;
+    std::array<TimeInterval, kMaxStackSize> stack;
     std::size_t count = 1;
-    open[0] = whole;
-    for (int parts = 0; parts < kMostParts && count > 0; ++parts) {
-        const Part part = open[--count];
-        if (part.volume.sign() != 0) {
+    stack[0] = whole;
+    for (int tested = 0; tested < kMaxIntervals && count > 0; ++tested) {
+        const TimeInterval interval = stack[--count];
+        if (interval.volume.sign() != 0) {
             continue;
         }
-        const int area = part.area.sign();
-        if (conditions_exclude(part, area)) {
+        const int area = interval.area.sign();
+        if (violates_condition(interval, area)) {
             continue;
         }
-        if (is_contact(part, area)) {
-            const auto time = first_change(part.volume, part.begin, part.width);
+        if (is_certain_contact(interval, area)) {
+            const auto time = first_root_of(interval.volume, interval.begin, interval.width);
             return time ? Answer{Verdict::contact, *time} : Answer{Verdict::unknown};
         }
-        if (count + 2 > kDeepest) {
+        if (count + 2 > kMaxStackSize) {
             return {Verdict::unknown};
         }
-        Part& upper = open[count];
-        Part& lower = open[count + 1];
-        halve(part.volume, lower.volume, upper.volume);
-        halve(part.area, lower.area, upper.area);
-        for (std::size_t i = 0; i < part.conditions.size(); ++i) {
-            halve(part.conditions[i], lower.conditions[i], upper.conditions[i]);
+        TimeInterval& upper = stack[count];
+        TimeInterval& lower = stack[count + 1];
+        subdivide(interval.volume, lower.volume, upper.volume);
+        subdivide(interval.area, lower.area, upper.area);
+        for (std::size_t i = 0; i < interval.conditions.size(); ++i) {
+            subdivide(interval.conditions[i], lower.conditions[i], upper.conditions[i]);
         }
-        lower.width = upper.width = 0.5 * part.width;
-        lower.begin = part.begin;
-        upper.begin = part.begin + lower.width;
+        lower.width = upper.width = 0.5 * interval.width;
+        lower.begin = interval.begin;
+        upper.begin = interval.begin + lower.width;
         count += 2;
     }
     return {count == 0 ? Verdict::none : Verdict::unknown};
 }
 
-/// Products of three must neither vanish nor overflow for the bounds to hold.
+/// The error bounds hold if products of three components neither underflow nor overflow.
 bool is_in_range(double volume) {
     return volume > 1e-200 && volume < 1e200;
 }
@@ -281,20 +290,20 @@ int largest_axis(const Vec3& v) {
 
 /// True if at both ends, and so throughout, all of the first `count` points lie on one side of all
 /// others along an axis. No rounding: coordinates are compared.
-bool are_apart(const MovingPoints& points, std::size_t count) {
+bool disjoint_along_axes(const MovingPoints& points, std::size_t count) {
     for (int axis = 0; axis < 3; ++axis) {
         const auto side = [&](const std::array<Vec3, 4>& at) {
-            double least = at[0][axis], most = at[0][axis];
+            double lower = at[0][axis], upper = at[0][axis];
             for (std::size_t i = 1; i < count; ++i) {
-                least = std::min(least, at[i][axis]);
-                most = std::max(most, at[i][axis]);
+                lower = std::min(lower, at[i][axis]);
+                upper = std::max(upper, at[i][axis]);
             }
-            double other_least = at[count][axis], other_most = at[count][axis];
+            double other_lower = at[count][axis], other_upper = at[count][axis];
             for (std::size_t i = count + 1; i < 4; ++i) {
-                other_least = std::min(other_least, at[i][axis]);
-                other_most = std::max(other_most, at[i][axis]);
+                other_lower = std::min(other_lower, at[i][axis]);
+                other_upper = std::max(other_upper, at[i][axis]);
             }
-            return most < other_least ? 1 : other_most < least ? -1 : 0;
+            return upper < other_lower ? 1 : other_upper < lower ? -1 : 0;
         };
         const int begin = side(points.begin);
         if (begin != 0 && begin == side(points.end)) {
@@ -304,27 +313,27 @@ bool are_apart(const MovingPoints& points, std::size_t count) {
     return false;
 }
 
-/// The same along any direction, with room for rounding: a place is within 8 roundings of the
-/// largest product. Places count from the last point.
-bool are_apart_along(const MovingPoints& points, std::size_t count, const Vec3& direction) {
+/// The same along any direction, with bounded rounding error: a projection is within 8 roundings of
+/// the largest product. Projections are relative to the last point.
+bool disjoint_along(const MovingPoints& points, std::size_t count, const Vec3& direction) {
     const double length = magnitude(direction, direction);
     int side = 0;
     for (const auto* at : {&points.begin, &points.end}) {
-        std::array<double, 4> place{};
+        std::array<double, 4> projection{};
         double largest = 0.0;
         for (std::size_t i = 0; i < 3; ++i) {
-            const Vec3 way = (*at)[i] - (*at)[3];
-            place[i] = glm::dot(way, direction);
-            largest = std::max(largest, magnitude(way, way));
+            const Vec3 offset = (*at)[i] - (*at)[3];
+            projection[i] = glm::dot(offset, direction);
+            largest = std::max(largest, magnitude(offset, offset));
         }
-        // The summand stands for products that vanish.
+        // The summand covers products that underflow.
         const double error = 8.0 * kRounding * (3.0 * largest * length) + 1e-300;
-        const auto split = place.begin() + static_cast<std::ptrdiff_t>(count);
-        const auto [least, most] = std::minmax_element(place.begin(), split);
-        const auto [other_least, other_most] = std::minmax_element(split, place.end());
-        const int here = *other_least - *most > 2.0 * error   ? 1
-                         : *least - *other_most > 2.0 * error ? -1
-                                                              : 0;
+        const auto split = projection.begin() + static_cast<std::ptrdiff_t>(count);
+        const auto [lower, upper] = std::minmax_element(projection.begin(), split);
+        const auto [other_lower, other_upper] = std::minmax_element(split, projection.end());
+        const int here = *other_lower - *upper > 2.0 * error   ? 1
+                         : *lower - *other_upper > 2.0 * error ? -1
+                                                               : 0;
         if (here == 0 || here == -side) {
             return false;
         }
@@ -333,42 +342,43 @@ bool are_apart_along(const MovingPoints& points, std::size_t count, const Vec3& 
     return true;
 }
 
-/// Directions that keep apart what lies in one plane, or on parallel lines: across the edges and
-/// the way between the features, half-way through the step.
-bool are_apart_across(const MovingPoints& points, std::size_t count) {
+/// The same along directions that separate coplanar features and parallel edges: orthogonal to the
+/// edges and along the offset of the features, half-way through the step.
+bool disjoint_across_edges(const MovingPoints& points, std::size_t count) {
     std::array<Vec3, 4> x;
     for (std::size_t i = 0; i < 4; ++i) {
         x[i] = 0.5 * (points.begin[i] + points.end[i]);
     }
-    const Vec3 way = x[count] - x[0];
+    const Vec3 offset = x[count] - x[0];
     const Vec3 one = count == 2 ? x[1] - x[0] : x[2] - x[1];
     const Vec3 two = x[3] - x[2];
     const std::array<Vec3, 5> directions{
-        way,
+        offset,
         glm::cross(one, two),
-        glm::cross(glm::cross(one, way), one),
-        glm::cross(glm::cross(two, way), two),
-        count == 2 ? way : glm::cross(glm::cross(x[3] - x[1], way), x[3] - x[1])};
+        glm::cross(glm::cross(one, offset), one),
+        glm::cross(glm::cross(two, offset), two),
+        count == 2 ? offset : glm::cross(glm::cross(x[3] - x[1], offset), x[3] - x[1])};
     return std::any_of(directions.begin(), directions.end(), [&](const Vec3& direction) {
         const double length = magnitude(direction, direction);
         return length > 1e-100 && length < 1e100 &&
-               are_apart_along(points, count, direction / length);
+               disjoint_along(points, count, direction / length);
     });
 }
 
-}  // namespace
+/// The first point against the triangle of the other three.
+struct VertexFace {
+    static constexpr std::size_t kFirstPoints = 1;
+    MovingEdge ab, ac, ap;
 
-std::optional<double> vertex_face_ccd(const MovingPoints& points) {
-    if (are_apart(points, 1)) {
-        return std::nullopt;
-    }
-    const Way ab(points, 1, 2), ac(points, 1, 3), ap(points, 1, 0);
-    Part whole;
-    whole.volume = determinant(ab, ac, ap);
-    if (is_in_range(ab.most * ac.most * ap.most)) {
-        if (whole.volume.sign() != 0) {
-            return std::nullopt;
-        }
+    explicit VertexFace(const MovingPoints& points)
+        : ab(points, 1, 2), ac(points, 1, 3), ap(points, 1, 0) {}
+
+    BernsteinForm<4> volume() const { return determinant(ab, ac, ap); }
+    double magnitude() const { return ab.max_component * ac.max_component * ap.max_component; }
+
+    /// Projected along the axis where the triangle is largest, the point is inside where its three
+    /// sub-areas have the sign of the area.
+    void set_conditions(TimeInterval& whole) const {
         const int axis = largest_axis(glm::cross(ab.begin + ab.end, ac.begin + ac.end));
         whole.area = cross(ab, ac, axis);
         whole.conditions[0] = cross(ab, ap, axis);
@@ -376,44 +386,75 @@ std::optional<double> vertex_face_ccd(const MovingPoints& points) {
         whole.conditions[2] =
             difference(difference(whole.area, whole.conditions[0]), whole.conditions[1]);
         whole.conditions[3] = whole.conditions[0];
-        const Answer answer = decide(whole);
-        if (answer.verdict != Verdict::unknown) {
-            return answer.verdict == Verdict::contact ? std::optional(answer.time) : std::nullopt;
-        }
     }
-    if (are_apart_across(points, 1)) {
-        return std::nullopt;
+    static std::optional<double> exact(const IntegerPoints& points) {
+        return exact_vertex_face_ccd(points);
     }
-    return exact_vertex_face_ccd(integers_of(points));
-}
+};
 
-std::optional<double> edge_edge_ccd(const MovingPoints& points) {
-    if (are_apart(points, 2)) {
-        return std::nullopt;
-    }
-    const Way ab(points, 0, 1), cd(points, 2, 3), ac(points, 0, 2);
-    Part whole;
-    whole.volume = determinant(ab, cd, ac);
-    if (is_in_range(ab.most * cd.most * ac.most)) {
-        if (whole.volume.sign() != 0) {
-            return std::nullopt;
-        }
-        // a + u ab = c + v cd: u = ac x cd / ab x cd, v = ac x ab / ab x cd.
+/// The segment of the first two points against that of the last two.
+struct EdgeEdge {
+    static constexpr std::size_t kFirstPoints = 2;
+    MovingEdge ab, cd, ac;
+
+    explicit EdgeEdge(const MovingPoints& points)
+        : ab(points, 0, 1), cd(points, 2, 3), ac(points, 0, 2) {}
+
+    BernsteinForm<4> volume() const { return determinant(ab, cd, ac); }
+    double magnitude() const { return ab.max_component * cd.max_component * ac.max_component; }
+
+    /// a + u ab = c + v cd: u = ac x cd / ab x cd and v = ac x ab / ab x cd are both in 0 ... 1.
+    void set_conditions(TimeInterval& whole) const {
         const int axis = largest_axis(glm::cross(ab.begin + ab.end, cd.begin + cd.end));
         whole.area = cross(ab, cd, axis);
         whole.conditions[0] = cross(ac, cd, axis);
         whole.conditions[1] = difference(whole.area, whole.conditions[0]);
         whole.conditions[2] = cross(ac, ab, axis);
         whole.conditions[3] = difference(whole.area, whole.conditions[2]);
+    }
+    static std::optional<double> exact(const IntegerPoints& points) {
+        return exact_edge_edge_ccd(points);
+    }
+};
+
+/// The stages of docs/algorithms/collision.md: each decides what it can prove.
+template <class Features>
+std::optional<double> ccd(const MovingPoints& points) {
+    // 1. Axes.
+    if (disjoint_along_axes(points, Features::kFirstPoints)) {
+        return std::nullopt;
+    }
+    const Features features(points);
+    TimeInterval whole;
+    whole.volume = features.volume();
+    if (is_in_range(features.magnitude())) {
+        // 2. Volume.
+        if (whole.volume.sign() != 0) {
+            return std::nullopt;
+        }
+        // 3. Subdivision of time.
+        features.set_conditions(whole);
         const Answer answer = decide(whole);
         if (answer.verdict != Verdict::unknown) {
             return answer.verdict == Verdict::contact ? std::optional(answer.time) : std::nullopt;
         }
     }
-    if (are_apart_across(points, 2)) {
+    // 4. Directions that separate coplanar features.
+    if (disjoint_across_edges(points, Features::kFirstPoints)) {
         return std::nullopt;
     }
-    return exact_edge_edge_ccd(integers_of(points));
+    // 5. Arbitrary-precision integers.
+    return Features::exact(integers_of(points));
+}
+
+}  // namespace
+
+std::optional<double> vertex_face_ccd(const MovingPoints& points) {
+    return ccd<VertexFace>(points);
+}
+
+std::optional<double> edge_edge_ccd(const MovingPoints& points) {
+    return ccd<EdgeEdge>(points);
 }
 
 }  // namespace earshot::collision

@@ -15,15 +15,16 @@ struct MovingPoints {
     std::array<geometry::Vec3, 4> end{};
 };
 
-/// When the first point first meets the closed triangle of the other three; nothing if it never
-/// does. That there is a contact, or none, is decided exactly; the time is never later than the
-/// true one, and earlier by 2^-40 at most (2^-50 if the decision needed exact arithmetic).
-/// Triangles may be segments or points, now or always. Bernstein signs and bisection with proven
-/// bounds decide nearly all queries (Tang et al. 2014; Wang et al. 2021 for the problem), integers
-/// of any size the rest: see docs/algorithms/collision.md.
+/// Continuous collision detection of a vertex and a face: the time of impact of the first point and
+/// the closed triangle of the other three; nothing if there is no contact. Whether there is one is
+/// decided exactly; the time is never later than the true one, and earlier by 2^-40 at most (2^-50
+/// if the decision needed exact arithmetic). Triangles may degenerate to segments or points at any
+/// time. Signs of Bernstein coefficients and subdivision with proven error bounds decide nearly all
+/// queries (Tang et al. 2014; Wang et al. 2021 for the problem), arbitrary-precision integers the
+/// rest: see docs/algorithms/collision.md.
 std::optional<double> vertex_face_ccd(const MovingPoints& points);
 
-/// The same of the closed segments of the first two points and of the last two.
+/// The same for two edges: the closed segments of the first two points and of the last two.
 std::optional<double> edge_edge_ccd(const MovingPoints& points);
 
 }  // namespace earshot::collision

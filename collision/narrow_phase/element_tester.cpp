@@ -23,17 +23,17 @@ bool share_a_vertex(std::span<const VertexId> a, std::span<const VertexId> b) {
 
 void ElementTester::test(std::uint32_t slot_a, std::uint32_t slot_b) {
     ++statistics_.triangle_pairs;
-    if (are_apart(forest_.slabs(slot_a), forest_.slabs(slot_b))) {
+    if (disjoint(swept_bvh_.dop(slot_a), swept_bvh_.dop(slot_b))) {
         return;
     }
-    const std::uint32_t a = forest_.triangle(slot_a);
-    const std::uint32_t b = forest_.triangle(slot_b);
-    // Neighbours touch where they meet: no plane is between them.
+    const std::uint32_t a = swept_bvh_.triangle(slot_a);
+    const std::uint32_t b = swept_bvh_.triangle(slot_b);
+    // Triangles that share a vertex cannot be separated by a plane.
     if (!share_a_vertex(scene_.triangles[a], scene_.triangles[b])) {
         const MovingCorners one = scene_.corners_of(scene_.triangles[a]);
         const MovingCorners other = scene_.corners_of(scene_.triangles[b]);
-        if (are_apart_along_normal(one, other, options_.margin()) ||
-            are_apart_along_normal(other, one, options_.margin())) {
+        if (disjoint_along_normal(one, other, options_.margin()) ||
+            disjoint_along_normal(other, one, options_.margin())) {
             return;
         }
     }
@@ -45,7 +45,7 @@ void ElementTester::test_elements(std::uint32_t a, std::uint32_t b) {
     test_corners(b, a);
     for (unsigned i = 0; i < 3; ++i) {
         for (unsigned k = 0; k < 3; ++k) {
-            if ((own_[a] >> (3 + i) & own_[b] >> (3 + k) & 1) != 0) {
+            if ((representatives_[a] >> (3 + i) & representatives_[b] >> (3 + k) & 1) != 0) {
                 test_edges(a, i, b, k);
             }
         }
@@ -56,7 +56,8 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
     const Triangle& corners = scene_.triangles[face];
     for (unsigned i = 0; i < 3; ++i) {
         const VertexId vertex = scene_.triangles[of][i];
-        if ((own_[of] >> i & 1) == 0 || share_a_vertex(std::span(&vertex, 1), corners)) {
+        if ((representatives_[of] >> i & 1) == 0 ||
+            share_a_vertex(std::span(&vertex, 1), corners)) {
             continue;
         }
         ++statistics_.elementary_tests;
@@ -72,7 +73,7 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
                             .a = scene_.element(mesh_of(of), std::span(vertices).first(1)),
                             .b = scene_.element(mesh_of(face), std::span(vertices).last(3)),
                             .toi = *time};
-            scene_.complete(vertices, contact);
+            scene_.set_point_and_normal(vertices, contact);
             contacts_.push_back(contact);
         }
     }
@@ -104,7 +105,7 @@ void ElementTester::test_edges(std::uint32_t a, unsigned i, std::uint32_t b, uns
                         .a = scene_.element(mesh_of(a), std::span(vertices).first(2)),
                         .b = scene_.element(mesh_of(b), std::span(vertices).last(2)),
                         .toi = *time};
-        scene_.complete(vertices, contact);
+        scene_.set_point_and_normal(vertices, contact);
         contacts_.push_back(contact);
     }
 }

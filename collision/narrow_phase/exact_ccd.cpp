@@ -41,7 +41,7 @@ std::array<Vector, 4> motions_of(const IntegerPoints& points) {
     return motions;
 }
 
-bool lies_on_segment(const Vector& p, const Vector& a, const Vector& b, Root& at) {
+bool is_on_segment(const Vector& p, const Vector& a, const Vector& b, Root& at) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (at.sign_of(cross(b - a, p - a, axis)) != 0) {
             return false;
@@ -55,7 +55,7 @@ bool lies_on_segment(const Vector& p, const Vector& a, const Vector& b, Root& at
     return true;
 }
 
-/// The first axis along which a vector has a length, and the sign of it; axis 3: none.
+/// The first axis along which a vector is not 0, and its sign there; axis 3: none.
 struct Axis {
     std::size_t axis = 3;
     int sign = 0;
@@ -70,13 +70,12 @@ Axis axis_of(const Vector& vector, Root& at) {
     return {};
 }
 
-/// Precondition: the four points lie in a plane at that time.
-bool lies_in_triangle(
-    const Vector& p, const Vector& a, const Vector& b, const Vector& c, Root& at) {
+/// Precondition: the four points are coplanar at that time.
+bool is_in_triangle(const Vector& p, const Vector& a, const Vector& b, const Vector& c, Root& at) {
     const auto [axis, sign] = axis_of(cross(b - a, c - a), at);
     if (axis == 3) {
-        return lies_on_segment(p, a, b, at) || lies_on_segment(p, b, c, at) ||
-               lies_on_segment(p, c, a, at);
+        return is_on_segment(p, a, b, at) || is_on_segment(p, b, c, at) ||
+               is_on_segment(p, c, a, at);
     }
     const auto is_inside = [&, axis = axis, sign = sign](const Vector& from, const Vector& to) {
         return sign * at.sign_of(cross(to - from, p - from, axis)) >= 0;
@@ -84,20 +83,21 @@ bool lies_in_triangle(
     return is_inside(a, b) && is_inside(b, c) && is_inside(c, a);
 }
 
-/// Precondition: the four points lie in a plane at that time.
-bool segments_meet(const Vector& a, const Vector& b, const Vector& c, const Vector& d, Root& at) {
+/// Precondition: the four points are coplanar at that time.
+bool segments_intersect(
+    const Vector& a, const Vector& b, const Vector& c, const Vector& d, Root& at) {
     const std::size_t axis = axis_of(cross(b - a, d - c), at).axis;
     if (axis == 3) {
-        return lies_on_segment(a, c, d, at) || lies_on_segment(b, c, d, at) ||
-               lies_on_segment(c, a, b, at) || lies_on_segment(d, a, b, at);
+        return is_on_segment(a, c, d, at) || is_on_segment(b, c, d, at) ||
+               is_on_segment(c, a, b, at) || is_on_segment(d, a, b, at);
     }
-    const auto are_apart =
+    const auto on_one_side =
         [&](const Vector& from, const Vector& to, const Vector& first, const Vector& second) {
             return at.sign_of(cross(to - from, first - from, axis)) *
                        at.sign_of(cross(to - from, second - from, axis)) >
                    0;
         };
-    return !are_apart(a, b, c, d) && !are_apart(c, d, a, b);
+    return !on_one_side(a, b, c, d) && !on_one_side(c, d, a, b);
 }
 
 /// The lower bound of the first root at which `holds`.
@@ -115,16 +115,16 @@ std::optional<double> earlier(std::optional<double> a, std::optional<double> b) 
     return !a || (b && *b < *a) ? b : a;
 }
 
-/// The first time that a point reaches a segment from outside; it may be on it from the beginning.
+/// The first time at which a point is on a segment.
 std::optional<double> reaches_segment(const Vector& p, const Vector& a, const Vector& b) {
-    const auto holds = [&](Root& at) { return lies_on_segment(p, a, b, at); };
+    const auto holds = [&](Root& at) { return is_on_segment(p, a, b, at); };
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const Polynomial area = cross(b - a, p - a, axis);
         if (!area.is_zero()) {
             return first_root(area, holds);
         }
     }
-    // On one line at all times: the segment is entered at an end of it.
+    // Collinear at all times: the segment is entered at an end of it.
     std::optional<double> first;
     for (const Vector& end : {a, b}) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -138,7 +138,7 @@ std::optional<double> reaches_segment(const Vector& p, const Vector& a, const Ve
     return first;
 }
 
-/// The root of t.
+/// Time 0, the root of t.
 Root beginning() {
     return Root::all_of(Polynomial(0, 1)).front();
 }
@@ -146,7 +146,7 @@ Root beginning() {
 }  // namespace
 
 IntegerPoints integers_of(const MovingPoints& points) {
-    int least = std::numeric_limits<int>::max();
+    int min_exponent = std::numeric_limits<int>::max();
     const auto for_each = [&](const auto& use) {
         for (std::size_t i = 0; i < 4; ++i) {
             for (int axis = 0; axis < 3; ++axis) {
@@ -159,7 +159,7 @@ IntegerPoints integers_of(const MovingPoints& points) {
     for_each([&](double value, std::size_t, int, bool) {
         int exponent = 0;
         if (std::frexp(value, &exponent) != 0.0) {
-            least = std::min(least, exponent - kDigits);
+            min_exponent = std::min(min_exponent, exponent - kDigits);
         }
     });
     IntegerPoints result;
@@ -170,7 +170,7 @@ IntegerPoints integers_of(const MovingPoints& points) {
             Integer& target =
                 (is_end ? result.end : result.begin)[i][static_cast<std::size_t>(axis)];
             target = static_cast<std::int64_t>(std::ldexp(fraction, kDigits));
-            target <<= static_cast<unsigned>(exponent - kDigits - least);
+            target <<= static_cast<unsigned>(exponent - kDigits - min_exponent);
         }
     });
     return result;
@@ -181,12 +181,12 @@ std::optional<double> exact_vertex_face_ccd(const IntegerPoints& points) {
     const Polynomial volume = dot(cross(b - a, c - a), p - a);
     if (!volume.is_zero()) {
         return first_root(volume, [&, &p = p, &a = a, &b = b, &c = c](Root& at) {
-            return lies_in_triangle(p, a, b, c, at);
+            return is_in_triangle(p, a, b, c, at);
         });
     }
-    // In a plane at all times: inside from the beginning, or entering through an edge.
+    // Coplanar at all times: inside from the beginning, or entering through an edge.
     Root start = beginning();
-    if (lies_in_triangle(p, a, b, c, start)) {
+    if (is_in_triangle(p, a, b, c, start)) {
         return 0.0;
     }
     return earlier(earlier(reaches_segment(p, a, b), reaches_segment(p, b, c)),
@@ -198,12 +198,12 @@ std::optional<double> exact_edge_edge_ccd(const IntegerPoints& points) {
     const Polynomial volume = dot(cross(b - a, d - c), c - a);
     if (!volume.is_zero()) {
         return first_root(volume, [&, &a = a, &b = b, &c = c, &d = d](Root& at) {
-            return segments_meet(a, b, c, d, at);
+            return segments_intersect(a, b, c, d, at);
         });
     }
-    // In a plane at all times: crossing from the beginning, or an end reaches the other segment.
+    // Coplanar at all times: crossing from the beginning, or an end reaches the other segment.
     Root start = beginning();
-    if (segments_meet(a, b, c, d, start)) {
+    if (segments_intersect(a, b, c, d, start)) {
         return 0.0;
     }
     return earlier(earlier(reaches_segment(a, c, d), reaches_segment(b, c, d)),

@@ -36,7 +36,8 @@ const Integer& leading(const Polynomial& p) {
     return p.c[static_cast<std::size_t>(p.degree)];
 }
 
-/// Of a (times a power of b's leading coefficient) divided by b. Precondition: b is not zero.
+/// The remainder of a, times a power of b's leading coefficient, divided by b. Precondition: b is
+/// not zero.
 Polynomial pseudo_remainder(Polynomial a, const Polynomial& b) {
     while (a.degree >= b.degree) {
         const Integer factor = leading(a);
@@ -89,7 +90,7 @@ Polynomial derivative(const Polynomial& p) {
     return result;
 }
 
-/// Three times its Bernstein coefficients over [0, 1].
+/// Three times the Bernstein coefficients of a polynomial over [0, 1].
 std::array<Integer, 4> bernstein(const Polynomial& p) {
     return {3 * p.c[0],
             3 * p.c[0] + p.c[1],
@@ -97,8 +98,9 @@ std::array<Integer, 4> bernstein(const Polynomial& p) {
             3 * (p.c[0] + p.c[1] + p.c[2] + p.c[3])};
 }
 
-/// Over the lower and the upper half, both times 8 (de Casteljau).
-std::pair<std::array<Integer, 4>, std::array<Integer, 4>> halves(const std::array<Integer, 4>& b) {
+/// Coefficients over the lower and the upper half, both times 8 (de Casteljau).
+std::pair<std::array<Integer, 4>, std::array<Integer, 4>> subdivided(
+    const std::array<Integer, 4>& b) {
     const Integer b01 = b[0] + b[1];
     const Integer b12 = b[1] + b[2];
     const Integer b23 = b[2] + b[3];
@@ -119,7 +121,7 @@ int sign_changes(const std::array<Integer, 4>& b) {
     return changes;
 }
 
-/// Times 2^(depth * degree): of p at index / 2^depth.
+/// The sign of p at index / 2^depth, from its value times 2^(depth * degree).
 int sign_at(const Polynomial& p, const Integer& index, unsigned depth) {
     if (p.is_zero()) {
         return 0;
@@ -185,15 +187,16 @@ std::vector<Root> Root::all_of(const Polynomial& polynomial) {
         return roots;
     }
     Root whole;
-    whole.own_ = polynomial;
-    make_primitive(whole.own_);
-    const Polynomial repeated = common_divisor(whole.own_, derivative(whole.own_));
+    whole.polynomial_ = polynomial;
+    make_primitive(whole.polynomial_);
+    const Polynomial repeated = common_divisor(whole.polynomial_, derivative(whole.polynomial_));
     if (repeated.degree > 0) {
-        whole.own_ = quotient(whole.own_, repeated);
+        whole.polynomial_ = quotient(whole.polynomial_, repeated);
     }
-    whole.bends_ = bernstein(whole.own_);
-    // Intervals still to be looked at, the first last.
-    std::vector<Root> open{whole};
+    whole.bernstein_ = bernstein(whole.polynomial_);
+    // Descartes' rule of signs on Bernstein coefficients isolates the roots; the stack holds
+    // intervals, the earliest on top.
+    std::vector<Root> stack{whole};
     const auto add_if_zero = [&](const Integer& value, const Integer& index, unsigned depth) {
         if (value.is_zero()) {
             Root root = whole;
@@ -203,61 +206,62 @@ std::vector<Root> Root::all_of(const Polynomial& polynomial) {
             roots.push_back(std::move(root));
         }
     };
-    add_if_zero(whole.bends_[0], 0, 0);
-    while (!open.empty()) {
-        Root part = std::move(open.back());
-        open.pop_back();
-        const int changes = sign_changes(part.bends_);
-        const bool ends_in_zero = part.bends_[0].is_zero() || part.bends_[3].is_zero();
+    add_if_zero(whole.bernstein_[0], 0, 0);
+    while (!stack.empty()) {
+        Root interval = std::move(stack.back());
+        stack.pop_back();
+        const int changes = sign_changes(interval.bernstein_);
+        const bool ends_in_zero =
+            interval.bernstein_[0].is_zero() || interval.bernstein_[3].is_zero();
         if (changes == 1 && !ends_in_zero) {
-            roots.push_back(part);
+            roots.push_back(interval);
         } else if (changes > 0) {
-            const auto [lower, upper] = halves(part.bends_);
-            Root second = part;
-            second.bends_ = upper;
-            part.bends_ = lower;
-            part.index_ = 2 * part.index_;
-            second.index_ = part.index_ + 1;
-            part.depth_ = ++second.depth_;
-            open.push_back(std::move(second));
-            open.push_back(std::move(part));
+            const auto [lower, upper] = subdivided(interval.bernstein_);
+            Root second = interval;
+            second.bernstein_ = upper;
+            interval.bernstein_ = lower;
+            interval.index_ = 2 * interval.index_;
+            second.index_ = interval.index_ + 1;
+            interval.depth_ = ++second.depth_;
+            stack.push_back(std::move(second));
+            stack.push_back(std::move(interval));
             continue;
         }
-        add_if_zero(part.bends_[3], part.index_ + 1, part.depth_);
+        add_if_zero(interval.bernstein_[3], interval.index_ + 1, interval.depth_);
     }
     return roots;
 }
 
-void Root::halve() {
-    const auto [lower, upper] = halves(bends_);
+void Root::bisect() {
+    const auto [lower, upper] = subdivided(bernstein_);
     index_ = 2 * index_;
     ++depth_;
     if (lower[3].is_zero()) {
         ++index_;
         is_exact_ = true;
     } else if (sign(lower[0]) != sign(lower[3])) {
-        bends_ = lower;
+        bernstein_ = lower;
     } else {
         ++index_;
-        bends_ = upper;
+        bernstein_ = upper;
     }
 }
 
-int Root::sign_at_border(const Polynomial& polynomial, int offset) const {
+int Root::sign_at_end(const Polynomial& polynomial, int offset) const {
     return sign_at(polynomial, index_ + offset, depth_);
 }
 
 int Root::sign_of(const Polynomial& polynomial) {
-    constexpr int kTries = 12;
+    constexpr int kMaxTries = 12;
     bool may_be_zero = true;
     for (int tries = 0;; ++tries) {
         if (is_exact_ || polynomial.degree <= 0) {
-            return sign_at_border(polynomial, 0);
+            return sign_at_end(polynomial, 0);
         }
-        // Degree 2 at most: of one sign over the interval if so at its ends and where the end
-        // tangents meet.
-        const int low = sign_at_border(polynomial, 0);
-        const int high = sign_at_border(polynomial, 1);
+        // Of degree 2 at most: it has one sign over the interval if it has it at both ends and at
+        // the intersection of the end tangents (the middle Bernstein coefficient).
+        const int low = sign_at_end(polynomial, 0);
+        const int high = sign_at_end(polynomial, 1);
         if (low == high && low != 0) {
             // p(l) + p'(l) w / 2 = c0 + c1 l + c2 l^2 + (c1 + 2 c2 l) w / 2 with w = 2^-depth.
             const Integer middle = (polynomial.c[0] << (2 * depth_ + 1)) +
@@ -267,23 +271,23 @@ int Root::sign_of(const Polynomial& polynomial) {
                 return low;
             }
         }
-        if (tries >= kTries && may_be_zero) {
-            const Polynomial common = common_divisor(own_, polynomial);
-            if (common.degree > 0 && sign_at_border(common, 0) != sign_at_border(common, 1)) {
+        if (tries >= kMaxTries && may_be_zero) {
+            const Polynomial common = common_divisor(polynomial_, polynomial);
+            if (common.degree > 0 && sign_at_end(common, 0) != sign_at_end(common, 1)) {
                 return 0;
             }
             may_be_zero = false;
         }
-        halve();
+        bisect();
     }
 }
 
 double Root::lower_bound() {
     constexpr unsigned kDepth = 50;
     while (!is_exact_ && depth_ < kDepth) {
-        halve();
+        bisect();
     }
-    // The quotient may have more digits than a double: cut, not rounded.
+    // The quotient may have more digits than a double: it is truncated, not rounded.
     const unsigned excess = depth_ > kDepth ? depth_ - kDepth : 0;
     const Integer index = index_ >> excess;
     return std::ldexp(index.convert_to<double>(), -static_cast<int>(depth_ - excess));

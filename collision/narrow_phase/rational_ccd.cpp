@@ -10,13 +10,13 @@ namespace earshot::collision {
 
 namespace {
 
-Integer whole(const std::string& digits) {
+Integer integer_of(const std::string& digits) {
     return Integer(digits);
 }
 
 std::optional<double> as_double(const Rational& value) {
-    Integer numerator = whole(value.numerator);
-    Integer denominator = whole(value.denominator);
+    Integer numerator = integer_of(value.numerator);
+    Integer denominator = integer_of(value.denominator);
     const Integer common = gcd(numerator, denominator);
     numerator /= common;
     denominator /= common;
@@ -27,10 +27,10 @@ std::optional<double> as_double(const Rational& value) {
     const auto zeros = static_cast<int>(lsb(size));
     const auto exponent = static_cast<int>(msb(denominator));
     constexpr int kDigits = 53;
-    constexpr int kLeast = -1074;
-    constexpr int kMost = 1023;
+    constexpr int kMinExponent = -1074;
+    constexpr int kMaxExponent = 1023;
     if (lsb(denominator) != msb(denominator) || static_cast<int>(msb(size)) - zeros >= kDigits ||
-        zeros - exponent < kLeast || static_cast<int>(msb(size)) - exponent > kMost) {
+        zeros - exponent < kMinExponent || static_cast<int>(msb(size)) - exponent > kMaxExponent) {
         return std::nullopt;
     }
     const Integer odd = size >> static_cast<unsigned>(zeros);
@@ -44,7 +44,7 @@ IntegerPoints integers_of(const RationalPoints& points) {
     for (const auto* at : {&points.begin, &points.end}) {
         for (const auto& point : *at) {
             for (const Rational& value : point) {
-                common = lcm(common, whole(value.denominator));
+                common = lcm(common, integer_of(value.denominator));
             }
         }
     }
@@ -52,7 +52,7 @@ IntegerPoints integers_of(const RationalPoints& points) {
     for (std::size_t i = 0; i < 4; ++i) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const auto scaled = [&](const Rational& value) {
-                return whole(value.numerator) * (common / whole(value.denominator));
+                return integer_of(value.numerator) * (common / integer_of(value.denominator));
             };
             result.begin[i][axis] = scaled(points.begin[i][axis]);
             result.end[i][axis] = scaled(points.end[i][axis]);

@@ -9,7 +9,7 @@
 
 namespace earshot::collision {
 
-/// A whole number over another, in decimal digits: the numerator may begin with a minus sign, the
+/// A fraction of integers in decimal digits: the numerator may begin with a minus sign, the
 /// denominator is positive.
 struct Rational {
     std::string numerator = "0";

@@ -43,17 +43,17 @@ double clamped(double value) noexcept {
     return value > 0.0 ? (value < 1.0 ? value : 1.0) : 0.0;
 }
 
-/// The share of an edge at which it is nearest to a point.
-double nearest_share(const Edge& edge, const Vec3& point) noexcept {
+/// The parameter in [0, 1] of the point of an edge that is closest to a point.
+double closest_parameter(const Edge& edge, const Vec3& point) noexcept {
     return edge.length_squared > 0.0
                ? clamped(glm::dot(point - edge.from, edge.along) / edge.length_squared)
                : 0.0;
 }
 
-class Nearest {
+class ClosestPoints {
 public:
     void add_edges(const Edge& one, const Edge& other) noexcept {
-        // Where the lines are nearest, from cross products: Gram determinants (Ericson 2005,
+        // Where the lines are closest, from cross products: Gram determinants (Ericson 2005,
         // section 5.1.9) lose twice the digits of a small angle. Of edges that are parallel but for
         // rounding any share will do that the other edge reaches.
         const Vec3 normal = glm::cross(one.along, other.along);
@@ -64,13 +64,13 @@ public:
             s = clamped(glm::dot(glm::cross(between, other.along), normal) / normal_squared);
         }
         const Vec3 start = one.from + s * one.along;
-        const double t = nearest_share(other, start);
+        const double t = closest_parameter(other, start);
         const Vec3 end = other.from + t * other.along;
-        const double again = nearest_share(one, end);
+        const double again = closest_parameter(one, end);
         add(one.from + again * one.along, end);
     }
 
-    /// A corner over the inside of the other triangle; over its border the edges are as near.
+    /// A corner whose projection is inside the other triangle; elsewhere the edges are as close.
     void add_face(const Vec3& corner, const Local& face, bool corner_is_of_other) noexcept {
         if (!(face.normal_squared > 0.0)) {
             return;
@@ -108,25 +108,25 @@ private:
 
 }  // namespace
 
-// Larsen, Gottschalk, Lin and Manocha 1999, section 5: of triangles apart the nearest points lie on
-// an edge of each, or one is a corner and the other in the face.
+// Larsen, Gottschalk, Lin and Manocha 1999, section 5: of disjoint triangles the closest points lie
+// on an edge of each, or one is a corner and the other in the face.
 TriangleDistance distance_of_disjoint(const Corners& one, const Corners& other) noexcept {
     const Vec3 origin = one[0];
     const Local a(one, origin);
     const Local b(other, origin);
-    Nearest nearest;
+    ClosestPoints closest;
     for (const Edge& edge : a.edges) {
         for (const Edge& other_edge : b.edges) {
-            nearest.add_edges(edge, other_edge);
+            closest.add_edges(edge, other_edge);
         }
     }
     for (std::size_t i = 0; i < 3; ++i) {
-        nearest.add_face(b.corners[i], a, true);
-        nearest.add_face(a.corners[i], b, false);
+        closest.add_face(b.corners[i], a, true);
+        closest.add_face(a.corners[i], b, false);
     }
-    return {std::max(std::sqrt(nearest.squared), std::numeric_limits<double>::min()),
-            origin + nearest.on_one,
-            origin + nearest.on_other};
+    return {std::max(std::sqrt(closest.squared), std::numeric_limits<double>::min()),
+            origin + closest.on_one,
+            origin + closest.on_other};
 }
 
 TriangleDistance distance(const Corners& one, const Corners& other) noexcept {

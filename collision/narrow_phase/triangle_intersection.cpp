@@ -26,7 +26,7 @@ int sign(double value) noexcept {
     return (value > 0.0 ? 1 : 0) - (value < 0.0 ? 1 : 0);
 }
 
-Vec3 magnitude(const Vec3& v) noexcept {
+Vec3 absolute(const Vec3& v) noexcept {
     return {std::abs(v.x), std::abs(v.y), std::abs(v.z)};
 }
 
@@ -42,12 +42,12 @@ Sides sides_of(const Corners& plane, const Corners& points) noexcept {
     const Vec3 forth(u.y * v.z, u.z * v.x, u.x * v.y);
     const Vec3 back(u.z * v.y, u.x * v.z, u.y * v.x);
     const Vec3 normal = forth - back;
-    const Vec3 permanent = magnitude(forth) + magnitude(back);
+    const Vec3 permanent = absolute(forth) + absolute(back);
     Sides sides{};
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3 w = points[i] - plane[0];
         const double height = glm::dot(normal, w);
-        const bool is_certain = std::abs(height) > kBound * glm::dot(permanent, magnitude(w));
+        const bool is_certain = std::abs(height) > kBound * glm::dot(permanent, absolute(w));
         sides[i] = is_certain ? -sign(height) : orient3d(plane[0], plane[1], plane[2], points[i]);
     }
     return sides;
@@ -62,9 +62,10 @@ bool has_zero(const Sides& sides) noexcept {
 }
 
 /// Two triangles each of which has corners strictly on both sides of the other's plane, brought
-/// into an order that tells how their cuts with the line of both planes lie (Guigue and Devillers
-/// 2003, section 3): corner 0 of each is alone on its side, the upper one, of the other's plane.
-/// Along the line a's cut then runs from edge 0-2 to edge 0-1, and b's from 0-1 to 0-2.
+/// into the canonical order in which their cuts with the line of both planes can be compared
+/// (Guigue and Devillers 2003, section 3): corner 0 of each is alone on its side, the upper one, of
+/// the other's plane. Along the line a's cut then runs from edge 0-2 to edge 0-1, and b's from 0-1
+/// to 0-2.
 struct Crossing {
     Corners a, b;
 
@@ -126,9 +127,9 @@ Segment cut_of(const Crossing& crossing) noexcept {
     return in_order(first, last);
 }
 
-/// Points that two triangles share, among them all corners of the polygon, segment or point that
-/// the shared points are.
-class SharedPoints {
+/// Points of the intersection of two triangles, among them all corners of the polygon, segment or
+/// point that it is.
+class IntersectionPoints {
 public:
     void add_all_of(const Corners& one, const Corners& other) noexcept {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -143,7 +144,7 @@ public:
         }
     }
 
-    Segment farthest() const noexcept {
+    Segment farthest_pair() const noexcept {
         Segment best{points_[0], points_[0]};
         double longest = 0.0;
         for (std::size_t i = 0; i < count_; ++i) {
@@ -162,8 +163,8 @@ public:
 private:
     void add(const Vec3& point) noexcept { points_[count_++] = point; }
 
-    /// Where a segment that touches the triangle passes through it or, in its plane, its edges.
-    /// What begins or ends at a corner is not looked for.
+    /// The point where a segment that touches the triangle passes through it or, if coplanar,
+    /// through its edges. Corners are added elsewhere.
     void add_crossing(const Vec3& from, const Vec3& to, const Corners& t) noexcept {
         const int start = orient3d(t[0], t[1], t[2], from);
         const int end = orient3d(t[0], t[1], t[2], to);
@@ -203,7 +204,7 @@ private:
         }
     }
 
-    // Of each of six edges its beginning and a crossing with each of three others.
+    // Per edge of the six: its beginning, and a crossing with each of three others.
     std::array<Vec3, 24> points_{};
     std::size_t count_ = 0;
 };
@@ -238,10 +239,10 @@ std::optional<Segment> intersection(const Corners& one, const Corners& other) no
     if (!TriangleRegion(one[0], one[1], one[2]).touches(other[0], other[1], other[2])) {
         return std::nullopt;
     }
-    SharedPoints shared;
-    shared.add_all_of(one, other);
-    shared.add_all_of(other, one);
-    return shared.farthest();
+    IntersectionPoints points;
+    points.add_all_of(one, other);
+    points.add_all_of(other, one);
+    return points.farthest_pair();
 }
 
 }  // namespace earshot::collision

@@ -120,9 +120,9 @@ HWY_INLINE LanesDecided decided(const Triangle& one, const Triangle& other) {
             crossing & bits(both(first.positive, last.negative))};
 }
 
-HWY_INLINE Triangle placed(const double (&corners)[3][3][TriangleLanes::kWidth],
-                           std::size_t lane,
-                           const Pose& pose) {
+HWY_INLINE Triangle transformed(const double (&corners)[3][3][TriangleLanes::kWidth],
+                                std::size_t lane,
+                                const Pose& pose) {
     Triangle triangle;
     for (std::size_t corner = 0; corner < 3; ++corner) {
         const Doubles x = load(&corners[corner][0][lane]);
@@ -144,9 +144,9 @@ LanesDecided decide(const TriangleLanes& pairs, const Pose& one, const Pose& oth
     LanesDecided all;
     for (std::size_t lane = 0; lane < TriangleLanes::kWidth; lane += lanes()) {
         const LanesDecided some =
-            decided(placed(pairs.one, lane, one), placed(pairs.other, lane, other));
-        all.apart |= some.apart << lane;
-        all.meeting |= some.meeting << lane;
+            decided(transformed(pairs.one, lane, one), transformed(pairs.other, lane, other));
+        all.disjoint |= some.disjoint << lane;
+        all.intersecting |= some.intersecting << lane;
     }
     return all;
 }

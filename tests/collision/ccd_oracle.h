@@ -11,9 +11,9 @@
 #include <optional>
 #include <vector>
 
-// When moving points meet, in whole numbers of any size: polynomials in powers of time, their roots
-// counted by Sturm's theorem, features tested by the signs of cross products at a root. Shares no
-// code with the library, which works on Bernstein coefficients.
+// Times of impact of moving points, in arbitrary-precision integers: polynomials in powers of time,
+// their roots counted by Sturm's theorem, features tested by the signs of cross products at a root.
+// Shares no code with the library, which works on Bernstein coefficients.
 namespace earshot::test {
 
 using Big = boost::multiprecision::cpp_int;
@@ -158,7 +158,7 @@ struct Instant {
     std::optional<Sturm> of{};
     Dyadic from{0, 0}, to{0, 0};
 
-    void halve() {
+    void subdivide() {
         const Dyadic middle{from.numerator + to.numerator, from.bits + 1};
         const bool is_before = of->roots(from, middle) > 0;
         from = is_before ? Dyadic{from.numerator * 2, from.bits + 1} : middle;
@@ -179,7 +179,7 @@ struct Instant {
         }
         Instant nearer = *this;
         while (other.roots(nearer.from, nearer.to) > 0) {
-            nearer.halve();
+            nearer.subdivide();
         }
         return sign_at(p, nearer.to);
     }
@@ -190,7 +190,7 @@ inline void append_roots(const Sturm& of, Dyadic from, Dyadic to, std::vector<In
     if (count == 1) {
         into.push_back({of, from, to});
         while (into.back().to.bits < 64) {
-            into.back().halve();
+            into.back().subdivide();
         }
     } else if (count > 1) {
         const Dyadic middle{from.numerator + to.numerator, from.bits + 1};

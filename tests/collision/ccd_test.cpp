@@ -76,17 +76,17 @@ double sampled_distance(const MovingPoints& points, bool is_face, double t) {
         x[i] = points.begin[i] + t * (points.end[i] - points.begin[i]);
     }
     constexpr int kSteps = 24;
-    double least = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
     for (int i = 0; i <= kSteps; ++i) {
         for (int k = 0; k <= (is_face ? kSteps - i : kSteps); ++k) {
             const double u = i / double{kSteps};
             const double v = k / double{kSteps};
             const Vec3 way = is_face ? x[0] - ((1 - u - v) * x[1] + u * x[2] + v * x[3])
                                      : ((1 - u) * x[0] + u * x[1]) - ((1 - v) * x[2] + v * x[3]);
-            least = std::min(least, glm::length(way));
+            smallest = std::min(smallest, glm::length(way));
         }
     }
-    return least;
+    return smallest;
 }
 
 TEST(MovingPoints, ThereIsAContactWhereOneIsSaidToBe) {
@@ -268,7 +268,7 @@ double nearness(const MovingPoints& points, bool is_face, double t) {
     for (std::size_t i = 0; i < 4; ++i) {
         x[i] = (1.0 - t) * points.begin[i] + t * points.end[i];
     }
-    const auto least = [](double end, const auto& value) {
+    const auto minimum = [](double end, const auto& value) {
         double low = 0.0, high = end;
         for (int i = 0; i < 50; ++i) {
             const double one = low + (high - low) / 3.0, two = high - (high - low) / 3.0;
@@ -276,8 +276,8 @@ double nearness(const MovingPoints& points, bool is_face, double t) {
         }
         return value(0.5 * (low + high));
     };
-    return least(1.0, [&](double u) {
-        return least(is_face ? 1.0 - u : 1.0, [&](double v) {
+    return minimum(1.0, [&](double u) {
+        return minimum(is_face ? 1.0 - u : 1.0, [&](double v) {
             const Vec3 way = is_face ? x[0] - ((1 - u - v) * x[1] + u * x[2] + v * x[3])
                                      : ((1 - u) * x[0] + u * x[1]) - ((1 - v) * x[2] + v * x[3]);
             return std::max({std::abs(way.x), std::abs(way.y), std::abs(way.z)});

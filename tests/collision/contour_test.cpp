@@ -15,13 +15,13 @@ using geometry::VertexId;
 using support::Dice;
 
 /// A loop in the plane z = 0, with heights that do not matter.
-struct TestLoop {
+struct TestContour {
     MovingScene scene;
     std::vector<VertexId> vertices;
 };
 
-TestLoop loop_of(std::vector<Vec3> begin, std::vector<Vec3> end) {
-    TestLoop loop;
+TestContour contour_of(std::vector<Vec3> begin, std::vector<Vec3> end) {
+    TestContour loop;
     loop.vertices.resize(begin.size());
     std::iota(loop.vertices.begin(), loop.vertices.end(), 0U);
     loop.scene.begin = std::move(begin);
@@ -29,8 +29,8 @@ TestLoop loop_of(std::vector<Vec3> begin, std::vector<Vec3> end) {
     return loop;
 }
 
-bool meets(const TestLoop& loop) {
-    return meets_itself(loop.scene, loop.vertices, Vec3(0.0, 0.0, 1.0));
+bool self_intersects(const TestContour& loop) {
+    return contour_self_intersects(loop.scene, loop.vertices, Vec3(0.0, 0.0, 1.0));
 }
 
 double side(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -38,7 +38,7 @@ double side(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 /// Whether two edges without a common corner cross at one of many times.
-bool crosses_at_some_time(const TestLoop& loop) {
+bool crosses_at_some_time(const TestContour& loop) {
     const std::size_t n = loop.vertices.size();
     for (int step = 0; step <= 200; ++step) {
         const double t = step / 200.0;
@@ -76,12 +76,12 @@ TEST(MovingLoop, NeverOverlooksACrossing) {
     for (int i = 0; i < 2000; ++i) {
         const double shake = dice.between(0.0, 0.8);
         const auto n = static_cast<std::size_t>(dice.between(3.0, 12.0));
-        const TestLoop loop = loop_of(ring(n, shake, dice), ring(n, shake, dice));
+        const TestContour loop = contour_of(ring(n, shake, dice), ring(n, shake, dice));
         const bool crosses = crosses_at_some_time(loop);
-        const bool may_meet = meets(loop);
-        EXPECT_TRUE(may_meet || !crosses) << i;
+        const bool may_self_intersect = self_intersects(loop);
+        EXPECT_TRUE(may_self_intersect || !crosses) << i;
         crossings += crosses ? 1 : 0;
-        proven += may_meet ? 0 : 1;
+        proven += may_self_intersect ? 0 : 1;
     }
     EXPECT_GT(crossings, 150);
     EXPECT_GT(proven, 300);
@@ -95,16 +95,16 @@ TEST(MovingLoop, PassesWhatIsSimple) {
         for (Vec3& p : turned) {
             p = Vec3(0.9 * p.x - 0.3 * p.y + 5.0, 0.3 * p.x + 0.9 * p.y, p.z + 7.0);
         }
-        EXPECT_FALSE(meets(loop_of(points, turned))) << n;
+        EXPECT_FALSE(self_intersects(contour_of(points, turned))) << n;
     }
 }
 
 TEST(MovingLoop, SeesEdgesThatFoldOntoTheirNeighbour) {
     const std::vector<Vec3> open{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     const std::vector<Vec3> folded{{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}, {0, 1, 0}};
-    EXPECT_FALSE(meets(loop_of(open, open)));
-    EXPECT_TRUE(meets(loop_of(open, folded)));
-    EXPECT_TRUE(meets(loop_of(folded, open)));
+    EXPECT_FALSE(self_intersects(contour_of(open, open)));
+    EXPECT_TRUE(self_intersects(contour_of(open, folded)));
+    EXPECT_TRUE(self_intersects(contour_of(folded, open)));
 }
 
 TEST(MovingLoop, SeesWhatMeetsHalfWayOnly) {
@@ -112,8 +112,8 @@ TEST(MovingLoop, SeesWhatMeetsHalfWayOnly) {
     const std::vector<Vec3> begin{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 1, 0}, {0, 4, 0}};
     auto end = begin;
     end[3].y = -1.0;
-    EXPECT_TRUE(meets(loop_of(begin, end)));
-    EXPECT_FALSE(meets(loop_of(begin, begin)));
+    EXPECT_TRUE(self_intersects(contour_of(begin, end)));
+    EXPECT_FALSE(self_intersects(contour_of(begin, begin)));
 }
 
 }  // namespace

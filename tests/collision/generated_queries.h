@@ -35,15 +35,15 @@ inline geometry::Vec3 coarse_point(support::Dice& dice) {
     return {coarse(p.x, kStep), coarse(p.y, kStep), coarse(p.z, kStep)};
 }
 
-/// Point 0 passes `meeting` at `time` with a random velocity.
-inline void pass(const geometry::Vec3& meeting,
+/// Point 0 passes `impact` at `time` with a random velocity.
+inline void pass(const geometry::Vec3& impact,
                  double time,
                  support::Dice& dice,
                  geometry::Vec3& begin,
                  geometry::Vec3& end) {
     const geometry::Vec3 velocity = coarse_point(dice);
-    begin = meeting - time * velocity;
-    end = meeting + (1.0 - time) * velocity;
+    begin = impact - time * velocity;
+    end = impact + (1.0 - time) * velocity;
 }
 
 inline MadeContact made_contact(support::Dice& dice, bool is_face) {
@@ -67,18 +67,18 @@ inline MadeContact made_contact(support::Dice& dice, bool is_face) {
              made.points.end[0]);
     } else {
         // a + u (b - a) = m: a = (m - u b) / (1 - u), or b = m if u is 1.
-        const geometry::Vec3 meeting = at(2) + v * (at(3) - at(2));
+        const geometry::Vec3 impact = at(2) + v * (at(3) - at(2));
         if (u < 1.0) {
             const double one_minus = 1.0 - u;
             const double rest = one_minus == 0.75 ? 0.5 : one_minus;  // keeps the division exact
-            const double share = 1.0 - rest;
-            pass((meeting - share * at(1)) / rest,
+            const double weight = 1.0 - rest;
+            pass((impact - weight * at(1)) / rest,
                  made.time,
                  dice,
                  made.points.begin[0],
                  made.points.end[0]);
         } else {
-            pass(meeting, made.time, dice, made.points.begin[1], made.points.end[1]);
+            pass(impact, made.time, dice, made.points.begin[1], made.points.end[1]);
             made.points.begin[0] = coarse_point(dice);
             made.points.end[0] = coarse_point(dice);
         }
@@ -130,7 +130,7 @@ inline MovingPoints near_miss(support::Dice& dice, bool is_face) {
     const std::size_t first = is_face ? 1 : 2;  // vertices of the first feature
     const auto rows = small_map(dice);
     for (auto* at : {&points.begin, &points.end}) {
-        double most = -1e300, least = 1e300;
+        double upper = -1e300, lower = 1e300;
         for (std::size_t i = 0; i < 4; ++i) {
             const geometry::Vec3 p = coarse_point(dice);
             for (int axis = 0; axis < 3; ++axis) {
@@ -139,12 +139,13 @@ inline MovingPoints near_miss(support::Dice& dice, bool is_face) {
             }
             const double place =
                 normal.x * (*at)[i].x + normal.y * (*at)[i].y + normal.z * (*at)[i].z;
-            (i < first ? most : least) = i < first ? std::max(most, place) : std::min(least, place);
+            (i < first ? upper : lower) =
+                i < first ? std::max(upper, place) : std::min(lower, place);
         }
         // Along the normal by as much as takes the first feature a hair below the other's lowest.
         const double length = normal.x * normal.x + normal.y * normal.y + normal.z * normal.z;
         const double quantum = 0x1p-40;
-        const double way = std::floor((least - most) / length / quantum - 1.0) * quantum;
+        const double way = std::floor((lower - upper) / length / quantum - 1.0) * quantum;
         for (std::size_t i = 0; i < first; ++i) {
             (*at)[i] += way * normal;
         }

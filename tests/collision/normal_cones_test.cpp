@@ -29,7 +29,7 @@ Search search(const MovingMesh& mesh, bool cull_with_normal_cones) {
     return result;
 }
 
-/// Expects the same contacts with and without patches; returns how many there are.
+/// Expects the same contacts with and without normal cones; returns how many there are.
 std::size_t compare(const MovingMesh& mesh) {
     const Search with = search(mesh, true);
     const Search without = search(mesh, false);
@@ -56,7 +56,7 @@ MovingMesh sheet(int columns,
     return mesh;
 }
 
-TEST(SmoothPatches, AWavyClothIsNotSearchedWithin) {
+TEST(NormalCones, AWavyClothIsNotTestedAgainstItself) {
     const auto wavy = [](double phase) {
         return [phase](double u, double v) {
             return Vec3(u, 0.1 * std::sin(6.0 * u + phase) * std::cos(5.0 * v), v);
@@ -69,7 +69,7 @@ TEST(SmoothPatches, AWavyClothIsNotSearchedWithin) {
     EXPECT_EQ(result.statistics.elementary_tests, 0U);
 }
 
-TEST(SmoothPatches, AClothThatCrumplesIsSearchedWhereItDoes) {
+TEST(NormalCones, AClothThatCrumplesIsSearchedWhereItDoes) {
     Dice dice(1);
     std::size_t contacts = 0;
     for (const double crumple : {0.01, 0.03, 0.06, 0.2}) {
@@ -84,7 +84,7 @@ TEST(SmoothPatches, AClothThatCrumplesIsSearchedWhereItDoes) {
     EXPECT_GT(contacts, 1000U);
 }
 
-TEST(SmoothPatches, FloorsOfARampAllFaceUpAndYetTouch) {
+TEST(NormalCones, FloorsOfARampAllFaceUpAndYetTouch) {
     // A ramp of two and a half turns, whose floors come down onto each other.
     const auto ramp = [](double pitch) {
         return [pitch](double u, double v) {
@@ -97,7 +97,7 @@ TEST(SmoothPatches, FloorsOfARampAllFaceUpAndYetTouch) {
     EXPECT_EQ(compare(sheet(60, 3, ramp(1.0), ramp(0.5))), 0U);
 }
 
-TEST(SmoothPatches, ARollThatTightensTouchesItself) {
+TEST(NormalCones, ARollThatTightensTouchesItself) {
     const auto roll = [](double gap) {
         return [gap](double u, double v) {
             const double turn = 4.0 * 3.14159265358979 * u;
@@ -109,7 +109,7 @@ TEST(SmoothPatches, ARollThatTightensTouchesItself) {
     EXPECT_EQ(compare(sheet(50, 6, roll(0.05), roll(0.03))), 0U);
 }
 
-TEST(SmoothPatches, ABorderThatCrossesItselfOpensThePatch) {
+TEST(NormalCones, AContourThatIntersectsItselfFailsTheTest) {
     // A strip bent into a plane loop whose ends overlap: flat, facing up, its ends in one plane.
     const auto bent = [](double height) {
         return [height](double u, double v) {
@@ -121,7 +121,7 @@ TEST(SmoothPatches, ABorderThatCrossesItselfOpensThePatch) {
     EXPECT_GT(compare(sheet(30, 2, bent(0.0), bent(0.0))), 5U);
 }
 
-TEST(SmoothPatches, SeamsAndTrianglesThatTurnTheirBacksAreSearched) {
+TEST(NormalCones, SeamsAndTrianglesThatTurnTheirBacksAreSearched) {
     // Halves that are not sewn together, one of them inside out, and a triangle that stands twice.
     Dice dice(2);
     std::size_t contacts = 0;

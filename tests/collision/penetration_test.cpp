@@ -21,7 +21,7 @@ Corners moved(Corners t, const Vec3& by) {
 }
 
 TEST(Penetration, MoveTakesTheTrianglesApartAndLessAlongItDoesNot) {
-    int meeting = 0;
+    int intersecting = 0;
     for (std::uint64_t i = 0; i < 2000; ++i) {
         Corners a, b;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -31,7 +31,7 @@ TEST(Penetration, MoveTakesTheTrianglesApartAndLessAlongItDoesNot) {
         if (!intersect(a, b)) {
             continue;
         }
-        ++meeting;
+        ++intersecting;
         const auto found = depth(a, b);
         ASSERT_TRUE(found);
         EXPECT_NEAR(glm::length(found->move), found->depth, 1e-15);
@@ -46,7 +46,7 @@ TEST(Penetration, MoveTakesTheTrianglesApartAndLessAlongItDoesNot) {
         const double high = height(b, [](std::initializer_list<double> x) { return std::max(x); });
         EXPECT_NEAR(high - low, found->depth, 1e-13) << i;
     }
-    EXPECT_GT(meeting, 200);
+    EXPECT_GT(intersecting, 200);
 }
 
 TEST(Penetration, OfContactIsZero) {

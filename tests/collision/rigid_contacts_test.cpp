@@ -20,7 +20,7 @@ Mesh door() {
             {{0, 1, 2}, {0, 2, 3}}};
 }
 
-/// A pyramid whose tip a door that opens by `angle` meets at `radius` from its hinge.
+/// A pyramid whose tip a door that opens by `angle` intersects at `radius` from its hinge.
 Mesh pyramid(double angle, double radius) {
     const auto at = [&](double a, double r, double y) {
         return Vec3(r * std::cos(a), y, -r * std::sin(a));

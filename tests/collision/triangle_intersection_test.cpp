@@ -27,7 +27,7 @@ Corners random_triangle(std::uint64_t seed, std::uint64_t i) {
 }
 
 TEST(Meet, IsExactForHardPairs) {
-    int meeting = 0;
+    int intersecting = 0;
     for (std::uint64_t i = 0; i < 4000; ++i) {
         const test::WholePair pair = test::hard_pair(1, i);
         const bool expected = test::meet_exactly(pair.one, pair.other);
@@ -36,10 +36,10 @@ TEST(Meet, IsExactForHardPairs) {
         ASSERT_EQ(intersect(b, a), expected) << "pair " << i;
         ASSERT_EQ(intersect(turned(a), reversed(b)), expected) << "pair " << i;
         ASSERT_EQ(intersect(reversed(a), turned(b)), expected) << "pair " << i;
-        meeting += expected ? 1 : 0;
+        intersecting += expected ? 1 : 0;
     }
-    EXPECT_GT(meeting, 800);
-    EXPECT_LT(meeting, 3200);
+    EXPECT_GT(intersecting, 800);
+    EXPECT_LT(intersecting, 3200);
 }
 
 TEST(Meet, SeesTheLastBit) {
@@ -78,7 +78,7 @@ std::vector<Vec3> piercings(const Corners& one, const Corners& other) {
 }
 
 TEST(Intersection, IsWhereBordersPierceTheOther) {
-    int meeting = 0;
+    int intersecting = 0;
     for (std::uint64_t i = 0; i < 3000; ++i) {
         const Corners a = random_triangle(3, i);
         const Corners b = random_triangle(4, i);
@@ -90,7 +90,7 @@ TEST(Intersection, IsWhereBordersPierceTheOther) {
         if (!found) {
             continue;
         }
-        ++meeting;
+        ++intersecting;
         ASSERT_EQ(expected.size(), 2U) << "pair " << i;
         if (expected[1].x < expected[0].x) {
             std::swap(expected[0], expected[1]);
@@ -99,7 +99,7 @@ TEST(Intersection, IsWhereBordersPierceTheOther) {
         EXPECT_LT(glm::length(found->from - expected[0]), 0x1p-34) << "pair " << i;
         EXPECT_LT(glm::length(found->to - expected[1]), 0x1p-34) << "pair " << i;
     }
-    EXPECT_GT(meeting, 300);
+    EXPECT_GT(intersecting, 300);
 }
 
 TEST(Intersection, IsThereExactlyWhereTrianglesMeet) {

@@ -39,9 +39,9 @@ TEST(TriangleLanes, AreNeverWrongAboutHardPairs) {
             for (std::size_t lane = 0; lane < kWidth; ++lane) {
                 const test::WholePair pair = test::hard_pair(1, i + lane);
                 const bool expected = test::meet_exactly(pair.one, pair.other);
-                ASSERT_FALSE(is_in(all.back().apart, lane) && expected) << i + lane;
-                ASSERT_FALSE(is_in(all.back().meeting, lane) && !expected) << i + lane;
-                decided += is_in(all.back().apart | all.back().meeting, lane) ? 1 : 0;
+                ASSERT_FALSE(is_in(all.back().disjoint, lane) && expected) << i + lane;
+                ASSERT_FALSE(is_in(all.back().intersecting, lane) && !expected) << i + lane;
+                decided += is_in(all.back().disjoint | all.back().intersecting, lane) ? 1 : 0;
             }
         }
         EXPECT_GT(decided, 1000);
@@ -55,7 +55,7 @@ TEST(TriangleLanes, DecideAllButFewRandomPairsWhereTheyStand) {
     const auto point = [](std::uint64_t i) { return test::random_point(3, i); };
     std::uint64_t next = 0;
     int undecided = 0;
-    int meeting = 0;
+    int intersecting = 0;
     for (int round = 0; round < 250; ++round) {
         const Vec3 x = glm::normalize(point(next++));
         const Vec3 y = glm::normalize(glm::cross(x, point(next++)));
@@ -76,16 +76,16 @@ TEST(TriangleLanes, DecideAllButFewRandomPairsWhereTheyStand) {
         }
         const LanesDecided decided = decide_lanes(lanes, one, other);
         for (std::size_t lane = 0; lane < kWidth; ++lane) {
-            const bool is_known = is_in(decided.apart | decided.meeting, lane);
+            const bool is_known = is_in(decided.disjoint | decided.intersecting, lane);
             undecided += is_known ? 0 : 1;
-            EXPECT_TRUE(!is_known || is_in(decided.meeting, lane) == expected[lane]) << round;
-            EXPECT_FALSE(is_in(decided.apart & decided.meeting, lane)) << round;
-            meeting += expected[lane] ? 1 : 0;
+            EXPECT_TRUE(!is_known || is_in(decided.intersecting, lane) == expected[lane]) << round;
+            EXPECT_FALSE(is_in(decided.disjoint & decided.intersecting, lane)) << round;
+            intersecting += expected[lane] ? 1 : 0;
         }
     }
     EXPECT_LT(undecided, 3);
-    EXPECT_GT(meeting, 200);
-    EXPECT_LT(meeting, 1800);
+    EXPECT_GT(intersecting, 200);
+    EXPECT_LT(intersecting, 1800);
 }
 
 }  // namespace

@@ -9,31 +9,33 @@
 
 namespace earshot::collision {
 
-// Walks over pairs of boxes of two hierarchies, compiled for every instruction set. They cull with
-// boxes in single precision, padded, so that no pair of triangles is lost.
+// Simultaneous traversal of two BVHs, compiled for every instruction set. Boxes are in single
+// precision and padded, so that no pair of triangles is culled wrongly.
 
 /// A box of each of two shapes: eight times the node's index plus the slot. The roots are {0, 0}.
 struct BoxPair {
     std::uint32_t a, b;
 };
 
-/// Both hierarchies and how they lie. The bodies' shapes are not empty.
+/// Both BVHs and their relative pose. The bodies' shapes are not empty.
 struct BoxPairs {
     std::span<const BoxNode> a, b;
     const RelativePose& pose;
     std::span<const Corners> a_corners, b_corners;
 };
 
-/// Adds all pairs of triangles below a pair whose boxes overlap, until the search has enough.
-void find_touching(const BoxPairs& trees, BoxPair from, ContactSearch& search);
+/// Adds all pairs of triangles below `from` whose boxes overlap, until the search is satisfied.
+void traverse_overlapping(const BoxPairs& trees, BoxPair from, ContactSearch& search);
 
-/// The pairs that a pair is opened into, those that are apart left out; of two triangles itself.
-std::vector<BoxPair> open_touching(const BoxPairs& trees, BoxPair pair);
+/// The overlapping pairs that a pair expands into; a pair of triangles is returned itself.
+std::vector<BoxPair> expand_overlapping(const BoxPairs& trees, BoxPair pair);
 
-/// Adds all pairs of triangles of one shape under two of the node's children, as find_touching().
-void find_touching_within(const BoxPairs& trees, std::uint32_t node, ContactSearch& search);
+/// Adds the overlapping pairs of triangles of one shape that lie below different children of a
+/// node.
+void traverse_self(const BoxPairs& trees, std::uint32_t node, ContactSearch& search);
 
-/// Adds pairs of triangles from the root on whose boxes are within the search's bound.
-void find_nearest(const BoxPairs& trees, DistanceSearch& search);
+/// Adds pairs of triangles whose boxes are within the search's bound, from the roots, closest
+/// first.
+void traverse_closest(const BoxPairs& trees, DistanceSearch& search);
 
 }  // namespace earshot::collision

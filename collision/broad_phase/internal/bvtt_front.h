@@ -11,134 +11,157 @@
 
 namespace earshot::collision {
 
-/// Two nodes of a tree.
-using NodePair = std::pair<std::uint32_t, std::uint32_t>;
+/// A node of the bounding-volume test tree (BVTT): two nodes of the BVH that are tested against
+/// each other, or one against itself.
+using BvttNode = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Where a search of a tree against itself ended, part by part: pairs of leaves, and pairs that
-/// need not be divided. While the tree keeps its topology the next search begins here (Klosowski
-/// 1998; Tang, Curtis, Yoon and Manocha 2009).
-class PairFront {
+/// The front of the BVTT: the nodes at which the last traversal of the BVH against itself stopped,
+/// culled pairs and pairs of leaves. While the BVH keeps its topology the next traversal begins
+/// there instead of at the root (Klosowski 1998; Tang, Curtis, Yoon and Manocha 2009).
+///
+///     BVH         BVTT                 front
+///     A           (A,A)
+///     +- B        +- (B,B)
+///     |  +- 1     |  +- (1,1)          *
+///     |  +- 2     |  +- (2,2)          *
+///     |           |  +- (1,2)          *
+///     +- C        +- (C,C)
+///        +- 3     |  +- (3,3)          *
+///        +- 4     |  +- (4,4)          *
+///                 |  +- (3,4)          *
+///                 +- (B,C)
+///                    +- (1,C)          *  culled: the boxes of 1 and C do not overlap
+///                    +- (2,C)
+///                       +- (2,3)       *
+///                       +- (2,4)       *
+///
+/// The nodes with a star are the front: (1,C) was culled, the others are pairs of leaves. When the
+/// meshes move a little, most of it stays valid. Where boxes overlap that did not, the front
+/// sprouts downwards: (1,C) is replaced by (1,3) and (1,4). It never moves up, so it is rebuilt
+/// from the root now and then.
+///
+/// It is kept in sub-fronts, which are the tasks of a parallel traversal.
+class BvttFront {
 public:
-    /// The next search begins at the root: for a new tree.
-    void reset() { parts_.clear(); }
+    /// The next traversal begins at the root: for a new tree.
+    void reset() { subfronts_.clear(); }
 
-    /// To be called before each search. A front only moves down, so it is dropped now and then, or
-    /// at once if it is not to be kept.
-    template <class Search>
-    void prepare(const bvh::Tree& tree, bool is_kept, Search& search) {
-        if (!is_kept || parts_.empty() || ++age_ == kLargestAge) {
-            begin_at_root(tree, [&](const NodePair& pair) { return search.is_settled(pair); });
+    /// To be called before each traversal: rebuilds the front from the root every kMaxAge steps, or
+    /// at once if it is not to be tracked.
+    template <class Traversal>
+    void prepare(const bvh::Tree& tree, bool track, Traversal& traversal) {
+        if (!track || subfronts_.empty() || ++age_ == kMaxAge) {
+            restart_at_root(tree, [&](const BvttNode& node) { return traversal.is_culled(node); });
         }
     }
 
-    std::size_t parts() const noexcept { return parts_.size(); }
-    std::vector<NodePair>& part(std::size_t index) noexcept { return parts_[index]; }
+    std::size_t size() const noexcept { return subfronts_.size(); }
+    std::vector<BvttNode>& subfront(std::size_t index) noexcept { return subfronts_[index]; }
 
 private:
-    static constexpr int kLargestAge = 8;
+    static constexpr int kMaxAge = 8;
 
-    /// Divides the pair of roots, but for pairs that are settled, until there are parts enough.
-    void begin_at_root(const bvh::Tree& tree,
-                       const std::function<bool(const NodePair&)>& is_settled);
+    /// Expands the root of the BVTT, but for culled nodes, until there are enough sub-fronts.
+    void restart_at_root(const bvh::Tree& tree,
+                         const std::function<bool(const BvttNode&)>& is_culled);
 
-    std::vector<std::vector<NodePair>> parts_;
+    std::vector<std::vector<BvttNode>> subfronts_;
     int age_ = 0;
 };
 
-/// Appends the pairs that a pair is divided into. Precondition: not two leaves.
-void divide(const bvh::Tree& tree, NodePair pair, std::vector<NodePair>& into);
+/// Appends the children of a BVTT node. Precondition: not a pair of leaves.
+void expand(const bvh::Tree& tree, BvttNode node, std::vector<BvttNode>& into);
 
-/// Searches one part of a tree against itself. `Rules` has
-///   bool accepts(mesh, mesh)         whether anything of two meshes is looked at,
-///   bool is_free_of_contact(node)      whether all triangles below a node are known not to touch
-///                                      each other,
-///   bool are_leaves_apart(node, node)  whether nothing of two leaves is known to touch,
-///   void test(slot, slot)              which gets every pair of slots whose boxes meet, each pair
-///                                      of the whole search once.
-template <class Rules>
-class PartSearch {
+/// Traverses one sub-front of a BVH against itself. `Tester` has
+///   bool accepts(mesh, mesh)          whether contacts of two meshes are asked for,
+///   bool is_contact_free(node)        whether no two triangles below a node are in contact,
+///   bool disjoint_leaves(node, node)  whether nothing of two leaves is in contact,
+///   void test(slot, slot)             called for every pair of slots whose boxes overlap, once
+///                                     per pair and traversal of the whole front.
+template <class Tester>
+class SelfTraversal {
 public:
-    PartSearch(const SweptForest& forest, Rules& rules)
-        : forest_(forest), nodes_(forest.tree().nodes()), rules_(rules) {}
+    SelfTraversal(const SweptBvh& swept_bvh, Tester& tester)
+        : swept_bvh_(swept_bvh), nodes_(swept_bvh.tree().nodes()), tester_(tester) {}
 
-    /// Whether nothing of a pair of nodes can touch, or is looked at.
-    bool is_settled(const NodePair& pair) {
-        const auto [a, b] = pair;
-        ++tests_;
-        // Boxes first: nothing but the nodes is looked at for most pairs.
-        if (a != b && !intersect(nodes_[a].box, nodes_[b].box)) {
+    /// Whether no contact that is asked for can lie below a BVTT node.
+    bool is_culled(const BvttNode& node) {
+        const auto [a, b] = node;
+        ++box_tests_;
+        // Boxes first: most nodes are culled by them alone.
+        if (a != b && !overlap(nodes_[a].box, nodes_[b].box)) {
             return true;
         }
-        const std::uint32_t mesh_a = forest_.mesh_of_node(a);
-        const std::uint32_t mesh_b = forest_.mesh_of_node(b);
-        if (mesh_a != SweptForest::kManyMeshes && mesh_b != SweptForest::kManyMeshes &&
-            !rules_.accepts(mesh_a, mesh_b)) {
+        const std::uint32_t mesh_a = swept_bvh_.mesh_of_node(a);
+        const std::uint32_t mesh_b = swept_bvh_.mesh_of_node(b);
+        if (mesh_a != SweptBvh::kMixedMeshes && mesh_b != SweptBvh::kMixedMeshes &&
+            !tester_.accepts(mesh_a, mesh_b)) {
             return true;
         }
-        return a == b && rules_.is_free_of_contact(a);
+        return a == b && tester_.is_contact_free(a);
     }
 
-    /// Moves the part to where the search ended.
-    void run(std::vector<NodePair>& part) {
-        const std::vector<NodePair> start = std::move(part);
-        part.clear();
-        part.reserve(start.size());
-        std::vector<NodePair> open;
-        for (const NodePair& first : start) {
-            open.push_back(first);
-            while (!open.empty()) {
-                const NodePair pair = open.back();
-                open.pop_back();
-                if (ends_at(pair)) {
-                    part.push_back(pair);
+    /// Replaces the sub-front by the nodes at which its traversal stops.
+    void run(std::vector<BvttNode>& subfront) {
+        const std::vector<BvttNode> start = std::move(subfront);
+        subfront.clear();
+        subfront.reserve(start.size());
+        std::vector<BvttNode> stack;
+        for (const BvttNode& first : start) {
+            stack.push_back(first);
+            while (!stack.empty()) {
+                const BvttNode node = stack.back();
+                stack.pop_back();
+                if (stops_at(node)) {
+                    subfront.push_back(node);
                 } else {
-                    divide(forest_.tree(), pair, open);
+                    expand(swept_bvh_.tree(), node, stack);
                 }
             }
         }
     }
 
-    /// How many boxes and patches were tested.
-    std::uint64_t tests() const noexcept { return tests_; }
+    /// The number of tests of boxes and normal cones.
+    std::uint64_t box_tests() const noexcept { return box_tests_; }
 
 private:
-    bool ends_at(const NodePair& pair) {
-        if (is_settled(pair)) {
+    bool stops_at(const BvttNode& node) {
+        if (is_culled(node)) {
             return true;
         }
-        if (!nodes_[pair.first].is_leaf() || !nodes_[pair.second].is_leaf()) {
+        if (!nodes_[node.first].is_leaf() || !nodes_[node.second].is_leaf()) {
             return false;
         }
-        if (pair.first == pair.second || !rules_.are_leaves_apart(pair.first, pair.second)) {
-            test_leaves(pair);
+        if (node.first == node.second || !tester_.disjoint_leaves(node.first, node.second)) {
+            test_leaves(node);
         }
         return true;
     }
 
-    void test_leaves(const NodePair& pair) {
-        const SlotRange left = forest_.slots_of_node(pair.first);
-        const SlotRange right = forest_.slots_of_node(pair.second);
+    void test_leaves(const BvttNode& node) {
+        const SlotRange left = swept_bvh_.slots_of_node(node.first);
+        const SlotRange right = swept_bvh_.slots_of_node(node.second);
         for (std::uint32_t i = left.begin; i < left.end; ++i) {
-            for (std::uint32_t k = pair.first == pair.second ? i + 1 : right.begin; k < right.end;
+            for (std::uint32_t k = node.first == node.second ? i + 1 : right.begin; k < right.end;
                  ++k) {
-                ++tests_;
-                if (intersect(forest_.box(i), forest_.box(k))) {
-                    rules_.test(i, k);
+                ++box_tests_;
+                if (overlap(swept_bvh_.box(i), swept_bvh_.box(k))) {
+                    tester_.test(i, k);
                 }
             }
         }
     }
 
-    static bool intersect(const geometry::Aabb& a, const geometry::Aabb& b) noexcept {
+    static bool overlap(const geometry::Aabb& a, const geometry::Aabb& b) noexcept {
         return (a.lower[0] <= b.upper[0]) & (b.lower[0] <= a.upper[0]) &
                (a.lower[1] <= b.upper[1]) & (b.lower[1] <= a.upper[1]) &
                (a.lower[2] <= b.upper[2]) & (b.lower[2] <= a.upper[2]);
     }
 
-    const SweptForest& forest_;
+    const SweptBvh& swept_bvh_;
     std::span<const bvh::Node> nodes_;
-    Rules& rules_;
-    std::uint64_t tests_ = 0;
+    Tester& tester_;
+    std::uint64_t box_tests_ = 0;
 };
 
 }  // namespace earshot::collision

@@ -7,10 +7,11 @@
 
 namespace earshot::collision {
 
-/// False only if the loop of straight edges through these vertices, seen along a unit vector, does
-/// not meet itself at any time of the step. Precondition: at least three vertices, all different.
-bool meets_itself(const MovingScene& scene,
-                  std::span<const geometry::VertexId> loop,
-                  const geometry::Vec3& direction);
+/// The contour test: false only if the closed polygon through these vertices, projected along a
+/// unit vector, does not intersect itself at any time of the step. Precondition: at least three
+/// vertices, all different.
+bool contour_self_intersects(const MovingScene& scene,
+                             std::span<const geometry::VertexId> loop,
+                             const geometry::Vec3& direction);
 
 }  // namespace earshot::collision

@@ -12,39 +12,41 @@
 
 namespace earshot::collision {
 
-/// Which patches of a mesh cannot touch themselves during a step (Volino and Magnenat-Thalmann
-/// 1994; continuously: Tang, Curtis, Yoon and Manocha 2009). All triangles of a patch turn their
-/// fronts to one direction throughout, so every line along it that meets the patch where it is not
-/// at a border meets it as often as the projected border winds round it; and the border is one loop
-/// whose projection never meets itself, so that is once or never. Both are tested with room for
-/// rounding, for all times at once: normals and the sides of points on lines are quadratic in time,
-/// and have a sign if their Bernstein coefficients do.
-class SmoothPatches {
+/// Continuous normal cones: which nodes of the BVH have no self-contact during a step (Volino and
+/// Magnenat-Thalmann 1994; continuous: Tang, Curtis, Yoon and Manocha 2009). Two tests:
+///   cone     all normals of the node's triangles keep a positive component along one axis during
+///            the step, so a line along that axis intersects the surface as often as the projected
+///            contour winds round it;
+///   contour  the border of the surface is one loop whose projection along the axis never
+///            intersects itself, so that the winding number is at most 1.
+/// Both hold for all times of the step: normals, and the sides of points about lines, are quadratic
+/// in time and have one sign if their Bernstein coefficients do; rounding errors are bounded.
+class NormalCones {
 public:
-    /// Finds the borders of the patches below the nodes of a new tree.
-    void build(const MovingScene& scene, const SweptForest& forest);
+    /// Finds the contours of the nodes of a new tree.
+    void build(const MovingScene& scene, const SweptBvh& swept_bvh);
 
-    /// Follows the step.
-    void update(const MovingScene& scene, const SweptForest& forest, Executor& executor);
+    /// Follows the step: the normals of all triangles.
+    void update(const MovingScene& scene, const SweptBvh& swept_bvh, Executor& executor);
 
-    /// True only if no two elements of the node's triangles that share no vertex touch.
-    bool is_free_of_contact(const MovingScene& scene,
-                            const SweptForest& forest,
-                            std::uint32_t node) const;
+    /// True only if no two elements of the node's triangles that share no vertex are in contact.
+    bool is_contact_free(const MovingScene& scene,
+                         const SweptBvh& swept_bvh,
+                         std::uint32_t node) const;
 
 private:
-    /// Bernstein coefficients of a triangle's normal, and what their rounding goes with.
+    /// Bernstein coefficients of a triangle's normal; their rounding error is relative to `size`.
     struct Normals {
         std::array<geometry::Vec3, 3> coefficients;
         double size = 0.0;
     };
 
-    bool face_one_way(SlotRange slots, const geometry::Vec3& direction) const noexcept;
+    bool passes_cone_test(SlotRange slots, const geometry::Vec3& direction) const noexcept;
 
-    std::vector<SlotRange> loop_of_node_;  // within vertices_; empty where there is not one loop
+    std::vector<SlotRange> contour_of_node_;  // within vertices_; empty where it is not one loop
     std::vector<geometry::VertexId> vertices_;
     std::vector<Normals> normals_;      // by slot
-    std::vector<geometry::Vec3> sums_;  // of normals half-way in the slots before
+    std::vector<geometry::Vec3> sums_;  // prefix sums by slot of the normals half-way
 };
 
 }  // namespace earshot::collision

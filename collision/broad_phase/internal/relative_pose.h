@@ -5,22 +5,22 @@
 
 namespace earshot::collision {
 
-/// How boxes of one body's space, the guest's, lie in another's, in single precision.
-struct GuestFrame {
-    float turn[3][3];       // turn[k][j]: coordinate k of the guest's axis j
-    float magnitude[3][3];  // of turn's elements
-    float origin[3];
-    // What all coordinates, and distances along axes of a length up to 1, may be off, metres.
+/// The pose of one body's space in another's ("B in A"), in single precision.
+struct RelativeFrame {
+    float rotation[3][3];      // rotation[k][j]: component along A's axis k of B's axis j
+    float abs_rotation[3][3];  // absolute values of the elements of rotation
+    float translation[3];      // of B's origin
+    // Bound of the rounding error of coordinates and of projections onto unit axes, metres.
     float padding;
 };
 
-/// Throws Error if a pose turns by no rotation or is beyond Shape::kMaxCoordinate.
+/// Throws Error if a pose's matrix is not a rotation or it is beyond Shape::kMaxCoordinate.
 void require_rigid(const Pose& pose);
 
-/// Two bodies' spaces as seen from each other.
+/// The relative poses of two bodies.
 struct RelativePose {
-    GuestFrame b_in_a, a_in_b;
-    bool is_aligned;  // neither is turned against the other
+    RelativeFrame b_in_a, a_in_b;
+    bool is_aligned;  // both bodies have the same rotation
 
     /// Throws as require_rigid().
     RelativePose(const Body& a, const Body& b);

@@ -13,23 +13,23 @@
 
 namespace earshot::collision {
 
-/// Places of the primitives of a tree, leaf after leaf.
+/// A range of slots: positions in the order of the primitives of a tree, leaf after leaf.
 struct SlotRange {
     std::uint32_t begin = 0, end = 0;
 };
 
-/// One tree over the swept triangles of all meshes, of which each has a subtree of its own. What is
-/// asked of triangles during a search stands in the order of the leaves, in "slots", so that what
-/// is asked together lies together.
-class SweptForest {
+/// Swept-volume BVH: one tree over the boxes that cover each triangle during a step, with a subtree
+/// per mesh. What a traversal reads of triangles stands in the order of the leaves, in "slots", so
+/// that it reads consecutive memory.
+class SweptBvh {
 public:
-    /// For nodes above the meshes' own.
-    static constexpr std::uint32_t kManyMeshes = std::numeric_limits<std::uint32_t>::max();
+    /// The mesh of a node of the top-level tree.
+    static constexpr std::uint32_t kMixedMeshes = std::numeric_limits<std::uint32_t>::max();
 
-    explicit SweptForest(bvh::Builder builder = bvh::Builder::binned_sah) : builder_(builder) {}
+    explicit SweptBvh(bvh::Builder builder = bvh::Builder::binned_sah) : builder_(builder) {}
 
-    /// Follows the scene: refits, or builds anew where meshes were added or the tree has aged.
-    /// Returns true if it was built. `margin` widens boxes, metres.
+    /// Follows the scene: refits, or rebuilds where meshes were added or the SAH cost has grown.
+    /// Returns true if it was built. `margin` pads boxes, metres.
     bool update(const MovingScene& scene, double margin, Executor& executor);
 
     const bvh::Tree& tree() const noexcept { return tree_; }
@@ -38,7 +38,7 @@ public:
     /// The triangle in a slot.
     std::uint32_t triangle(std::uint32_t slot) const noexcept { return tree_.primitives()[slot]; }
     const geometry::Aabb& box(std::uint32_t slot) const noexcept { return slot_boxes_[slot]; }
-    const MotionSlabs& slabs(std::uint32_t slot) const noexcept { return slabs_[slot]; }
+    const SweptDop& dop(std::uint32_t slot) const noexcept { return dops_[slot]; }
 
 private:
     void build(const MovingScene& scene, Executor& executor);
@@ -51,8 +51,8 @@ private:
     std::vector<SlotRange> slots_of_node_;
     std::vector<geometry::Aabb> boxes_;  // by triangle
     std::vector<geometry::Aabb> slot_boxes_;
-    std::vector<MotionPlaces> places_;  // by vertex
-    std::vector<MotionSlabs> slabs_;    // by slot
+    std::vector<DopExtents> extents_;  // by vertex
+    std::vector<SweptDop> dops_;       // by slot
 };
 
 }  // namespace earshot::collision

@@ -8,38 +8,37 @@
 
 namespace earshot::collision {
 
-/// Thirteen directions (the axes and the diagonals of faces and of the cube; the rest repeat one).
-inline constexpr std::size_t kSlabs = 16;
+/// Lanes of a 26-DOP: thirteen directions (three axes, six face diagonals and four cube diagonals);
+/// the remaining lanes repeat an axis.
+inline constexpr std::size_t kDopLanes = 16;
 
-/// Where a vertex is along them at the beginning and at the end of a step, rounded.
-struct MotionPlaces {
-    alignas(64) std::array<float, kSlabs> begin, end;
+/// Projections of a vertex onto the directions at the beginning and at the end of a step, rounded.
+struct DopExtents {
+    alignas(64) std::array<float, kDopLanes> begin, end;
 
-    MotionPlaces() = default;
-    MotionPlaces(const geometry::Vec3& from, const geometry::Vec3& to);
+    DopExtents() = default;
+    DopExtents(const geometry::Vec3& from, const geometry::Vec3& to);
 };
 
-/// What a moving triangle covers along them, rounded outward.
-struct MotionSlabs {
-    alignas(64) std::array<float, kSlabs> lower_begin, upper_begin, lower_end, upper_end;
+/// Swept 26-DOP of a moving triangle (Klosowski et al. 1998): its extents along the directions at
+/// both ends of a step, rounded outward.
+struct SweptDop {
+    alignas(64) std::array<float, kDopLanes> lower_begin, upper_begin, lower_end, upper_end;
 
-    MotionSlabs() = default;
+    SweptDop() = default;
     /// `margin` is added along every axis.
-    MotionSlabs(const MotionPlaces& a,
-                const MotionPlaces& b,
-                const MotionPlaces& c,
-                double margin) noexcept;
+    SweptDop(const DopExtents& a, const DopExtents& b, const DopExtents& c, double margin) noexcept;
 };
 
-/// True only if the triangles never meet: along one direction the same lies beyond the other at
-/// both ends, and so throughout, because places along a direction are linear in time.
-inline bool are_apart(const MotionSlabs& a, const MotionSlabs& b) noexcept {
-    int apart = 0;
-    for (std::size_t i = 0; i < kSlabs; ++i) {
-        apart |= ((a.lower_begin[i] > b.upper_begin[i]) & (a.lower_end[i] > b.upper_end[i])) |
-                 ((b.lower_begin[i] > a.upper_begin[i]) & (b.lower_end[i] > a.upper_end[i]));
+/// True only if the triangles are disjoint during the whole step: along one direction the same one
+/// lies beyond the other at both ends, and so at all times, because projections are linear in time.
+inline bool disjoint(const SweptDop& a, const SweptDop& b) noexcept {
+    int separated = 0;
+    for (std::size_t i = 0; i < kDopLanes; ++i) {
+        separated |= ((a.lower_begin[i] > b.upper_begin[i]) & (a.lower_end[i] > b.upper_end[i])) |
+                     ((b.lower_begin[i] > a.upper_begin[i]) & (b.lower_end[i] > a.upper_end[i]));
     }
-    return apart != 0;
+    return separated != 0;
 }
 
 /// The corners of a triangle at both ends of a step.
@@ -47,8 +46,8 @@ struct MovingCorners {
     std::array<geometry::Vec3, 3> begin, end;
 };
 
-/// The same along the normal that `a` has half-way: tells apart layers that lie close. `margin` as
-/// above.
-bool are_apart_along_normal(const MovingCorners& a, const MovingCorners& b, double margin) noexcept;
+/// The same test along the normal of `a` half-way through the step, which separates close layers.
+/// `margin` as in SweptDop.
+bool disjoint_along_normal(const MovingCorners& a, const MovingCorners& b, double margin) noexcept;
 
 }  // namespace earshot::collision

@@ -14,35 +14,36 @@
 
 namespace earshot::collision {
 
-/// Tests the elements of pairs of triangles against each other: the rules of a PartSearch.
+/// Tests the elements of pairs of triangles against each other: the tester of a SelfTraversal.
 class ElementTester {
 public:
-    /// `own`: see own_elements(). `patches`: none are left out if null. All must outlive it.
+    /// `representatives`: see representative_features(). Without `normal_cones` no node is culled
+    /// by them. All arguments must outlive the tester.
     ElementTester(const MovingScene& scene,
-                  const SweptForest& forest,
-                  const LeafPlates& plates,
-                  const SmoothPatches* patches,
-                  std::span<const std::uint8_t> own,
+                  const SweptBvh& swept_bvh,
+                  const LeafSlabs& leaf_slabs,
+                  const NormalCones* normal_cones,
+                  std::span<const std::uint8_t> representatives,
                   const ContactOptions& options)
         : scene_(scene),
-          forest_(forest),
-          plates_(plates),
-          patches_(patches),
-          own_(own),
+          swept_bvh_(swept_bvh),
+          leaf_slabs_(leaf_slabs),
+          normal_cones_(normal_cones),
+          representatives_(representatives),
           options_(options) {}
 
     bool accepts(std::uint32_t mesh_a, std::uint32_t mesh_b) const {
         return options_.accepts(mesh_a, mesh_b);
     }
-    bool is_free_of_contact(std::uint32_t node) const {
-        return patches_ != nullptr && patches_->is_free_of_contact(scene_, forest_, node);
+    bool is_contact_free(std::uint32_t node) const {
+        return normal_cones_ != nullptr && normal_cones_->is_contact_free(scene_, swept_bvh_, node);
     }
-    bool are_leaves_apart(std::uint32_t a, std::uint32_t b) const {
-        return plates_.are_apart(a, b);
+    bool disjoint_leaves(std::uint32_t a, std::uint32_t b) const {
+        return leaf_slabs_.disjoint(a, b);
     }
     void test(std::uint32_t slot_a, std::uint32_t slot_b);
 
-    /// What was found, in any order; elements that were tested twice stand there twice.
+    /// The contacts found, in any order; pairs of elements that were tested twice occur twice.
     std::vector<Contact>& contacts() noexcept { return contacts_; }
     const WorldStatistics& statistics() const noexcept { return statistics_; }
 
@@ -59,10 +60,10 @@ private:
     }
 
     const MovingScene& scene_;
-    const SweptForest& forest_;
-    const LeafPlates& plates_;
-    const SmoothPatches* patches_;
-    std::span<const std::uint8_t> own_;
+    const SweptBvh& swept_bvh_;
+    const LeafSlabs& leaf_slabs_;
+    const NormalCones* normal_cones_;
+    std::span<const std::uint8_t> representatives_;
     const ContactOptions& options_;
     std::vector<Contact> contacts_;
     WorldStatistics statistics_;

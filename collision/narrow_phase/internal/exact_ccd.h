@@ -9,15 +9,15 @@
 
 namespace earshot::collision {
 
-/// Coordinates of four moving points in whole numbers of one unit: at the beginning, at the end.
+/// Four moving points whose coordinates are integer multiples of one unit.
 struct IntegerPoints {
     std::array<std::array<Integer, 3>, 4> begin{}, end{};
 };
 
-/// Exactly the points of doubles.
+/// The same points exactly.
 IntegerPoints integers_of(const MovingPoints& points);
 
-/// As vertex_face_ccd() and edge_edge_ccd(), by integers of any size alone.
+/// As vertex_face_ccd() and edge_edge_ccd(), by arbitrary-precision integers alone.
 std::optional<double> exact_vertex_face_ccd(const IntegerPoints& points);
 std::optional<double> exact_edge_edge_ccd(const IntegerPoints& points);
 

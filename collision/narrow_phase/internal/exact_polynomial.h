@@ -9,7 +9,7 @@
 
 namespace earshot::collision {
 
-/// Whole numbers of any size; up to 512 bits without an allocation.
+/// Arbitrary-precision integers; up to 512 bits without an allocation.
 using Integer = boost::multiprecision::number<boost::multiprecision::cpp_int_backend<512, 0>,
                                               boost::multiprecision::et_off>;
 
@@ -30,7 +30,7 @@ Polynomial operator-(const Polynomial& a, const Polynomial& b);
 /// Precondition: the product has degree 3 at most.
 Polynomial operator*(const Polynomial& a, const Polynomial& b);
 
-/// A real root of a polynomial in [0, 1], told apart from the others.
+/// A real root of a polynomial in [0, 1], isolated from the others by an interval.
 class Root {
 public:
     /// The distinct roots in [0, 1], in order. Precondition: not zero.
@@ -39,16 +39,16 @@ public:
     /// -1, 0, 1: of another polynomial at this root, exactly.
     int sign_of(const Polynomial& polynomial);
 
-    /// Not greater than the root, and less by 2^-50 at most.
+    /// A lower bound of the root, within 2^-50.
     double lower_bound();
 
 private:
-    void halve();
-    int sign_at_border(const Polynomial& polynomial, int offset) const;
+    void bisect();
+    int sign_at_end(const Polynomial& polynomial, int offset) const;
 
-    Polynomial own_;                // has only simple roots
-    std::array<Integer, 4> bends_;  // its Bernstein coefficients over the interval, scaled
-    Integer index_ = 0;             // the interval is index / 2^depth ... (index + 1) / 2^depth
+    Polynomial polynomial_;             // square-free
+    std::array<Integer, 4> bernstein_;  // its Bernstein coefficients over the interval, scaled
+    Integer index_ = 0;                 // the interval is index / 2^depth ... (index + 1) / 2^depth
     unsigned depth_ = 0;
     bool is_exact_ = false;  // the root is index / 2^depth
 };

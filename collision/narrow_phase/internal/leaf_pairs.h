@@ -13,8 +13,8 @@
 
 namespace earshot::collision {
 
-// What searches over pairs of boxes do with the pairs of triangles that they find: the decisions,
-// in double precision.
+// The narrow phase at an instant: decides, in double precision, the pairs of triangles that a
+// traversal of two BVHs finds.
 
 /// A triangle's corners in the world.
 inline Corners corners_of(const Body& body, geometry::TriangleId id) noexcept {
@@ -25,28 +25,28 @@ inline Corners corners_of(const Body& body, geometry::TriangleId id) noexcept {
             body.pose.apply(mesh.positions[triangle[2]])};
 }
 
-/// The corners of the leaf that was asked for last: searches ask for one several times on end.
-class LastLeaf {
+/// Caches the world corners of the last leaf: traversals ask for one leaf several times in a row.
+class CachedLeaf {
 public:
-    explicit LastLeaf(const Body& body) noexcept
+    explicit CachedLeaf(const Body& body) noexcept
         : pose_(body.pose), triangles_(body.shape.triangles()), corners_(body.shape.corners()) {}
 
     geometry::TriangleId triangle(std::uint32_t leaf) const noexcept { return triangles_[leaf]; }
 
     const Pose& pose() const noexcept { return pose_; }
 
-    /// Where the mesh has them.
-    const Corners& own_corners(std::uint32_t leaf) const noexcept { return corners_[leaf]; }
+    /// In the space of the mesh.
+    const Corners& local_corners(std::uint32_t leaf) const noexcept { return corners_[leaf]; }
 
-    /// Where they stand.
+    /// In the world.
     const Corners& corners(std::uint32_t leaf) noexcept {
         if (leaf != leaf_) {
             leaf_ = leaf;
             for (std::size_t i = 0; i < 3; ++i) {
-                placed_[i] = pose_.apply(corners_[leaf][i]);
+                world_corners_[i] = pose_.apply(corners_[leaf][i]);
             }
         }
-        return placed_;
+        return world_corners_;
     }
 
 private:
@@ -54,27 +54,28 @@ private:
     const std::span<const geometry::TriangleId> triangles_;
     const std::span<const Corners> corners_;
     std::uint32_t leaf_ = std::numeric_limits<std::uint32_t>::max();
-    Corners placed_{};
+    Corners world_corners_{};
 };
 
-/// Collects the pairs that meet.
+/// Collects the pairs that intersect.
 class ContactSearch {
 public:
-    enum class Wanted { first, all, all_of_one_mesh };
+    enum class Query { first, all, all_of_one_mesh };
 
-    ContactSearch(const Body& a, const Body& b, Wanted wanted) noexcept
-        : triangles_(a.shape.mesh().triangles), a_(a), b_(b), wanted_(wanted) {}
+    ContactSearch(const Body& a, const Body& b, Query query) noexcept
+        : triangles_(a.shape.mesh().triangles), a_(a), b_(b), query_(query) {}
 
-    /// Takes leaves. Returns whether the search goes on. Pairs may wait for others.
+    /// Adds a pair of leaves. Pairs are decided in batches. Returns whether the traversal must go
+    /// on.
     bool add(std::uint32_t a, std::uint32_t b) {
-        waiting_[count_++] = {a, b};
-        if (wanted_ == Wanted::first || count_ == waiting_.size()) {
+        batch_[count_++] = {a, b};
+        if (query_ == Query::first || count_ == batch_.size()) {
             decide();
         }
-        return wanted_ != Wanted::first || found.empty();
+        return query_ != Query::first || found.empty();
     }
 
-    /// Decides the pairs that wait still.
+    /// Decides the pairs of the last batch.
     void decide();
 
     std::vector<TrianglePair> found;
@@ -82,34 +83,35 @@ public:
 private:
     using LeafPair = std::array<std::uint32_t, 2>;
 
-    bool meets(const LeafPair& leaves);
-    void decide_lanes_of(std::span<const LeafPair> pairs);
+    bool intersect_leaves(const LeafPair& leaves);
+    void decide_batch(std::span<const LeafPair> pairs);
 
     const std::span<const geometry::Triangle> triangles_;
-    LastLeaf a_;
-    LastLeaf b_;
-    Wanted wanted_;
-    std::array<LeafPair, 32> waiting_{};
+    CachedLeaf a_;
+    CachedLeaf b_;
+    Query query_;
+    std::array<LeafPair, 32> batch_{};
     std::size_t count_ = 0;
 };
 
-/// Keeps the nearest pair, of equally near ones the first. Precondition: no two triangles meet.
+/// Keeps the closest pair, of equally close ones the first. Precondition: no two triangles
+/// intersect.
 class DistanceSearch {
 public:
     DistanceSearch(const Body& a, const Body& b) noexcept : a_(a), b_(b) {}
 
     void add(std::uint32_t a, std::uint32_t b) noexcept;
 
-    /// Pairs of boxes farther apart, by this square, are of no interest.
+    /// Pairs of boxes farther apart than the root of this can be culled.
     float squared_bound() const noexcept { return squared_bound_; }
 
     MeshDistance best{};
 
 private:
-    LastLeaf a_;
-    LastLeaf b_;
+    CachedLeaf a_;
+    CachedLeaf b_;
     float squared_bound_ = std::numeric_limits<float>::infinity();
-    geometry::Vec3 direction_{0.0};  // from the best pair's one point to the other, length 1
+    geometry::Vec3 direction_{0.0};  // unit vector between the best pair's points
 };
 
 }  // namespace earshot::collision
