@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A cloth falls on a ball. Contacts of each step, of the cloth with the ball and with itself, stop
-// what would go through: the vertices and edges that touch stay where they were.
+// A cloth falls on a ball. Contacts of each step, of the cloth with the ball and with itself,
+// prevent penetration: vertices and edges in contact stay where they were.
 
 #include "earshot/collision/world.h"
 
@@ -14,11 +14,11 @@ using geometry::Vec3;
 
 constexpr int kSide = 40;  // squares of the cloth along a side, 5 cm each
 
-geometry::Mesh grid(Vec3 (*place)(double u, double v)) {
+geometry::Mesh grid(Vec3 (*position)(double u, double v)) {
     geometry::Mesh mesh;
     for (int i = 0; i <= kSide; ++i) {
         for (int k = 0; k <= kSide; ++k) {
-            mesh.positions.push_back(place(double(i) / kSide, double(k) / kSide));
+            mesh.positions.push_back(position(double(i) / kSide, double(k) / kSide));
         }
     }
     const auto at = [](int i, int k) { return static_cast<unsigned>(i * (kSide + 1) + k); };
@@ -45,7 +45,7 @@ int main() {
     const auto cloth_id = world.add_mesh(cloth.triangles, cloth.positions.size());
     world.update(ball_id, ball.positions, ball.positions);
 
-    // The ball does not touch itself: its seam does.
+    // The ball is not tested against itself: its seam touches.
     const collision::ContactOptions options{.within_meshes = true,
                                             .filter = [=](auto, auto b) { return b == cloth_id; }};
     const double step = 1.0 / 60.0;  // seconds
@@ -57,7 +57,8 @@ int main() {
             next[v] += step * speed[v];
         }
         world.update(cloth_id, cloth.positions, next);
-        // Holding back a vertex makes its neighbours move otherwise: ask until nothing touches.
+        // Holding a vertex back changes the motion of its triangles: repeat until there is no
+        // contact.
         std::size_t touched = 0;
         for (auto contacts = world.contacts(options); !contacts.empty();
              contacts = world.contacts(options)) {

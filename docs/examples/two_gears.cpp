@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Do two gears turn freely? Their motion is a turn each; a contact between them would show where
-// they jam.
+// Do two gears turn freely? Each rotates once; a contact between them shows where they jam.
 
 #include "earshot/collision/rigid_contacts.h"
 
