@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // bench_global_sampling [SCENE [X,Y,Z X,Y,Z [NX NY NZ [GROUP [MILLIONS]]]]]: entries of the visible
-// sets of all cells of a grid against the number of rays, by mixtures of the kinds of samples; and
-// how many rays with view directions only find as much as the whole mixture. GROUP: most triangles
-// of an object. MILLIONS: of rays for view directions only.
+// sets of all cells of a grid against the number of rays, by mixtures of the distributions of
+// samples; and how many rays with view directions only find as much as the whole mixture. GROUP:
+// most triangles of an object. MILLIONS: of rays for view directions only.
 
 #include "earshot/visibility/global_sampling.h"
 
@@ -19,22 +19,22 @@ namespace {
 
 using namespace earshot;
 using geometry::Vec3;
-using visibility::GlobalOptions;
-using visibility::GlobalView;
+using visibility::GlobalPvs;
+using visibility::GlobalSamplingOptions;
 
 constexpr std::uint64_t kMillion = 1'000'000;
 
 struct Mixture {
     const char* name;
-    std::array<bool, visibility::kSampleKinds> kinds;
+    std::array<bool, visibility::kSampleDistributions> distributions;
     std::uint64_t rays;
 };
 
-std::uint64_t entries_after(const GlobalView& view, std::uint64_t rays) {
-    return found_after(view.curve, &GlobalView::Point::entries, rays);
+std::uint64_t entries_after(const GlobalPvs& view, std::uint64_t rays) {
+    return found_after(view.curve, &GlobalPvs::Point::entries, rays);
 }
 
-void print_row(const Mixture& mixture, const GlobalView& view) {
+void print_row(const Mixture& mixture, const GlobalPvs& view) {
     std::printf("| %s |", mixture.name);
     for (const std::uint64_t rays : {kMillion / 10, kMillion, 3 * kMillion, 10 * kMillion}) {
         std::printf(" %llu |", static_cast<unsigned long long>(entries_after(view, rays)));
@@ -42,12 +42,12 @@ void print_row(const Mixture& mixture, const GlobalView& view) {
     std::printf(" %.2g |\n", view.missed_share);
 }
 
-void print_ratios(const GlobalView& all, const GlobalView& plain) {
+void print_ratios(const GlobalPvs& all, const GlobalPvs& plain) {
     std::printf("\n| rays of the mixture | entries | view directions for as many | times |\n");
     std::printf("| ---: | ---: | ---: | ---: |\n");
     for (const std::uint64_t rays : {kMillion / 10, kMillion / 3, kMillion, 3 * kMillion}) {
         const std::uint64_t entries = entries_after(all, rays);
-        const std::uint64_t until = rays_until(plain.curve, &GlobalView::Point::entries, entries);
+        const std::uint64_t until = rays_until(plain.curve, &GlobalPvs::Point::entries, entries);
         const std::uint64_t shown = until > 0 ? until : plain.rays;
         std::printf("| %llu | %llu | %s%llu | %.0f |\n",
                     static_cast<unsigned long long>(rays),
@@ -60,7 +60,7 @@ void print_ratios(const GlobalView& all, const GlobalView& plain) {
 
 int run(int argc, char** argv) {
     const auto scene = io::load_scene(argc > 1 ? argv[1] : "scenes/city.gltf").scene;
-    visibility::Region region = {{1.0, 1.0, 1.0}, {239.0, 3.0, 239.0}};
+    visibility::ViewRegion region = {{1.0, 1.0, 1.0}, {239.0, 3.0, 239.0}};
     if (argc > 3) {
         region = {point_of(argv[2]), point_of(argv[3])};
     }
@@ -84,21 +84,21 @@ int run(int argc, char** argv) {
                 cells.size());
     std::printf("| mixture | 0.1 M rays | 1 M | 3 M | 10 M | late samples that found |\n");
     std::printf("| --- | ---: | ---: | ---: | ---: | ---: |\n");
-    GlobalView plain;
-    GlobalView last;
+    GlobalPvs plain;
+    GlobalPvs last;
     for (const Mixture& mixture :
          {Mixture{"view directions", {true, false, false, false, false}, millions * kMillion},
           Mixture{"two points", {false, false, true, false, false}, 10 * kMillion},
           Mixture{"these and object directions", {true, true, true, false, false}, 10 * kMillion},
           Mixture{"and two-point mutations", {true, true, true, true, false}, 10 * kMillion},
           Mixture{"and silhouettes: all", {true, true, true, true, true}, 10 * kMillion}}) {
-        const GlobalOptions options = {.most_rays = mixture.rays,
-                                       .window = 2 * mixture.rays,
-                                       .samples_per_batch = 10'000,
-                                       .kinds = mixture.kinds};
+        const GlobalSamplingOptions options = {.max_rays = mixture.rays,
+                                               .window = 2 * mixture.rays,
+                                               .samples_per_batch = 10'000,
+                                               .distributions = mixture.distributions};
         last = visibility::sample_cells(tree, mesh, objects, cells, options, executor);
         print_row(mixture, last);
-        if (mixture.kinds == std::array{true, false, false, false, false}) {
+        if (mixture.distributions == std::array{true, false, false, false, false}) {
             plain = last;
         }
     }

@@ -20,28 +20,28 @@ namespace {
 using namespace earshot;
 using geometry::TriangleId;
 using geometry::Vec3;
-using visibility::GuidedOptions;
-using visibility::Region;
-using visibility::RegionView;
+using visibility::GuidedSamplingOptions;
+using visibility::RegionPvs;
+using visibility::ViewRegion;
 
 struct Setting {
     const bvh::WideTree& tree;
     geometry::MeshView mesh;
-    Region region;
+    ViewRegion region;
     Executor& executor;
 };
 
-RegionView sample(const Setting& setting, GuidedOptions options) {
-    options.fewest_new = 0;  // only the number of rays ends it
+RegionPvs sample(const Setting& setting, GuidedSamplingOptions options) {
+    options.min_new_triangles = 0;  // only the number of rays ends it
     return visibility::sample_region(
         setting.tree, setting.mesh, setting.region, options, setting.executor);
 }
 
-std::uint64_t found(const RegionView& view, std::uint64_t rays) {
-    return found_after(view.curve, &RegionView::Point::triangles, rays);
+std::uint64_t found(const RegionPvs& view, std::uint64_t rays) {
+    return found_after(view.curve, &RegionPvs::Point::triangles, rays);
 }
 
-void print_curves(const RegionView& guided, const RegionView& no_reverse, const RegionView& plain) {
+void print_curves(const RegionPvs& guided, const RegionPvs& no_reverse, const RegionPvs& plain) {
     std::printf("| rays | guided | without reverse | random | random rays for as many | times |\n");
     std::printf("| ---: | ---: | ---: | ---: | ---: | ---: |\n");
     for (std::uint64_t rays = 1000; rays <= guided.rays; rays *= 10) {
@@ -51,7 +51,7 @@ void print_curves(const RegionView& guided, const RegionView& no_reverse, const 
             }
             const std::uint64_t triangles = found(guided, at);
             const std::uint64_t until =
-                rays_until(plain.curve, &RegionView::Point::triangles, triangles);
+                rays_until(plain.curve, &RegionPvs::Point::triangles, triangles);
             std::printf(
                 "| %llu | %llu | %llu | %llu | %s%llu | %.0f |\n",
                 static_cast<unsigned long long>(at),
@@ -65,7 +65,7 @@ void print_curves(const RegionView& guided, const RegionView& no_reverse, const 
     }
 }
 
-std::size_t missing(const RegionView& view, const RegionView& other) {
+std::size_t missing(const RegionPvs& view, const RegionPvs& other) {
     std::vector<TriangleId> lacks;
     std::set_difference(other.triangles.begin(),
                         other.triangles.end(),
@@ -77,7 +77,7 @@ std::size_t missing(const RegionView& view, const RegionView& other) {
 
 int run(int argc, char** argv) {
     const auto scene = io::load_scene(argc > 1 ? argv[1] : "scenes/city.gltf").scene;
-    Region region = {{126.0, 1.0, 126.0}, {130.0, 3.0, 130.0}};
+    ViewRegion region = {{126.0, 1.0, 126.0}, {130.0, 3.0, 130.0}};
     if (argc > 3) {
         region = {point_of(argv[2]), point_of(argv[3])};
     }
@@ -90,10 +90,10 @@ int run(int argc, char** argv) {
     const auto tree =
         bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh)), mesh, executor);
     const Setting setting = {tree, mesh, region, executor};
-    const RegionView guided = sample(setting, {.most_rays = 1'000'000});
-    const RegionView no_reverse = sample(setting, {.most_rays = 1'000'000, .reverse = false});
-    const RegionView plain = sample(setting, {.most_rays = million(4, 100.0), .guided = false});
-    const RegionView longer = sample(setting, {.most_rays = million(5, 100.0)});
+    const RegionPvs guided = sample(setting, {.max_rays = 1'000'000});
+    const RegionPvs no_reverse = sample(setting, {.max_rays = 1'000'000, .reverse = false});
+    const RegionPvs plain = sample(setting, {.max_rays = million(4, 100.0), .guided = false});
+    const RegionPvs longer = sample(setting, {.max_rays = million(5, 100.0)});
 
     std::printf("%zu triangles\n\n", mesh.triangles.size());
     print_curves(guided, no_reverse, plain);

@@ -53,8 +53,8 @@ void print(const char* what, const Times& times) {
     std::printf("%s: %.2f s, processor %.2f s\n", what, times.clock, times.processor);
 }
 
-Region box_of(const Mesh& mesh) {
-    Region box = {mesh.positions.at(0), mesh.positions.at(0)};
+ViewRegion box_of(const Mesh& mesh) {
+    ViewRegion box = {mesh.positions.at(0), mesh.positions.at(0)};
     for (const geometry::Vec3& p : mesh.positions) {
         box.lower = glm::min(box.lower, p);
         box.upper = glm::max(box.upper, p);
@@ -70,7 +70,7 @@ Sets seen(const ViewCells& cells, std::span<const FreeSegment> segments, const O
         cells.pierced(shortened(free.segment, plane_slack(cells.region())), pierced);
         for (const CellId cell : pierced) {
             for (const geometry::TriangleId end : {free.at_from, free.at_to}) {
-                if (end != kNothing) {
+                if (end != kNoTriangle) {
                     is_seen[cell][objects.of(end)] = true;
                 }
             }
@@ -123,7 +123,7 @@ void run(const Mesh& mesh, const Choice& choice) {
     Executor executor(choice.threads);
     const auto tree =
         bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
-    const Region region = box_of(mesh);
+    const ViewRegion region = box_of(mesh);
     const Objects objects = Objects::groups(mesh.view(), choice.group);
     const auto costs = object_costs(objects);
     std::vector<FreeSegment> segments;
@@ -144,7 +144,7 @@ void run(const Mesh& mesh, const Choice& choice) {
     print("sampling", sampling);
 
     CellOptions options;
-    options.most_cells = choice.cells;
+    options.max_cells = choice.cells;
     options.mesh = mesh.view();
     BuiltCells by_cost{ViewCells(region)}, by_middle = by_cost;
     print("splits by cost", times_of([&] {

@@ -6,7 +6,7 @@
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
 #include "earshot/io/scene_file.h"
-#include "earshot/visibility/coherent_sight.h"
+#include "earshot/visibility/coherent_line_of_sight.h"
 
 #include <glm/common.hpp>
 
@@ -94,7 +94,7 @@ void compare_with_embree(const Mesh& mesh, std::size_t count) {
         }
         for (int repeat = 0; repeat < kRepeats; ++repeat) {
             times[0].push_back(
-                seconds_of([&] { seen = visibility::sees(tree, mesh.view(), segments); }));
+                seconds_of([&] { seen = visibility::visible(tree, mesh.view(), segments); }));
             for (std::size_t i = 0; i < contenders.size(); ++i) {
                 times[i + 1].push_back(seconds_of([&] { contenders[i]->any(Executor::serial()); }));
             }
@@ -143,26 +143,26 @@ void measure_coherence(const Mesh& mesh, std::size_t count) {
         "| ---: | ---: | ---: | ---: | ---: | ---: |\n");
     const auto segments = make_sets(mesh, count)["coherent"];
     for (const double share : {0.05, 0.2, 1.0}) {
-        visibility::CoherentSight coherent(mesh.view()), counted(mesh.view());
+        visibility::CoherentLineOfSight coherent(mesh.view()), counted(mesh.view());
         bvh::MovingTree tree(mesh.view());
-        counted.count_work(true);
-        coherent.sees(mesh.view(), segments);
-        counted.sees(mesh.view(), segments);
+        counted.collect_statistics(true);
+        coherent.visible(mesh.view(), segments);
+        counted.visible(mesh.view(), segments);
         std::uint64_t nodes = 0, scratch_nodes = 0;
         double seconds = 0.0, scratch_seconds = 0.0;
         for (int frame = 1; frame <= kFrames; ++frame) {
             const Mesh moved = swung(mesh, share, frame);
-            seconds += seconds_of([&] { coherent.sees(moved.view(), segments); });
+            seconds += seconds_of([&] { coherent.visible(moved.view(), segments); });
             scratch_seconds += seconds_of([&] {
                 tree.update(moved.view());
-                visibility::sees(tree.tree(), moved.view(), segments);
+                visibility::visible(tree.tree(), moved.view(), segments);
             });
-            counted.sees(moved.view(), segments);
-            nodes += counted.counts().nodes;
-            visibility::CoherentSight fresh(moved.view());
-            fresh.count_work(true);
-            fresh.sees(moved.view(), segments);
-            scratch_nodes += fresh.counts().nodes;
+            counted.visible(moved.view(), segments);
+            nodes += counted.statistics().nodes;
+            visibility::CoherentLineOfSight fresh(moved.view());
+            fresh.collect_statistics(true);
+            fresh.visible(moved.view(), segments);
+            scratch_nodes += fresh.statistics().nodes;
         }
         std::printf("| %.0f %% | %.2f M | %.2f M | %.1f | %.1f | %.1f |\n",
                     100.0 * share,

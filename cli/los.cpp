@@ -6,10 +6,10 @@
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/cli/values.h"
+#include "earshot/io/line_of_sight_table.h"
 #include "earshot/io/points.h"
-#include "earshot/io/sight_table.h"
 #include "earshot/io/whole_file.h"
-#include "earshot/visibility/coherent_sight.h"
+#include "earshot/visibility/coherent_line_of_sight.h"
 
 #include <nlohmann/json.hpp>
 
@@ -27,7 +27,7 @@ namespace {
 
 using geometry::TriangleId;
 using geometry::Vec3;
-using visibility::SightPoints;
+using visibility::PointSets;
 
 constexpr const char* kFooter =
     "POINTS is X,Y,Z or a CSV file of three columns. Two points see each other unless a triangle\n"
@@ -39,10 +39,10 @@ constexpr const char* kFooter =
     "  earshot los scenes/door.gltf --from 1,1.5,1 --to 8,1.2,2 --frames 0:2:0.1 -o sight.json\n"
     "      when a door that opens lets through";
 
-constexpr std::size_t kMostPairs = std::size_t{1} << 30U;
+constexpr std::size_t kMaxPairs = std::size_t{1} << 30U;
 
 /// What is remembered from one instant to the next takes five bytes a pair.
-constexpr std::size_t kMostKeptPairs = std::size_t{1} << 27U;
+constexpr std::size_t kMaxCoherentPairs = std::size_t{1} << 27U;
 
 class LosCommand : public Command {
 public:
@@ -66,7 +66,7 @@ public:
         const io::LoadedScene loaded = scene_.load();
         const std::vector<Vec3> from = points_of("--from", from_option_);
         const std::vector<Vec3> to = points_of("--to", to_option_);
-        if (from.size() > kMostPairs / to.size()) {
+        if (from.size() > kMaxPairs / to.size()) {
             throw Error("points",
                         std::to_string(from.size()) + " x " + std::to_string(to.size()) +
                             " pairs are more than 2^30",
@@ -99,18 +99,18 @@ private:
 
     void write(const propagation::Scene& scene,
                const std::vector<double>& times,
-               const SightPoints& points,
+               const PointSets& points,
                Executor& executor,
                Progress& progress) {
         const bool is_json = output_.ends_with(".json");
-        io::SightJson json(scene.name, points);
-        const visibility::Ignored ignored = ignored_of(scene);
+        io::LineOfSightJson json(scene.name, points);
+        const visibility::ExclusionMask excluded = exclusion_mask_of(scene);
         std::optional<bvh::MovingTree> tree;
-        std::optional<visibility::CoherentSight> coherent;
+        std::optional<visibility::CoherentLineOfSight> coherent;
         for (std::size_t frame = 0; frame < times.size(); ++frame) {
             const std::vector<Vec3> positions = scene.mesh.positions_at(times[frame]);
             const geometry::MeshView mesh{positions, scene.mesh.triangles()};
-            io::SightCsv csv;
+            io::LineOfSightCsv csv;
             const auto take = [&](auto row) {
                 free_ += static_cast<std::size_t>(std::count_if(
                     row.begin(), row.end(), [&](auto cell) { return is_free(cell); }));
@@ -120,9 +120,9 @@ private:
             const std::size_t pairs = points.from.size() * points.to.size();
             // Finding out what has moved pays if enough is asked.
             if (!with_blockers_ && times.size() > 1 && pairs >= mesh.triangles.size() &&
-                pairs <= kMostKeptPairs) {
+                pairs <= kMaxCoherentPairs) {
                 if (!coherent) {
-                    coherent.emplace(mesh, ignored, bvh::UpdateOptions{}, executor);
+                    coherent.emplace(mesh, excluded, bvh::UpdateOptions{}, executor);
                 }
                 const std::vector<std::uint8_t>& seen = coherent->matrix(mesh, points, executor);
                 for (std::size_t row = 0; row < points.from.size(); ++row) {
@@ -135,9 +135,9 @@ private:
                     tree.emplace(mesh, bvh::UpdateOptions{}, executor);
                 }
                 if (with_blockers_) {
-                    blocker_matrix(tree->tree(), mesh, points, ignored, executor, take);
+                    blocker_matrix(tree->tree(), mesh, points, excluded, executor, take);
                 } else {
-                    sight_matrix(tree->tree(), mesh, points, ignored, executor, take);
+                    visibility_matrix(tree->tree(), mesh, points, excluded, executor, take);
                 }
             }
             json.end_frame();
@@ -154,15 +154,15 @@ private:
     static bool is_free(std::uint8_t seen) noexcept { return seen != 0; }
     static bool is_free(TriangleId blocker) noexcept { return blocker == visibility::kNoBlocker; }
 
-    visibility::Ignored ignored_of(const propagation::Scene& scene) const {
+    visibility::ExclusionMask exclusion_mask_of(const propagation::Scene& scene) const {
         std::vector<std::uint32_t> materials;
         for (const std::string& name : ignored_) {
             materials.push_back(material_named(scene, name));
         }
-        return visibility::Ignored::materials(scene.material_of_triangle, materials);
+        return visibility::ExclusionMask::of_materials(scene.material_of_triangle, materials);
     }
 
-    std::string summary(const SightPoints& points, std::size_t instants) const {
+    std::string summary(const PointSets& points, std::size_t instants) const {
         const std::size_t pairs = points.from.size() * points.to.size() * instants;
         if (common().json) {
             const nlohmann::ordered_json json = {{"version", 1},

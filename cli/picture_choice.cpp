@@ -34,17 +34,17 @@ visibility::View PictureChoice::view_from(const CLI::App& app, const geometry::V
         if (!target) {
             throw wrong_usage(app, "--look-at", "'" + look_at_ + "' is not of the form X,Y,Z");
         }
-        view.front = *target - point;
-        if (*view.front == geometry::Vec3(0.0)) {
+        view.forward = *target - point;
+        if (*view.forward == geometry::Vec3(0.0)) {
             throw wrong_usage(app, "--look-at", "is the point that looks");
         }
     } else if (field_of_view_ > 0.0) {
-        view.front = geometry::Vec3(0.0, 0.0, -1.0);
+        view.forward = geometry::Vec3(0.0, 0.0, -1.0);
     }
     if (field_of_view_ > 0.0) {
         view.field_of_view = field_of_view_ * math::kPi / 180.0;
     }
-    const bool is_panorama = !view.front;
+    const bool is_panorama = !view.forward;
     view.height = is_panorama ? 512 : 768;
     if (!size_.empty()) {
         const auto size = parse_picture_size(size_, static_cast<std::int64_t>(io::kMaxPictureSize));

@@ -66,7 +66,7 @@ public:
         if (!cell) {
             throw Error("--at", at_option_ + " lies outside of the region", "see earshot pvs show");
         }
-        const std::vector<TriangleId> triangles = sets.triangles_seen_from(*cell);
+        const std::vector<TriangleId> triangles = sets.triangles_visible_from(*cell);
         if (!output_.empty()) {
             io::write_whole_file(output_, list_of(*cell, triangles));
         }

@@ -53,7 +53,7 @@ public:
         CLI::Option* cells = add_integer(app(),
                                          "--cells",
                                          cells_,
-                                         {1, kMostCells},
+                                         {1, kMaxCells},
                                          "divide the region where what is seen changes");
         app()
             .add_option("--grid", grid_option_, "divide it into NX,NY,NZ boxes instead")
@@ -61,7 +61,7 @@ public:
         add_integer(app(),
                     "--objects",
                     triangles_per_object_,
-                    {1, kMostPerObject},
+                    {1, kMaxTrianglesPerObject},
                     "triangles that are taken together; default: 1");
         add_integer(
             app(), "--rays", rays_, {1}, "most rays; default: 10 or, with cells, 20 million");
@@ -75,7 +75,7 @@ public:
         add_integer(app(),
                     "--segments",
                     segments_,
-                    {1, kMostSegments},
+                    {1, kMaxSegments},
                     "lines that --cells divides by; default: 200000");
         app().add_flag("--skip-solids",
                        skip_solids_,
@@ -94,18 +94,19 @@ public:
         const geometry::MeshView mesh = {positions, loaded.scene.mesh.triangles()};
         const auto tree = bvh::WideTree::build(
             bvh::Tree::build(bvh::triangle_boxes(mesh, executor), {}, executor), mesh, executor);
-        const Region region = given_region ? *given_region : box_of(tree);
+        const ViewRegion region = given_region ? *given_region : box_of(tree);
         start_ = std::chrono::steady_clock::now();
         std::optional<VisibleSets> sets;
         {
             ProgressBar progress(common().quiet);
             progress_ = &progress;
-            SetsOrigin origin = {.scene = loaded.scene.name,
-                                 .time = time,
-                                 .mesh_digest = mesh_digest(mesh),
-                                 .seed = static_cast<std::uint64_t>(common().seed)};
-            sets = cells_ > 0 || grid ? sample_all_cells(tree, mesh, region, grid, origin, executor)
-                                      : sample_one_region(tree, mesh, region, origin, executor);
+            SetsProvenance provenance = {.scene = loaded.scene.name,
+                                         .time = time,
+                                         .mesh_digest = mesh_digest(mesh),
+                                         .seed = static_cast<std::uint64_t>(common().seed)};
+            sets = cells_ > 0 || grid
+                       ? sample_all_cells(tree, mesh, region, grid, provenance, executor)
+                       : sample_one_region(tree, mesh, region, provenance, executor);
         }
         io::write_visible_sets(output_, *sets);
         if (!common().quiet) {
@@ -118,9 +119,9 @@ public:
     }
 
 private:
-    static constexpr std::int64_t kMostCells = 1 << 20;
-    static constexpr std::int64_t kMostPerObject = 1 << 30;
-    static constexpr std::int64_t kMostSegments = 100'000'000;
+    static constexpr std::int64_t kMaxCells = 1 << 20;
+    static constexpr std::int64_t kMaxTrianglesPerObject = 1 << 30;
+    static constexpr std::int64_t kMaxSegments = 100'000'000;
 
     std::optional<std::array<std::uint32_t, 3>> grid_counts() {
         if (grid_option_.empty()) {
@@ -131,7 +132,7 @@ private:
         bool is_right = counts.has_value();
         for (std::size_t k = 0; is_right && k < 3; ++k) {
             const double count = (*counts)[static_cast<int>(k)];
-            is_right = count >= 1.0 && count <= kMostCells && count == std::floor(count);
+            is_right = count >= 1.0 && count <= kMaxCells && count == std::floor(count);
             result[k] = is_right ? static_cast<std::uint32_t>(count) : 0;
         }
         if (!is_right) {
@@ -141,7 +142,7 @@ private:
         return result;
     }
 
-    std::optional<Region> region_given() {
+    std::optional<ViewRegion> region_given() {
         if (region_option_.empty()) {
             return std::nullopt;
         }
@@ -150,13 +151,13 @@ private:
             throw wrong_usage(
                 app(), "--region", "'" + region_option_ + "' is not of the form X,Y,Z:X,Y,Z");
         }
-        return Region{(*corners)[0], (*corners)[1]};
+        return ViewRegion{(*corners)[0], (*corners)[1]};
     }
 
-    static Region box_of(const bvh::WideTree& tree) {
+    static ViewRegion box_of(const bvh::WideTree& tree) {
         const auto point = [](const auto& p) { return Vec3(p[0], p[1], p[2]); };
-        return tree.box().is_empty() ? Region{}
-                                     : Region{point(tree.box().lower), point(tree.box().upper)};
+        return tree.box().is_empty() ? ViewRegion{}
+                                     : ViewRegion{point(tree.box().lower), point(tree.box().upper)};
     }
 
     Interrupt deadline() const {
@@ -176,16 +177,17 @@ private:
 
     VisibleSets sample_one_region(const bvh::WideTree& tree,
                                   const geometry::MeshView& mesh,
-                                  const Region& region,
-                                  SetsOrigin origin,
+                                  const ViewRegion& region,
+                                  SetsProvenance provenance,
                                   Executor& executor) const {
-        GuidedOptions options = {
-            .seed = origin.seed, .progress = progress_, .interrupt = deadline()};
-        options.most_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.most_rays;
-        options.fewest_new = until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.fewest_new;
-        const RegionView view = sample_region(tree, mesh, region, options, executor);
-        origin.rays = view.rays;
-        origin.missed_share = view.missed_share;
+        GuidedSamplingOptions options = {
+            .seed = provenance.seed, .progress = progress_, .interrupt = deadline()};
+        options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
+        options.min_new_triangles =
+            until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.min_new_triangles;
+        const RegionPvs view = sample_region(tree, mesh, region, options, executor);
+        provenance.rays = view.rays;
+        provenance.missed_share = view.missed_share;
         Objects objects = objects_of(mesh, executor);
         std::vector<ObjectId> set;
         for (const geometry::TriangleId triangle : view.triangles) {
@@ -193,38 +195,37 @@ private:
         }
         std::sort(set.begin(), set.end());
         set.erase(std::unique(set.begin(), set.end()), set.end());
-        return {ViewCells(region), std::move(objects), {std::move(set)}, std::move(origin)};
+        return {ViewCells(region), std::move(objects), {std::move(set)}, std::move(provenance)};
     }
 
     VisibleSets sample_all_cells(const bvh::WideTree& tree,
                                  const geometry::MeshView& mesh,
-                                 const Region& region,
+                                 const ViewRegion& region,
                                  const std::optional<std::array<std::uint32_t, 3>>& grid,
-                                 SetsOrigin origin,
+                                 SetsProvenance provenance,
                                  Executor& executor) const {
         Objects objects = objects_of(mesh, executor);
         ViewCells cells =
             grid ? ViewCells::grid(region, *grid) : divided(tree, mesh, region, objects, executor);
-        GlobalOptions options = {
-            .seed = origin.seed, .progress = progress_, .interrupt = deadline()};
-        options.most_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.most_rays;
-        options.most_growth =
-            until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.most_growth;
-        GlobalView view = sample_cells(tree, mesh, objects, cells, options, executor);
-        origin.rays = view.rays;
-        origin.missed_share = view.missed_share;
+        GlobalSamplingOptions options = {
+            .seed = provenance.seed, .progress = progress_, .interrupt = deadline()};
+        options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
+        options.max_growth = until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.max_growth;
+        GlobalPvs view = sample_cells(tree, mesh, objects, cells, options, executor);
+        provenance.rays = view.rays;
+        provenance.missed_share = view.missed_share;
         MergeHistory history =
             merge_cells(cells, view.visible, object_costs(objects), {}, executor);
         return {std::move(cells),
                 std::move(objects),
                 std::move(view.visible),
-                std::move(origin),
+                std::move(provenance),
                 std::move(history)};
     }
 
     ViewCells divided(const bvh::WideTree& tree,
                       const geometry::MeshView& mesh,
-                      const Region& region,
+                      const ViewRegion& region,
                       const Objects& objects,
                       Executor& executor) const {
         const auto seed = static_cast<std::uint64_t>(common().seed);
@@ -238,7 +239,7 @@ private:
         return build_view_cells(region,
                                 segments,
                                 objects,
-                                {.most_cells = static_cast<std::size_t>(cells_),
+                                {.max_cells = static_cast<std::size_t>(cells_),
                                  .mesh = mesh,
                                  .seed = seed,
                                  .progress = progress_},

@@ -18,7 +18,7 @@ using visibility::VisibleSets;
 
 namespace {
 
-constexpr std::size_t kMostRows = 10;
+constexpr std::size_t kMaxRows = 10;
 
 template <typename... Values>
 std::string line(const char* format, Values... values) {
@@ -42,10 +42,11 @@ std::vector<std::size_t> triangles_per_cell(const VisibleSets& sets) {
 std::string as_text(const VisibleSets& sets,
                     const std::string& file,
                     std::optional<double> seconds) {
-    const auto& origin = sets.origin();
+    const auto& provenance = sets.provenance();
     const auto cells = static_cast<double>(sets.cells().size());
-    const visibility::Region& region = sets.cells().region();
-    std::string text = "scene      " + on_one_line(origin.scene) + line(" at %g s\n", origin.time);
+    const visibility::ViewRegion& region = sets.cells().region();
+    std::string text =
+        "scene      " + on_one_line(provenance.scene) + line(" at %g s\n", provenance.time);
     text += line("region     %g,%g,%g to %g,%g,%g m\n",
                  region.lower.x,
                  region.lower.y,
@@ -61,8 +62,8 @@ std::string as_text(const VisibleSets& sets,
                  static_cast<unsigned long long>(sets.entries()),
                  static_cast<double>(sets.entries()) / cells);
     text += line("rays       %llu; of late ones %.2g met something new\n",
-                 static_cast<unsigned long long>(origin.rays),
-                 origin.missed_share);
+                 static_cast<unsigned long long>(provenance.rays),
+                 provenance.missed_share);
     if (seconds) {
         text += line("time       %.3f s\n", *seconds);
     }
@@ -78,18 +79,18 @@ std::string pvs_summary(const VisibleSets& sets,
     if (!as_json) {
         return as_text(sets, file, seconds);
     }
-    const auto& origin = sets.origin();
+    const auto& provenance = sets.provenance();
     nlohmann::ordered_json json = {{"version", 1},
-                                   {"scene", origin.scene},
-                                   {"time", origin.time},
+                                   {"scene", provenance.scene},
+                                   {"time", provenance.time},
                                    {"cells", sets.cells().size()},
                                    {"leaves", sets.cells().leaves()},
                                    {"objects", sets.objects().size()},
                                    {"triangles", sets.objects().object_of_triangle().size()},
                                    {"entries", sets.entries()},
-                                   {"rays", origin.rays},
-                                   {"missed_share", origin.missed_share},
-                                   {"seed", origin.seed},
+                                   {"rays", provenance.rays},
+                                   {"missed_share", provenance.missed_share},
+                                   {"seed", provenance.seed},
                                    {"file", file}};
     if (seconds) {
         json["seconds"] = *seconds;
@@ -106,7 +107,7 @@ std::string pvs_tables(const VisibleSets& sets) {
     });
     std::string text =
         "\nCells that see the most:\n\n    cell      volume, m3   objects  triangles\n";
-    for (std::size_t i = 0; i < std::min(kMostRows, order.size()); ++i) {
+    for (std::size_t i = 0; i < std::min(kMaxRows, order.size()); ++i) {
         const CellId cell = order[i];
         text += line("%8u %15.6g %9zu %10zu\n",
                      cell,

@@ -107,8 +107,8 @@ private:
               VisibleSummary& summary) {
         const propagation::Scene& scene = loaded.scene;
         const Kept kept = kept_of(scene);
-        const visibility::VisibleOptions options{.resolution = resolution_ * math::kPi / 180.0,
-                                                 .is_refined = !is_coarse_};
+        const visibility::VisibleTrianglesOptions options{
+            .resolution = resolution_ * math::kPi / 180.0, .refine = !is_coarse_};
         io::VisibleJson json(scene, point_, options.resolution);
         std::optional<bvh::MovingTree> tree;
         Progress* const inner = times.size() == 1 ? &progress : nullptr;
@@ -128,7 +128,7 @@ private:
             write(visible, json, times, frame);
             if (picture_.is_chosen()) {
                 visibility::ItemBuffer buffer =
-                    look_around(tree->tree(), mesh, point_, view, executor, inner);
+                    render_item_buffer(tree->tree(), mesh, point_, view, executor, inner);
                 name(buffer, kept);
                 io::write_png(scene_.file_of_frame(picture_.file(), frame),
                               picture_.paint(buffer, {positions, scene.mesh.triangles()}, scene));
@@ -145,7 +145,7 @@ private:
     }
     static void name(visibility::ItemBuffer& buffer, const Kept& kept) {
         for (TriangleId& id : buffer.triangles) {
-            id = id == visibility::kNothing ? id : kept.ids[id];
+            id = id == visibility::kNoTriangle ? id : kept.ids[id];
         }
     }
 

@@ -10,7 +10,7 @@
 namespace earshot::cli {
 
 using visibility::ItemBuffer;
-using visibility::kNothing;
+using visibility::kNoTriangle;
 
 namespace {
 
@@ -28,7 +28,7 @@ io::Picture paint(const ItemBuffer& buffer, const ColourOf& colour_of_pixel) {
     io::Picture picture{.width = buffer.view.width, .height = buffer.view.height, .rgb = {}};
     picture.rgb.reserve(3 * buffer.triangles.size());
     for (std::size_t i = 0; i < buffer.triangles.size(); ++i) {
-        const Colour colour = buffer.triangles[i] == kNothing ? Colour{} : colour_of_pixel(i);
+        const Colour colour = buffer.triangles[i] == kNoTriangle ? Colour{} : colour_of_pixel(i);
         picture.rgb.insert(picture.rgb.end(), colour.begin(), colour.end());
     }
     return picture;

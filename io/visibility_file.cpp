@@ -55,23 +55,23 @@ Vec3 read_point(ByteReader& in) {
     return point;
 }
 
-void write_origin(ByteWriter& out, const SetsOrigin& origin) {
-    out.string(origin.scene);
-    out.number(origin.time);
-    out.fixed(origin.mesh_digest, 8);
-    out.leb128(origin.seed);
-    out.leb128(origin.rays);
-    out.number(origin.missed_share);
+void write_provenance(ByteWriter& out, const SetsProvenance& provenance) {
+    out.string(provenance.scene);
+    out.number(provenance.time);
+    out.fixed(provenance.mesh_digest, 8);
+    out.leb128(provenance.seed);
+    out.leb128(provenance.rays);
+    out.number(provenance.missed_share);
 }
-SetsOrigin read_origin(ByteReader& in) {
-    SetsOrigin origin;
-    origin.scene = in.string();
-    origin.time = in.number();
-    origin.mesh_digest = in.fixed(8);
-    origin.seed = in.leb128();
-    origin.rays = in.leb128();
-    origin.missed_share = in.number();
-    return origin;
+SetsProvenance read_provenance(ByteReader& in) {
+    SetsProvenance provenance;
+    provenance.scene = in.string();
+    provenance.time = in.number();
+    provenance.mesh_digest = in.fixed(8);
+    provenance.seed = in.leb128();
+    provenance.rays = in.leb128();
+    provenance.missed_share = in.number();
+    return provenance;
 }
 
 void write_cells(ByteWriter& out, const ViewCells& cells) {
@@ -90,7 +90,7 @@ void write_cells(ByteWriter& out, const ViewCells& cells) {
     }
 }
 ViewCells read_cells(ByteReader& in) {
-    Region region;
+    ViewRegion region;
     region.lower = read_point(in);
     region.upper = read_point(in);
     constexpr std::size_t kLeafBytes = 9;
@@ -167,7 +167,7 @@ MergeHistory read_history(ByteReader& in, const std::vector<std::vector<ObjectId
 }
 
 VisibleSets read_body(ByteReader& in) {
-    SetsOrigin origin = read_origin(in);
+    SetsProvenance provenance = read_provenance(in);
     ViewCells cells = read_cells(in);
     Objects objects = read_objects(in);
     std::vector<std::vector<ObjectId>> sets(cells.size());
@@ -184,7 +184,7 @@ VisibleSets read_body(ByteReader& in) {
     return {std::move(cells),
             std::move(objects),
             std::move(sets),
-            std::move(origin),
+            std::move(provenance),
             std::move(history)};
 }
 
@@ -194,7 +194,7 @@ void write_visible_sets(const std::filesystem::path& file, const VisibleSets& se
     ByteWriter out;
     out.raw(kMagic);
     out.fixed(kVersion, 4);
-    write_origin(out, sets.origin());
+    write_provenance(out, sets.provenance());
     write_cells(out, sets.cells());
     const auto object_of_triangle = sets.objects().object_of_triangle();
     out.leb128(object_of_triangle.size());

@@ -151,11 +151,11 @@ void Simulator::State::check_visible_sets() const {
     const visibility::VisibleSets* sets = options.visible_sets;
     if (sets != nullptr &&
         (sets->objects().object_of_triangle().size() != scene.mesh.triangles().size() ||
-         sets->origin().mesh_digest !=
+         sets->provenance().mesh_digest !=
              visibility::mesh_digest({positions, scene.mesh.triangles()}))) {
         throw Error("visible sets",
-                    "they are of " + sets->origin().scene + " in another shape than " + scene.name +
-                        " has now",
+                    "they are of " + sets->provenance().scene + " in another shape than " +
+                        scene.name + " has now",
                     "build them for this scene and instant");
     }
 }
@@ -336,7 +336,7 @@ std::vector<std::uint8_t> Simulator::State::first_facets(const Vec3& source) con
         is_first.push_back(std::any_of(facet.triangles.begin(),
                                        facet.triangles.end(),
                                        [&](geometry::TriangleId triangle) {
-                                           return sets->sees(*cell, kept[triangle]);
+                                           return sets->contains(*cell, kept[triangle]);
                                        })
                                ? 1
                                : 0);

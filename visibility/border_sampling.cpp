@@ -91,7 +91,7 @@ std::optional<Vec3> expected_hit(const Ray& ray, const Corners& triangle, double
 // Wonka et al. 2006, section 4.2. Of the two ends of the blocker in the plane the one nearer to the
 // old ray is passed.
 std::optional<Ray> reverse_ray(const BlockedRay& blocked,
-                               const Region& region,
+                               const ViewRegion& region,
                                double gap) noexcept {
     const Vec3& eye = blocked.ray.origin;
     const Vec3 old_view = blocked.old_hit - eye;
@@ -110,11 +110,12 @@ std::optional<Ray> reverse_ray(const BlockedRay& blocked,
     const Vec3 towards = past - blocked.expected;
     // The region must lie beyond the blocker's edge.
     constexpr double kAnywhere = std::numeric_limits<double>::infinity();
-    const Passage inside = passage(blocked.expected, towards, region, {-kAnywhere, kAnywhere});
-    if (inside.is_empty() || !(inside.begin >= 1.0) || !std::isfinite(inside.begin)) {
+    const geometry::Interval inside =
+        clip(blocked.expected, towards, region, {-kAnywhere, kAnywhere});
+    if (inside.is_empty() || !(inside.min >= 1.0) || !std::isfinite(inside.min)) {
         return std::nullopt;
     }
-    return Ray{blocked.expected + inside.begin * towards, -towards};
+    return Ray{blocked.expected + inside.min * towards, -towards};
 }
 
 }  // namespace earshot::visibility

@@ -27,19 +27,19 @@ namespace {
 // ViewCells takes trees of up to 4096 nodes from the root to a leaf.
 constexpr int kMostDepth = 4096;
 
-void check_options(const Region& region, const CellOptions& options) {
-    check(region);
+void check_options(const ViewRegion& region, const CellOptions& options) {
+    validate(region);
     const Vec3 size = region.size();
     if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0 && region.volume() > 0.0)) {
         throw Error("region", "it has no volume", "make it thicker");
     }
-    if (options.most_cells == 0 || options.most_cells > ViewCells::kMostLeaves) {
+    if (options.max_cells == 0 || options.max_cells > ViewCells::kMaxLeaves) {
         throw Error(
             "view cells",
-            "the number of cells is 0, or more than " + std::to_string(ViewCells::kMostLeaves),
+            "the number of cells is 0, or more than " + std::to_string(ViewCells::kMaxLeaves),
             "choose another");
     }
-    if (!(options.least_saving >= 0.0) || options.most_poor_splits < 1) {
+    if (!(options.min_saving >= 0.0) || options.max_poor_splits < 1) {
         throw Error("view cells",
                     "a limit of poor splits is negative, or their number is 0",
                     "choose other limits");
@@ -47,7 +47,7 @@ void check_options(const Region& region, const CellOptions& options) {
 }
 
 /// Points for viewers, each with its part of the density, evenly through the region.
-std::vector<Viewer> viewers_of(const Region& region, const CellOptions& options) {
+std::vector<Viewer> viewers_of(const ViewRegion& region, const CellOptions& options) {
     std::vector<Viewer> viewers;
     if (!options.density) {
         return viewers;
@@ -77,7 +77,7 @@ std::vector<Viewer> viewers_of(const Region& region, const CellOptions& options)
 }
 
 /// Triangles whose boxes meet a region.
-std::vector<TriangleId> triangles_about(const geometry::MeshView& mesh, const Region& region) {
+std::vector<TriangleId> triangles_about(const geometry::MeshView& mesh, const ViewRegion& region) {
     std::vector<TriangleId> triangles;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto& [a, b, c] = mesh.triangles[i];
@@ -94,7 +94,7 @@ std::vector<TriangleId> triangles_about(const geometry::MeshView& mesh, const Re
 
 class CellBuilder {
 public:
-    CellBuilder(const Region& region, const CellOptions& options, Executor& executor)
+    CellBuilder(const ViewRegion& region, const CellOptions& options, Executor& executor)
         : options_(options), executor_(executor) {
         build_.region = region;
         build_.slack = plane_slack(region);
@@ -147,20 +147,20 @@ void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects
     sides_.assign(objects.size(), 0);
     CellLeaf root{.shape = CellShape(build_.region)};
     for (const FreeSegment& free : segments) {
-        const Passage inside = passage(free.segment, build_.region);
+        const geometry::Interval inside = clip(free.segment, build_.region);
         if (!free.is_valid() || inside.is_empty()) {
             continue;
         }
         Sight sight = {free.segment.from, free.segment.to - free.segment.from};
         const std::array<TriangleId, 2> ends = {free.at_from, free.at_to};
         for (std::size_t k = 0; k < 2; ++k) {
-            if (ends[k] != kNothing) {
+            if (ends[k] != kNoTriangle) {
                 sight.objects[k] = objects.of(ends[k]);
                 sides_[sight.objects[k]] = 1;
             }
         }
         root.pieces.push_back(
-            {static_cast<std::uint32_t>(build_.sights.size()), inside.begin, inside.end});
+            {static_cast<std::uint32_t>(build_.sights.size()), inside.min, inside.max});
         build_.sights.push_back(sight);
     }
     for (ObjectId object = 0; object < objects.size(); ++object) {
@@ -168,7 +168,7 @@ void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects
             root.set.push_back(object);
         }
     }
-    if (options_.rule == CellRule::cost && options_.most_triangle_planes > 0) {
+    if (options_.rule == CellRule::cost && options_.max_triangle_planes > 0) {
         root.triangles = triangles_about(options_.mesh, build_.region);
     }
     root.viewers.resize(build_.viewers.size());
@@ -193,8 +193,8 @@ void CellBuilder::measure(CellLeaf& leaf) const {
 bool CellBuilder::may_be_divided(const CellLeaf& leaf) const {
     return leaf.depth < kMostDepth &&
            (options_.rule == CellRule::middle ||
-            (leaf.poor_splits < options_.most_poor_splits &&
-             leaf.pieces.size() >= options_.least_segments && !leaf.set.empty()));
+            (leaf.poor_splits < options_.max_poor_splits &&
+             leaf.pieces.size() >= options_.min_segments && !leaf.set.empty()));
 }
 
 void CellBuilder::propose(std::span<const LeafId> ids) {
@@ -310,7 +310,7 @@ void CellBuilder::divide(LeafId id) {
     CellLeaf& leaf = leaves_[id];
     const CellNode plane = proposals_[id].plane;
     const auto node = static_cast<std::uint32_t>(nodes_.size());
-    auto halves = leaf.shape.divided(plane, node, build_.slack);
+    auto halves = leaf.shape.split(plane, node, build_.slack);
     if (!halves) {
         return;  // thinner than the slack: it stays as it is
     }
@@ -328,7 +328,7 @@ void CellBuilder::divide(LeafId id) {
     const double saved = std::max(
         0.0,
         leaf.share * leaf.set_cost - back.share * back.set_cost - front.share * front.set_cost);
-    const bool is_poor = saved < options_.least_saving * cost_;
+    const bool is_poor = saved < options_.min_saving * cost_;
     for (CellLeaf* half : {&back, &front}) {
         half->depth = leaf.depth + 1;
         half->poor_splits = is_poor ? leaf.poor_splits + 1 : 0;
@@ -347,27 +347,27 @@ BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects
     places_.push_back({0, false});
     const double region_cost = cost_;
     propose(std::array{LeafId{0}});
-    while (!waiting_.empty() && leaves_.size() < options_.most_cells) {
+    while (!waiting_.empty() && leaves_.size() < options_.max_cells) {
         const LeafId next = waiting_.top().leaf;
         waiting_.pop();
         divide(next);
         if (options_.progress != nullptr) {
-            options_.progress->report("view cells", leaves_.size(), options_.most_cells);
+            options_.progress->report("view cells", leaves_.size(), options_.max_cells);
         }
     }
     if (options_.progress != nullptr) {
-        options_.progress->report("view cells", options_.most_cells, options_.most_cells);
+        options_.progress->report("view cells", options_.max_cells, options_.max_cells);
     }
     std::vector<double> volumes;
     BuiltCells built{.cells = ViewCells(build_.region),
                      .sets = {},
-                     .shares = {},
+                     .viewer_fractions = {},
                      .region_cost = region_cost,
                      .splits = std::move(splits_)};
     for (CellLeaf& leaf : leaves_) {
         volumes.push_back(leaf.volume);
         built.sets.push_back(std::move(leaf.set));
-        built.shares.push_back(leaf.share);
+        built.viewer_fractions.push_back(leaf.share);
     }
     built.cells = ViewCells(build_.region, std::move(nodes_), std::move(volumes));
     return built;
@@ -375,7 +375,7 @@ BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects
 
 }  // namespace
 
-BuiltCells build_view_cells(const Region& region,
+BuiltCells build_view_cells(const ViewRegion& region,
                             std::span<const FreeSegment> segments,
                             const Objects& objects,
                             const CellOptions& options,

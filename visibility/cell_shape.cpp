@@ -141,7 +141,7 @@ void compact(std::vector<Vec3>& corners, std::vector<CellFace>& faces) {
 
 }  // namespace
 
-CellShape::CellShape(const Region& region) {
+CellShape::CellShape(const ViewRegion& region) {
     // Bit 0, 1, 2 of a corner's number chooses the upper end along x, y, z.
     for (unsigned i = 0; i < 8; ++i) {
         corners_.emplace_back((i & 1U) != 0 ? region.upper.x : region.lower.x,
@@ -156,7 +156,7 @@ CellShape::CellShape(const Region& region) {
 }
 
 double CellShape::volume() const noexcept {
-    const Vec3 inside = middle();
+    const Vec3 inside = vertex_mean();
     double sum = 0.0;
     for (const CellFace& face : faces_) {
         const Vec3 first = corners_[face.corners[0]] - inside;
@@ -169,7 +169,7 @@ double CellShape::volume() const noexcept {
     return sum / 6.0;
 }
 
-Vec3 CellShape::middle() const noexcept {
+Vec3 CellShape::vertex_mean() const noexcept {
     Vec3 sum(0.0);
     for (const Vec3& corner : corners_) {
         sum += corner;
@@ -177,8 +177,8 @@ Vec3 CellShape::middle() const noexcept {
     return corners_.empty() ? sum : sum / static_cast<double>(corners_.size());
 }
 
-Region CellShape::box() const noexcept {
-    Region box;
+ViewRegion CellShape::box() const noexcept {
+    ViewRegion box;
     for (std::size_t i = 0; i < corners_.size(); ++i) {
         box.lower = i == 0 ? corners_[i] : glm::min(box.lower, corners_[i]);
         box.upper = i == 0 ? corners_[i] : glm::max(box.upper, corners_[i]);
@@ -193,9 +193,9 @@ bool CellShape::contains(const Vec3& point, double slack) const noexcept {
     });
 }
 
-std::optional<CellShape::Halves> CellShape::divided(const CellNode& plane,
-                                                    std::uint32_t node,
-                                                    double slack) const {
+std::optional<CellShape::Halves> CellShape::split(const CellNode& plane,
+                                                  std::uint32_t node,
+                                                  double slack) const {
     Cut cut(corners_, plane, slack);
     if (!cut.has_side(-1) || !cut.has_side(1)) {
         return std::nullopt;
@@ -219,7 +219,7 @@ std::optional<CellShape::Halves> CellShape::divided(const CellNode& plane,
     return halves;
 }
 
-double plane_slack(const Region& region) noexcept {
+double plane_slack(const ViewRegion& region) noexcept {
     const Vec3 far = glm::max(glm::abs(region.lower), glm::abs(region.upper));
     return std::max(kPlaneSlack * glm::length(region.size()),
                     kRounding * std::max({far.x, far.y, far.z}));
@@ -245,12 +245,12 @@ std::vector<CellShape> leaf_shapes(const ViewCells& cells) {
         const double length = glm::length(plane.normal);
         plane.normal /= length;
         plane.offset /= length;
-        if (auto halves = part.shape.divided(plane, part.child, slack)) {
+        if (auto halves = part.shape.split(plane, part.child, slack)) {
             waiting.push_back({plane.front, std::move(halves->front)});
             waiting.push_back({plane.back, std::move(halves->back)});
         } else {
             // All of it is on one side.
-            const bool is_back = glm::dot(plane.normal, part.shape.middle()) < plane.offset;
+            const bool is_back = glm::dot(plane.normal, part.shape.vertex_mean()) < plane.offset;
             waiting.push_back({is_back ? plane.back : plane.front, std::move(part.shape)});
         }
     }

@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t kRaysPerChunk = 4096;
 
-Region around(const Region& region, const bvh::WideTree& tree) {
-    Region all = region;
+ViewRegion around(const ViewRegion& region, const bvh::WideTree& tree) {
+    ViewRegion all = region;
     if (!tree.box().is_empty()) {
         for (int axis = 0; axis < 3; ++axis) {
             const auto k = static_cast<std::size_t>(axis);
@@ -31,7 +31,7 @@ Region around(const Region& region, const bvh::WideTree& tree) {
 }
 
 /// The way from a point to the border of a box about it, in multiples of the direction.
-double way_out(const Ray& ray, const Region& all) {
+double way_out(const Ray& ray, const ViewRegion& all) {
     double way = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) {
         const double step = ray.direction[axis];
@@ -45,18 +45,18 @@ double way_out(const Ray& ray, const Region& all) {
 
 }  // namespace
 
-std::vector<FreeSegment> cast_both_ways(const bvh::WideTree& tree,
-                                        const geometry::MeshView& mesh,
-                                        std::span<const Ray> rays,
-                                        const Region& region,
-                                        Executor& executor) {
+std::vector<FreeSegment> cast_free_segments(const bvh::WideTree& tree,
+                                            const geometry::MeshView& mesh,
+                                            std::span<const Ray> rays,
+                                            const ViewRegion& region,
+                                            Executor& executor) {
     std::vector<Ray> both(2 * rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         both[2 * i] = {rays[i].origin, rays[i].direction};
         both[2 * i + 1] = {rays[i].origin, -rays[i].direction};
     }
     const auto hits = bvh::closest_hits(tree, mesh, both, executor);
-    const Region all = around(region, tree);
+    const ViewRegion all = around(region, tree);
     std::vector<FreeSegment> result(rays.size());
     executor.for_each(rays.size(), kRaysPerChunk, [&](std::size_t begin, std::size_t end) {
         const auto end_of = [&](std::size_t k) {
@@ -70,8 +70,8 @@ std::vector<FreeSegment> cast_both_ways(const bvh::WideTree& tree,
                 continue;
             }
             free.segment = {end_of(2 * i + 1), end_of(2 * i)};
-            free.at_to = hits[2 * i] ? hits[2 * i]->triangle : kNothing;
-            free.at_from = hits[2 * i + 1] ? hits[2 * i + 1]->triangle : kNothing;
+            free.at_to = hits[2 * i] ? hits[2 * i]->triangle : kNoTriangle;
+            free.at_from = hits[2 * i + 1] ? hits[2 * i + 1]->triangle : kNoTriangle;
         }
     });
     return result;

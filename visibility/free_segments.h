@@ -12,32 +12,33 @@
 
 namespace earshot::visibility {
 
-/// Where a segment ends at no triangle.
-inline constexpr geometry::TriangleId kNothing = std::numeric_limits<geometry::TriangleId>::max();
+/// Stands for "no triangle": a ray that hits nothing, or the end of a segment in free space.
+inline constexpr geometry::TriangleId kNoTriangle =
+    std::numeric_limits<geometry::TriangleId>::max();
 
-/// A maximal free segment: a line as far as nothing is met either way.
+/// A maximal free line segment: a line extended both ways up to the first triangle.
 struct FreeSegment {
     geometry::Segment segment{};  ///< `to` lies ahead, `from` behind
-    geometry::TriangleId at_from = kNothing;
-    geometry::TriangleId at_to = kNothing;
+    geometry::TriangleId at_from = kNoTriangle;
+    geometry::TriangleId at_to = kNoTriangle;
 
-    /// Whether it tells that something is seen.
-    bool is_valid() const noexcept { return at_from != kNothing || at_to != kNothing; }
+    /// Whether a triangle is visible at one end at least: a valid sample of visibility.
+    bool is_valid() const noexcept { return at_from != kNoTriangle || at_to != kNoTriangle; }
 };
 
-/// The free segment through the origin of every ray, along its direction both ways (Bittner et al.
-/// 2009, section 3). Where nothing is met it ends at the border of the box about the region and the
-/// tree; of a ray whose origin is outside of that it is empty. Precondition: the tree was built
-/// over or refitted to this mesh.
-std::vector<FreeSegment> cast_both_ways(const bvh::WideTree& tree,
-                                        const geometry::MeshView& mesh,
-                                        std::span<const geometry::Ray> rays,
-                                        const Region& region,
-                                        Executor& executor = Executor::serial());
+/// The maximal free segment through the origin of every ray, by a ray along its direction and one
+/// against it (Bittner et al. 2009, section 3). A segment that hits nothing ends at the boundary of
+/// the box around the region and the tree; that of a ray whose origin is outside of this box is
+/// empty. Precondition: the tree was built over or refitted to this mesh.
+std::vector<FreeSegment> cast_free_segments(const bvh::WideTree& tree,
+                                            const geometry::MeshView& mesh,
+                                            std::span<const geometry::Ray> rays,
+                                            const ViewRegion& region,
+                                            Executor& executor = Executor::serial());
 
-/// A segment without so many metres at either end; its middle if it is no longer than both. Cells
-/// may end at the very walls where segments end: with their ends drawn in by plane_slack(),
-/// segments do not reach the cell behind a wall by rounding.
+/// A segment without so many metres at either end; its midpoint if it is no longer than both. Cells
+/// may end at the very walls where segments end: segments shortened by plane_slack() do not reach
+/// the cell behind a wall by rounding.
 geometry::Segment shortened(const geometry::Segment& segment, double metres) noexcept;
 
 }  // namespace earshot::visibility

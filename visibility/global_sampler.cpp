@@ -20,22 +20,23 @@ namespace {
 
 constexpr std::size_t kSamplesPerChunk = 1024;
 
-// A stream of random numbers: which kind is drawn.
+// A stream of random numbers: which distribution is drawn.
 constexpr std::uint64_t kKind = 90;
 
-// No kind is drawn more seldom, as what finds nothing now may find something later.
+// No distribution is drawn more seldom, as what finds nothing now may find something later.
 constexpr double kLeastChance = 0.02;
 
 // A silhouette's line that goes on so far, in radii of the object, fell off an edge: Bittner et al.
 // 2009, section 4.3.
 constexpr double kFallen = 3.0;
 
-constexpr std::size_t at(SampleKind kind) noexcept {
-    return static_cast<std::size_t>(kind);
+constexpr std::size_t at(SampleDistribution distribution) noexcept {
+    return static_cast<std::size_t>(distribution);
 }
 
-bool is_mutation(SampleKind kind) noexcept {
-    return kind == SampleKind::two_point_mutation || kind == SampleKind::silhouette_mutation;
+bool is_mutation(SampleDistribution distribution) noexcept {
+    return distribution == SampleDistribution::two_point_mutation ||
+           distribution == SampleDistribution::silhouette_mutation;
 }
 
 }  // namespace
@@ -44,7 +45,7 @@ GlobalSampler::GlobalSampler(const bvh::WideTree& tree,
                              const geometry::MeshView& mesh,
                              const Objects& objects,
                              const ViewCells& cells,
-                             const GlobalOptions& options,
+                             const GlobalSamplingOptions& options,
                              Executor& executor)
     : tree_(tree),
       mesh_(mesh),
@@ -61,16 +62,17 @@ GlobalSampler::GlobalSampler(const bvh::WideTree& tree,
     choose_anew({});
 }
 
-GlobalView GlobalSampler::run() {
+GlobalPvs GlobalSampler::run() {
     while (!is_finished()) {
         const auto before = view_.counts;
         const std::vector<Sample> samples = draw_batch();
         std::vector<geometry::Ray> rays(samples.size());
         std::transform(
             samples.begin(), samples.end(), rays.begin(), [](const auto& s) { return s.ray; });
-        const auto segments = cast_both_ways(tree_, mesh_, rays, cells_.region(), executor_);
-        marks_.push_back(
-            {view_.rays, view_.counts[at(SampleKind::view_direction)].samples, own_finds_});
+        const auto segments = cast_free_segments(tree_, mesh_, rays, cells_.region(), executor_);
+        marks_.push_back({view_.rays,
+                          view_.counts[at(SampleDistribution::view_space_direction)].samples,
+                          own_finds_});
         take_in(samples, segments, look(samples, segments));
         view_.rays += 2 * samples.size();
         view_.curve.push_back({view_.rays, entries_});
@@ -78,7 +80,7 @@ GlobalView GlobalSampler::run() {
         close_window();
         if (options_.progress != nullptr) {
             options_.progress->report(
-                "rays", view_.rays, std::max(view_.rays + 1, options_.most_rays));
+                "rays", view_.rays, std::max(view_.rays + 1, options_.max_rays));
         }
         is_interrupted_ = options_.interrupt && options_.interrupt();
     }
@@ -87,7 +89,7 @@ GlobalView GlobalSampler::run() {
     }
     const auto half = std::partition_point(
         marks_.begin(), marks_.end(), [&](const Mark& mark) { return 2 * mark.rays < view_.rays; });
-    const std::uint64_t own = view_.counts[at(SampleKind::view_direction)].samples;
+    const std::uint64_t own = view_.counts[at(SampleDistribution::view_space_direction)].samples;
     if (half != marks_.end() && own > half->own_samples) {
         view_.missed_share = static_cast<double>(own_finds_ - half->own_finds) /
                              static_cast<double>(own - half->own_samples);
@@ -115,36 +117,36 @@ std::vector<ObjectId> GlobalSampler::set_of(CellId cell) const {
 
 bool GlobalSampler::is_finished() const {
     return has_converged_ || is_interrupted_ || objects_.size() == 0 ||
-           view_.rays + 2 > options_.most_rays;
+           view_.rays + 2 > options_.max_rays;
 }
 
-SampleKind GlobalSampler::choose(double die) const {
-    std::size_t kind = 0;
-    while (kind + 1 < kSampleKinds && die >= chances_[kind]) {
-        die -= chances_[kind];
-        ++kind;
+SampleDistribution GlobalSampler::choose(double die) const {
+    std::size_t distribution = 0;
+    while (distribution + 1 < kSampleDistributions && die >= chances_[distribution]) {
+        die -= chances_[distribution];
+        ++distribution;
     }
-    // A rounding may lead past the last kind that may be drawn.
-    while (!options_.kinds[kind]) {
-        kind = (kind + kSampleKinds - 1) % kSampleKinds;
+    // A rounding may lead past the last distribution that may be drawn.
+    while (!options_.distributions[distribution]) {
+        distribution = (distribution + kSampleDistributions - 1) % kSampleDistributions;
     }
-    return static_cast<SampleKind>(kind);
+    return static_cast<SampleDistribution>(distribution);
 }
 
 std::vector<Sample> GlobalSampler::draw_batch() {
-    const std::uint64_t allowed = (options_.most_rays - view_.rays) / 2;
+    const std::uint64_t allowed = (options_.max_rays - view_.rays) / 2;
     std::vector<Sample> samples(static_cast<std::size_t>(
         std::min<std::uint64_t>(std::max<std::size_t>(1, options_.samples_per_batch), allowed)));
     std::vector<std::uint64_t> index(samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        SampleKind kind = choose(random(options_.seed, kKind, view_.rays / 2 + i));
-        if (is_mutation(kind)) {
+        SampleDistribution distribution = choose(random(options_.seed, kKind, view_.rays / 2 + i));
+        if (is_mutation(distribution)) {
             samples[i].origin = store_.take();
             // Nothing was found yet that could be varied.
-            kind = samples[i].origin ? kind : SampleKind::two_point;
+            distribution = samples[i].origin ? distribution : SampleDistribution::two_point;
         }
-        samples[i].kind = kind;
-        index[i] = view_.counts[at(kind)].samples++;
+        samples[i].distribution = distribution;
+        index[i] = view_.counts[at(distribution)].samples++;
     }
     executor_.for_each(samples.size(), kSamplesPerChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -170,7 +172,7 @@ std::vector<GlobalSampler::Find> GlobalSampler::look(std::span<const Sample> sam
             for (const CellId cell : pierced) {
                 for (const bool is_ahead : {false, true}) {
                     const TriangleId met = is_ahead ? segments[i].at_to : segments[i].at_from;
-                    if (met != kNothing && !is_known(cell, objects_.of(met))) {
+                    if (met != kNoTriangle && !is_known(cell, objects_.of(met))) {
                         finds.push_back(
                             {static_cast<std::uint32_t>(i), cell, objects_.of(met), is_ahead});
                     }
@@ -194,7 +196,7 @@ void GlobalSampler::take_in(std::span<const Sample> samples,
         bool behind = false;
         std::uint64_t added = 0;
         bool is_for_own_cell = false;
-        const auto own = samples[i].kind == SampleKind::view_direction
+        const auto own = samples[i].distribution == SampleDistribution::view_space_direction
                              ? cells_.cell_at(samples[i].ray.origin)
                              : std::nullopt;
         for (; k < finds.size() && finds[k].sample == i; ++k) {
@@ -211,10 +213,10 @@ void GlobalSampler::take_in(std::span<const Sample> samples,
         }
         entries_ += added;
         own_finds_ += is_for_own_cell ? 1 : 0;
-        view_.counts[at(samples[i].kind)].finds += added;
+        view_.counts[at(samples[i].distribution)].contribution += added;
         if (added > 0) {
             note_candidates(segments[i], ahead, behind);
-            if (samples[i].kind == SampleKind::silhouette_mutation) {
+            if (samples[i].distribution == SampleDistribution::silhouette_mutation) {
                 follow_silhouette(samples[i], segments[i]);
             }
         }
@@ -222,7 +224,7 @@ void GlobalSampler::take_in(std::span<const Sample> samples,
 }
 
 double GlobalSampler::radius_at(TriangleId triangle) const {
-    if (triangle != kNothing) {
+    if (triangle != kNoTriangle) {
         return source_.radius(objects_.of(triangle));
     }
     // About that of a cell.
@@ -248,7 +250,7 @@ void GlobalSampler::note_candidates(const FreeSegment& free, bool ahead, bool be
 // silhouette again.
 void GlobalSampler::follow_silhouette(const Sample& sample, const FreeSegment& free) {
     const ObjectId object = sample.origin->object;
-    if (free.at_to == kNothing || objects_.of(free.at_to) == object ||
+    if (free.at_to == kNoTriangle || objects_.of(free.at_to) == object ||
         !(glm::distance(free.segment.to, sample.aimed_at) > kFallen * source_.radius(object))) {
         return;
     }
@@ -257,24 +259,30 @@ void GlobalSampler::follow_silhouette(const Sample& sample, const FreeSegment& f
     }
 }
 
-// In proportion to what each kind found for its rays in the last batch, but never too seldom.
-void GlobalSampler::choose_anew(const std::array<GlobalView::Count, kSampleKinds>& before) {
-    std::array<double, kSampleKinds> weights{};
-    for (std::size_t kind = 0; kind < kSampleKinds; ++kind) {
-        const auto samples = static_cast<double>(view_.counts[kind].samples - before[kind].samples);
-        const auto finds = static_cast<double>(view_.counts[kind].finds - before[kind].finds);
-        weights[kind] = !options_.kinds[kind] ? 0.0 : samples > 0.0 ? finds / samples : 0.0;
+// In proportion to what each distribution found for its rays in the last batch, but never too
+// seldom.
+void GlobalSampler::choose_anew(const std::array<GlobalPvs::Count, kSampleDistributions>& before) {
+    std::array<double, kSampleDistributions> weights{};
+    for (std::size_t distribution = 0; distribution < kSampleDistributions; ++distribution) {
+        const auto samples =
+            static_cast<double>(view_.counts[distribution].samples - before[distribution].samples);
+        const auto finds = static_cast<double>(view_.counts[distribution].contribution -
+                                               before[distribution].contribution);
+        weights[distribution] = !options_.distributions[distribution] ? 0.0
+                                : samples > 0.0                       ? finds / samples
+                                                                      : 0.0;
     }
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-    const auto kinds =
-        static_cast<double>(std::count(options_.kinds.begin(), options_.kinds.end(), true));
+    const auto distributions = static_cast<double>(
+        std::count(options_.distributions.begin(), options_.distributions.end(), true));
     double total = 0.0;
-    for (std::size_t kind = 0; kind < kSampleKinds; ++kind) {
-        chances_[kind] =
-            !options_.kinds[kind]
+    for (std::size_t distribution = 0; distribution < kSampleDistributions; ++distribution) {
+        chances_[distribution] =
+            !options_.distributions[distribution]
                 ? 0.0
-                : std::max(kLeastChance, sum > 0.0 ? weights[kind] / sum : 1.0 / kinds);
-        total += chances_[kind];
+                : std::max(kLeastChance,
+                           sum > 0.0 ? weights[distribution] / sum : 1.0 / distributions);
+        total += chances_[distribution];
     }
     for (double& chance : chances_) {
         chance /= total;
@@ -289,7 +297,7 @@ void GlobalSampler::close_window() {
     for (std::size_t cell = 0; cell < sizes_.size(); ++cell) {
         most = std::max(most, sizes_[cell] - sizes_then_[cell]);
     }
-    has_converged_ = most <= options_.most_growth;
+    has_converged_ = most <= options_.max_growth;
     sizes_then_ = sizes_;
     window_end_ = view_.rays + options_.window;
 }

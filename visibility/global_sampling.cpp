@@ -16,12 +16,12 @@ constexpr std::size_t kMostBits = std::size_t{1} << 35U;
 
 }  // namespace
 
-GlobalView sample_cells(const bvh::WideTree& tree,
-                        const geometry::MeshView& mesh,
-                        const Objects& objects,
-                        const ViewCells& cells,
-                        const GlobalOptions& options,
-                        Executor& executor) {
+GlobalPvs sample_cells(const bvh::WideTree& tree,
+                       const geometry::MeshView& mesh,
+                       const Objects& objects,
+                       const ViewCells& cells,
+                       const GlobalSamplingOptions& options,
+                       Executor& executor) {
     EARSHOT_ASSERT(objects.object_of_triangle().size() == mesh.triangles.size());
     if (objects.size() > kMostBits / cells.size()) {
         throw Error("visible sets",
@@ -29,9 +29,10 @@ GlobalView sample_cells(const bvh::WideTree& tree,
                         " objects take more than 4 GiB",
                     "choose fewer cells or larger objects");
     }
-    if (std::none_of(
-            options.kinds.begin(), options.kinds.end(), [](bool is_on) { return is_on; })) {
-        throw Error("visible sets", "no kind of sample may be drawn", "allow one");
+    if (std::none_of(options.distributions.begin(), options.distributions.end(), [](bool is_on) {
+            return is_on;
+        })) {
+        throw Error("visible sets", "no distribution of sample may be drawn", "allow one");
     }
     return GlobalSampler(tree, mesh, objects, cells, options, executor).run();
 }

@@ -45,8 +45,8 @@ constexpr double kFarthest = 4.0;
 
 GuidedSampler::GuidedSampler(const bvh::WideTree& tree,
                              const geometry::MeshView& mesh,
-                             const Region& region,
-                             const GuidedOptions& options,
+                             const ViewRegion& region,
+                             const GuidedSamplingOptions& options,
                              Executor& executor)
     : tree_(tree), mesh_(mesh), region_(region), options_(options), executor_(executor) {
     place_.assign(mesh.triangles.size(), kUnknown);
@@ -72,8 +72,8 @@ GuidedSampler::GuidedSampler(const bvh::WideTree& tree,
     }
 }
 
-RegionView GuidedSampler::run() {
-    RegionView view;
+RegionPvs GuidedSampler::run() {
+    RegionPvs view;
     while (!is_finished()) {
         cast_random();
         if (options_.guided) {
@@ -103,7 +103,7 @@ RegionView GuidedSampler::run() {
 }
 
 bool GuidedSampler::is_finished() const {
-    if (is_interrupted_ || rays_ >= options_.most_rays || mesh_.triangles.empty()) {
+    if (is_interrupted_ || rays_ >= options_.max_rays || mesh_.triangles.empty()) {
         return true;
     }
     if (rays_ < options_.window) {
@@ -113,11 +113,11 @@ bool GuidedSampler::is_finished() const {
         return point.rays + options_.window <= rays_;
     });
     const std::uint64_t then = before == curve_.begin() ? 0 : std::prev(before)->triangles;
-    return witnesses_.size() - then < options_.fewest_new;
+    return witnesses_.size() - then < options_.min_new_triangles;
 }
 
 std::size_t GuidedSampler::allowance(std::size_t rays) const {
-    return static_cast<std::size_t>(std::min<std::uint64_t>(rays, options_.most_rays - rays_));
+    return static_cast<std::size_t>(std::min<std::uint64_t>(rays, options_.max_rays - rays_));
 }
 
 std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
@@ -135,7 +135,7 @@ std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
     }
     curve_.push_back({rays_, witnesses_.size()});
     if (options_.progress != nullptr) {
-        options_.progress->report("rays", rays_, std::max(rays_ + 1, options_.most_rays));
+        options_.progress->report("rays", rays_, std::max(rays_ + 1, options_.max_rays));
     }
     return count;
 }

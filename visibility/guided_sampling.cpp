@@ -8,14 +8,14 @@ namespace earshot::visibility {
 
 using geometry::TriangleId;
 
-RegionView sample_region(const bvh::WideTree& tree,
-                         const geometry::MeshView& mesh,
-                         const Region& region,
-                         const GuidedOptions& options,
-                         Executor& executor) {
-    check(region);
+RegionPvs sample_region(const bvh::WideTree& tree,
+                        const geometry::MeshView& mesh,
+                        const ViewRegion& region,
+                        const GuidedSamplingOptions& options,
+                        Executor& executor) {
+    validate(region);
     GuidedSampler sampler(tree, mesh, region, options, executor);
-    RegionView view = sampler.run();
+    RegionPvs view = sampler.run();
     const geometry::BoxRegion box(region.lower, region.upper);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto id = static_cast<TriangleId>(i);

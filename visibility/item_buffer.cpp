@@ -22,10 +22,10 @@ namespace {
 class Lens {
 public:
     explicit Lens(const View& view) noexcept : view_(view) {
-        if (!view.front) {
+        if (!view.forward) {
             return;
         }
-        front_ = unit(*view.front);
+        front_ = unit(*view.forward);
         const Vec3 across = glm::cross(front_, Vec3(0.0, 1.0, 0.0));
         // Straight up or down: right is +X, as it is for all that looks along -Z.
         right_ = glm::dot(across, across) > 0.0 ? unit(across) : Vec3(1.0, 0.0, 0.0);
@@ -39,7 +39,7 @@ public:
         const auto height = static_cast<double>(view_.height);
         const double x = (2.0 * static_cast<double>(column) + 1.0 - width) / width;
         const double y = (height - 2.0 * static_cast<double>(row) - 1.0);
-        if (view_.front) {
+        if (view_.forward) {
             return unit(front_ + half_width_ * (x * right_ + y / width * up_));
         }
         const double azimuth = x * math::kPi;
@@ -57,12 +57,12 @@ private:
 
 }  // namespace
 
-ItemBuffer look_around(const bvh::WideTree& tree,
-                       const geometry::MeshView& mesh,
-                       const Vec3& point,
-                       const View& view,
-                       Executor& executor,
-                       Progress* progress) {
+ItemBuffer render_item_buffer(const bvh::WideTree& tree,
+                              const geometry::MeshView& mesh,
+                              const Vec3& point,
+                              const View& view,
+                              Executor& executor,
+                              Progress* progress) {
     EARSHOT_ASSERT(view.width > 0 && view.height > 0);
     EARSHOT_ASSERT(view.field_of_view > 0.0 && view.field_of_view < math::kPi);
     constexpr std::size_t kPixelsAtATime = std::size_t{1} << 16U;
@@ -86,7 +86,7 @@ ItemBuffer look_around(const bvh::WideTree& tree,
             }
         });
         for (const std::optional<Hit>& hit : bvh::closest_hits(tree, mesh, rays, executor)) {
-            buffer.triangles.push_back(hit ? hit->triangle : kNothing);
+            buffer.triangles.push_back(hit ? hit->triangle : kNoTriangle);
             buffer.distances.push_back(hit ? hit->t : std::numeric_limits<double>::infinity());
         }
         if (progress != nullptr) {

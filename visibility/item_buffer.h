@@ -15,33 +15,33 @@
 
 namespace earshot::visibility {
 
-/// Which way the pixels of a picture look. Rows run from the top down, columns from left to right,
-/// +Y is up.
+/// The projection of a picture. Rows run from the top down, columns from left to right, +Y is up.
 struct View {
     std::size_t width = 1024, height = 512;
-    /// A perspective view's middle, of any length but 0; straight down, -Z is at the top, and
-    /// straight up +Z. Without it: a panorama of all directions, equal angles per pixel, -Z in the
-    /// middle and +X to its right.
-    std::optional<geometry::Vec3> front{};
+    /// The view direction of a perspective picture, of any length but 0; straight down, -Z is at
+    /// the top, and straight up +Z. Without it: a panorama of all directions, equal angles per
+    /// pixel, -Z in the middle and +X to its right.
+    std::optional<geometry::Vec3> forward{};
     /// Angle over the width of a perspective view, radians. Precondition: above 0, below pi.
     double field_of_view = math::kPi / 2.0;
 };
 
-/// What is seen in each pixel of a picture, row by row.
+/// An item buffer (Weghorst et al. 1984): the triangle that is visible in each pixel of a picture,
+/// row by row.
 struct ItemBuffer {
     View view{};
     std::vector<geometry::Vec3> directions;       ///< unit vectors
-    std::vector<geometry::TriangleId> triangles;  ///< or kNothing
-    std::vector<double> distances;                ///< metres; infinite where nothing is
+    std::vector<geometry::TriangleId> triangles;  ///< or kNoTriangle
+    std::vector<double> distances;                ///< metres; infinite where no triangle is
 };
 
-/// Looks once through the middle of every pixel. Precondition: width and height are not 0, and the
-/// tree was built over or refitted to this mesh.
-ItemBuffer look_around(const bvh::WideTree& tree,
-                       const geometry::MeshView& mesh,
-                       const geometry::Vec3& point,
-                       const View& view,
-                       Executor& executor = Executor::serial(),
-                       Progress* progress = nullptr);
+/// Casts one ray from `point` through the middle of every pixel. Precondition: width and height are
+/// not 0, and the tree was built over or refitted to this mesh.
+ItemBuffer render_item_buffer(const bvh::WideTree& tree,
+                              const geometry::MeshView& mesh,
+                              const geometry::Vec3& point,
+                              const View& view,
+                              Executor& executor = Executor::serial(),
+                              Progress* progress = nullptr);
 
 }  // namespace earshot::visibility

@@ -89,7 +89,7 @@ public:
         initial_ = std::move(pairs);
     }
 
-    MergeHistory run(std::span<const double> shares);
+    MergeHistory run(std::span<const double> viewer_fractions);
 
 private:
     /// What the average cost rises by when two groups become one: each sees what only the other
@@ -125,7 +125,7 @@ void Merger::merge(const Candidate& pair) {
     const auto number = static_cast<std::uint32_t>(groups_.size());
     Group& a = groups_[pair.first];
     Group& b = groups_[pair.second];
-    Group both{a.share + b.share, united(a.set, b.set)};
+    Group both{a.share + b.share, union_of(a.set, b.set)};
     std::set_union(a.neighbours.begin(),
                    a.neighbours.end(),
                    b.neighbours.begin(),
@@ -151,13 +151,13 @@ void Merger::merge(const Candidate& pair) {
     add(std::move(pairs));
 }
 
-MergeHistory Merger::run(std::span<const double> shares) {
+MergeHistory Merger::run(std::span<const double> viewer_fractions) {
     const std::size_t leaves = groups_.size();
     std::vector<std::uint64_t> entries(leaves);
     for (std::size_t i = 0; i < leaves; ++i) {
-        groups_[i].share = shares[i];
+        groups_[i].share = viewer_fractions[i];
         entries[i] = groups_[i].set.size();
-        cost_ += shares[i] * set_cost(groups_[i].set, costs_);
+        cost_ += viewer_fractions[i] * set_cost(groups_[i].set, costs_);
     }
     const double leaf_cost = cost_;
     add(std::move(initial_));
@@ -185,7 +185,7 @@ MergeHistory Merger::run(std::span<const double> shares) {
 
 /// A flat region's cells at some thickness: leaves touch in faces then, not only in edges.
 ViewCells thickened(const ViewCells& cells) {
-    Region region = cells.region();
+    ViewRegion region = cells.region();
     const Vec3 size = region.size();
     for (int axis = 0; axis < 3; ++axis) {
         if (size[axis] == 0.0) {
@@ -207,9 +207,10 @@ ViewCells thickened(const ViewCells& cells) {
 MergeHistory merge_cells(const ViewCells& cells,
                          std::span<const std::vector<ObjectId>> sets,
                          std::span<const double> costs,
-                         std::span<const double> shares,
+                         std::span<const double> viewer_fractions,
                          Executor& executor) {
-    if (sets.size() != cells.leaves() || (!shares.empty() && shares.size() != cells.leaves())) {
+    if (sets.size() != cells.leaves() ||
+        (!viewer_fractions.empty() && viewer_fractions.size() != cells.leaves())) {
         fail("there is not one set and share per leaf");
     }
     for (const auto& set : sets) {
@@ -224,7 +225,7 @@ MergeHistory merge_cells(const ViewCells& cells,
         share = volume > 0.0 ? share / volume : 1.0 / static_cast<double>(by_volume.size());
     }
     return Merger(volume > 0.0 ? cells : thickened(cells), sets, costs, executor)
-        .run(shares.empty() ? by_volume : shares);
+        .run(viewer_fractions.empty() ? by_volume : viewer_fractions);
 }
 
 std::vector<std::vector<ObjectId>> merged_sets(std::span<const std::vector<ObjectId>> sets,

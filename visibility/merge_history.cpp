@@ -26,7 +26,7 @@ MergeHistory::MergeHistory(double leaf_cost,
                            std::vector<std::uint64_t> leaf_entries,
                            std::vector<CellMerge> merges)
     : leaf_cost_(leaf_cost), leaf_entries_(std::move(leaf_entries)), merges_(std::move(merges)) {
-    if (leaves() == 0 || leaves() > ViewCells::kMostLeaves || merges_.size() + 1 != leaves()) {
+    if (leaves() == 0 || leaves() > ViewCells::kMaxLeaves || merges_.size() + 1 != leaves()) {
         fail("the numbers of steps and leaves do not fit each other");
     }
     std::vector<std::uint8_t> is_used(2 * leaves(), 0);
@@ -36,7 +36,7 @@ MergeHistory::MergeHistory(double leaf_cost,
         if (merge.first >= merge.second || merge.second >= leaves() + k ||
             std::exchange(is_used[merge.first], 1) != 0 ||
             std::exchange(is_used[merge.second], 1) != 0) {
-            fail("a step joins what is not there");
+            fail("a step merges a group that does not exist");
         }
         const std::uint64_t first = entries_in(merge.first);
         const std::uint64_t second = entries_in(merge.second);
@@ -63,7 +63,7 @@ MergeHistory MergeHistory::with_entries_of(std::span<const std::vector<ObjectId>
         result.leaf_entries_[i] = sets[i].size();
     }
     for (CellMerge& merge : result.merges_) {
-        groups.push_back(united(groups[merge.first], groups[merge.second]));
+        groups.push_back(union_of(groups[merge.first], groups[merge.second]));
         merge.entries = groups.back().size();
         groups[merge.first] = {};
         groups[merge.second] = {};
@@ -98,7 +98,7 @@ std::size_t MergeHistory::cells_by_memory(const Memory& memory) const {
             return cells;
         }
         if (merged < merges_.size()) {
-            entries -= gained(merged);
+            entries -= entries_saved(merged);
         }
     }
     throw Error("memory",
@@ -111,7 +111,7 @@ std::uint64_t MergeHistory::entries_in(std::uint32_t group) const noexcept {
     return group < leaves() ? leaf_entries_[group] : merges_[group - leaves()].entries;
 }
 
-std::uint64_t MergeHistory::gained(std::size_t merge) const noexcept {
+std::uint64_t MergeHistory::entries_saved(std::size_t merge) const noexcept {
     const CellMerge& step = merges_[merge];
     return entries_in(step.first) + entries_in(step.second) - step.entries;
 }
@@ -126,7 +126,7 @@ std::uint64_t MergeHistory::entries_of(std::size_t cells) const noexcept {
     std::uint64_t entries =
         std::accumulate(leaf_entries_.begin(), leaf_entries_.end(), std::uint64_t{0});
     for (std::size_t merge = 0; merge < leaves() - cells; ++merge) {
-        entries -= gained(merge);
+        entries -= entries_saved(merge);
     }
     return entries;
 }

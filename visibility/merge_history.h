@@ -20,33 +20,33 @@ struct CellMerge {
     friend bool operator==(const CellMerge&, const CellMerge&) = default;
 };
 
-/// How the leaves of a partition become one cell, step by step, each step the one that costs least
-/// (GameTools 2007). What is in between can be had without any further work: as many cells as
-/// wanted, or as few as memory or cost allow.
+/// The merge history of a partition (GameTools 2007): the steps by which its leaves become one
+/// cell, each step the one that costs least. Any partition in between can be extracted without
+/// further work: as many cells as wanted, or as few as memory or cost allow.
 class MergeHistory {
 public:
-    /// Of steps made elsewhere; `leaf_entries` holds the size of every leaf's set. Throws Error if
-    /// they do not make one group out of all leaves, if costs fall, or if a group's set is smaller
-    /// than one of its parts' or larger than both together.
+    /// From steps made elsewhere; `leaf_entries` holds the size of every leaf's set. Throws Error
+    /// if the steps do not make one group out of all leaves, if costs fall, or if a group's set is
+    /// smaller than one of its parts' or larger than both together.
     MergeHistory(double leaf_cost,
                  std::vector<std::uint64_t> leaf_entries,
                  std::vector<CellMerge> merges);
 
     std::size_t leaves() const noexcept { return leaf_entries_.size(); }
-    double leaf_cost() const noexcept { return leaf_cost_; }  ///< of the unmerged leaves
+    double leaf_cost() const noexcept { return leaf_cost_; }  ///< average, of the unmerged leaves
     std::span<const std::uint64_t> leaf_entries() const noexcept { return leaf_entries_; }
     std::span<const CellMerge> merges() const noexcept { return merges_; }
 
-    /// The same steps with the sizes of other sets, the final ones after sampled ones, say. Throws
-    /// Error if there is not one set per leaf. Sets are ascending.
+    /// The same steps with the sizes of other sets, the final instead of the sampled ones, say.
+    /// Throws Error if there is not one set per leaf. Sets are ascending.
     MergeHistory with_entries_of(std::span<const std::vector<ObjectId>> sets) const;
 
     // Each of the next two returns a number of cells.
 
-    /// The fewest whose average cost is at most `ratio` times the leaves'. Throws Error if ratio is
-    /// below 1.
+    /// The fewest cells whose average cost is at most `ratio` times the leaves'. Throws Error if
+    /// ratio is below 1.
     std::size_t cells_by_cost(double ratio) const;
-    /// The most whose sets fit: bytes per entry times entries and bytes per cell times cells.
+    /// The most cells whose sets fit: bytes per entry times entries and bytes per cell times cells.
     /// Throws Error if one cell does not.
     struct Memory {
         std::uint64_t bytes = 0;
@@ -68,8 +68,8 @@ public:
 
 private:
     std::uint64_t entries_in(std::uint32_t group) const noexcept;
-    /// Entries that a step saves.
-    std::uint64_t gained(std::size_t merge) const noexcept;
+    /// The number of entries that a merge saves.
+    std::uint64_t entries_saved(std::size_t merge) const noexcept;
 
     double leaf_cost_ = 0.0;
     std::vector<std::uint64_t> leaf_entries_;

@@ -18,10 +18,12 @@ Objects Objects::triangles(std::size_t count) {
     return Objects(std::move(each));
 }
 
-Objects Objects::groups(const geometry::MeshView& mesh, std::size_t most, Executor& executor) {
-    EARSHOT_ASSERT(most > 0);
-    const bvh::BuildOptions options = {.leaf_size =
-                                           static_cast<int>(std::min<std::size_t>(most, 4))};
+Objects Objects::groups(const geometry::MeshView& mesh,
+                        std::size_t max_triangles,
+                        Executor& executor) {
+    EARSHOT_ASSERT(max_triangles > 0);
+    const bvh::BuildOptions options = {
+        .leaf_size = static_cast<int>(std::min<std::size_t>(max_triangles, 4))};
     const auto tree = bvh::Tree::build(bvh::triangle_boxes(mesh, executor), options, executor);
     std::vector<ObjectId> object_of_triangle(mesh.triangles.size(), 0);
     if (tree.nodes().empty()) {
@@ -44,7 +46,7 @@ Objects Objects::groups(const geometry::MeshView& mesh, std::size_t most, Execut
         const bvh::Node& node = tree.nodes()[waiting.back()];
         const Run run = below[waiting.back()];
         waiting.pop_back();
-        if (run.count > most && !node.is_leaf()) {
+        if (run.count > max_triangles && !node.is_leaf()) {
             waiting.push_back(node.first + 1);
             waiting.push_back(node.first);
             continue;

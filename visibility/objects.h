@@ -13,20 +13,22 @@ namespace earshot::visibility {
 
 using ObjectId = std::uint32_t;
 
-/// What visible sets are made of: groups of triangles, each triangle in one. Sets of larger objects
-/// are smaller, are complete after fewer rays, and say less.
+/// The objects that visible sets consist of: groups of triangles, each triangle in one. Sets of
+/// larger objects are smaller, are complete after fewer rays, and are less precise.
 class Objects {
 public:
-    /// Every triangle by itself.
+    /// Every triangle is an object of its own.
     static Objects triangles(std::size_t count);
 
-    /// Groups of neighbours, at most `most` triangles each: the subtrees of a binned_sah tree over
-    /// the mesh, in its order. They depend on the mesh alone. Precondition: most > 0.
+    /// Groups of neighbours, at most `max_triangles` triangles each: the subtrees of a binned_sah
+    /// tree over the mesh, in its order. They depend on the mesh alone. Precondition:
+    /// max_triangles > 0.
     static Objects groups(const geometry::MeshView& mesh,
-                          std::size_t most,
+                          std::size_t max_triangles,
                           Executor& executor = Executor::serial());
 
-    /// A grouping made elsewhere. Throws Error unless each number from 0 to the largest occurs.
+    /// From a grouping made elsewhere. Throws Error unless each number from 0 to the largest
+    /// occurs.
     explicit Objects(std::vector<ObjectId> object_of_triangle);
 
     std::size_t size() const noexcept { return first_.size() - 1; }

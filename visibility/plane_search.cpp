@@ -218,7 +218,7 @@ std::optional<CellNode> plane_of(const geometry::MeshView& mesh, geometry::Trian
 }
 
 void LeafSearch::choose_triangle_planes(const CellOptions& options) {
-    const std::size_t wanted = options.most_triangle_planes;
+    const std::size_t wanted = options.max_triangle_planes;
     const std::size_t triangles = leaf_.triangles.size();
     // Many triangles lie in few planes: there are more draws than planes wanted.
     const std::size_t draws = triangles <= 2 * wanted ? triangles : 2 * wanted;
@@ -265,7 +265,7 @@ std::vector<std::optional<Proposal>> best_planes(const CellBuild& build,
 }
 
 CellNode middle_plane(const CellLeaf& leaf) {
-    const Region box = leaf.shape.box();
+    const ViewRegion box = leaf.shape.box();
     int axis = 0;
     for (int k = 1; k < 3; ++k) {
         axis = box.size()[k] > box.size()[axis] ? k : axis;

@@ -8,7 +8,7 @@
 
 namespace earshot::visibility {
 
-void check(const Region& region) {
+void validate(const ViewRegion& region) {
     const geometry::Vec3 size = region.size();
     if (!(size.x >= 0.0 && size.y >= 0.0 && size.z >= 0.0) || !std::isfinite(region.volume())) {
         throw Error("region",
@@ -17,10 +17,10 @@ void check(const Region& region) {
     }
 }
 
-Passage passage(const geometry::Vec3& origin,
-                const geometry::Vec3& step,
-                const Region& region,
-                Passage within) noexcept {
+geometry::Interval clip(const geometry::Vec3& origin,
+                        const geometry::Vec3& step,
+                        const ViewRegion& region,
+                        geometry::Interval within) noexcept {
     for (int axis = 0; axis < 3; ++axis) {
         if (step[axis] == 0.0) {
             if (origin[axis] < region.lower[axis] || origin[axis] > region.upper[axis]) {
@@ -30,8 +30,8 @@ Passage passage(const geometry::Vec3& origin,
         }
         const double lower = (region.lower[axis] - origin[axis]) / step[axis];
         const double upper = (region.upper[axis] - origin[axis]) / step[axis];
-        within.begin = std::max(within.begin, std::min(lower, upper));
-        within.end = std::min(within.end, std::max(lower, upper));
+        within.min = std::max(within.min, std::min(lower, upper));
+        within.max = std::min(within.max, std::max(lower, upper));
     }
     return within;
 }

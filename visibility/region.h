@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/geometry/interval.h"
 #include "earshot/geometry/types.h"
 
 namespace earshot::visibility {
 
-/// An axis-aligned box where viewers may be, metres, borders included.
-struct Region {
+/// The view space of a from-region query: an axis-aligned box where viewpoints may be, metres,
+/// boundary included. It may be flat or a single point.
+struct ViewRegion {
     geometry::Vec3 lower{};
     geometry::Vec3 upper{};
 
@@ -20,29 +22,23 @@ struct Region {
         const geometry::Vec3 edges = size();
         return edges.x * edges.y * edges.z;
     }
-    friend bool operator==(const Region&, const Region&) = default;
+    friend bool operator==(const ViewRegion&, const ViewRegion&) = default;
 };
 
 /// Throws Error unless the corners are finite and in order and the volume is finite.
-void check(const Region& region);
+void validate(const ViewRegion& region);
 
-/// The part of a line that lies in a region, as parameters: of a segment from 0 at `from` to 1 at
-/// `to`.
-struct Passage {
-    double begin = 0.0;
-    double end = 1.0;
-    bool is_empty() const noexcept { return begin > end; }
-};
+/// Clips the line origin + s * step to a region, boundary included: the part of the interval
+/// `within` of s that lies inside.
+geometry::Interval clip(const geometry::Vec3& origin,
+                        const geometry::Vec3& step,
+                        const ViewRegion& region,
+                        geometry::Interval within) noexcept;
 
-/// Of a line, origin + s * step, the part of `within` that lies in a region, borders included.
-Passage passage(const geometry::Vec3& origin,
-                const geometry::Vec3& step,
-                const Region& region,
-                Passage within) noexcept;
-
-/// The same of a segment.
-inline Passage passage(const geometry::Segment& segment, const Region& region) noexcept {
-    return passage(segment.from, segment.to - segment.from, region, {});
+/// Clips a segment to a region, as parameters from 0 at `from` to 1 at `to`.
+inline geometry::Interval clip(const geometry::Segment& segment,
+                               const ViewRegion& region) noexcept {
+    return clip(segment.from, segment.to - segment.from, region, {0.0, 1.0});
 }
 
 }  // namespace earshot::visibility

@@ -31,7 +31,7 @@ double set_cost(std::span<const ObjectId> set, std::span<const double> costs) no
     return sum;
 }
 
-std::vector<ObjectId> united(std::span<const ObjectId> a, std::span<const ObjectId> b) {
+std::vector<ObjectId> union_of(std::span<const ObjectId> a, std::span<const ObjectId> b) {
     std::vector<ObjectId> both;
     both.reserve(a.size() + b.size());
     std::set_union(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));

@@ -8,21 +8,21 @@
 
 namespace earshot::visibility {
 
-/// What it costs to handle a visible object: the larger of a fixed part and a part per triangle, in
-/// any unit (GameTools 2007, without its term of projected area, which no region has one of). The
-/// cost of a set is the sum of its objects'. The defaults count triangles.
+/// The cost of rendering a visible object: the larger of a fixed part and a part per triangle, in
+/// any unit (GameTools 2007, without its term of projected area, which is undefined for a region).
+/// The cost of a set is the sum over its objects. The defaults count triangles.
 struct RenderCost {
     double per_object = 1.0;
     double per_triangle = 1.0;
 };
 
-/// One per object. Throws Error if a part is negative or not finite.
+/// The cost of each object. Throws Error if a part is negative or not finite.
 std::vector<double> object_costs(const Objects& objects, const RenderCost& cost = {});
 
-/// The sum over a set. Precondition: its objects have costs.
+/// The cost of a set. Precondition: `costs` covers its objects.
 double set_cost(std::span<const ObjectId> set, std::span<const double> costs) noexcept;
 
 /// The union of two ascending sets, ascending.
-std::vector<ObjectId> united(std::span<const ObjectId> a, std::span<const ObjectId> b);
+std::vector<ObjectId> union_of(std::span<const ObjectId> a, std::span<const ObjectId> b);
 
 }  // namespace earshot::visibility

@@ -36,7 +36,7 @@ constexpr std::uint64_t kPlace = 0;  // and the next two
 constexpr std::uint64_t kHeight = 3;
 constexpr std::uint64_t kTurn = 4;
 
-Ray drawn(const Region& region, std::uint64_t seed, std::uint64_t sample) {
+Ray drawn(const ViewRegion& region, std::uint64_t seed, std::uint64_t sample) {
     Ray ray;
     for (int axis = 0; axis < 3; ++axis) {
         ray.origin[axis] = random_between(seed,
@@ -100,18 +100,18 @@ void leave_solids(const bvh::WideTree& tree,
 }
 
 bool is_free_of_solids(const MeshView& mesh, const FreeSegment& free, const Vec3& direction) {
-    return (free.at_to == kNothing || !meets_back(mesh, free.at_to, direction)) &&
-           (free.at_from == kNothing || !meets_back(mesh, free.at_from, -direction));
+    return (free.at_to == kNoTriangle || !meets_back(mesh, free.at_to, direction)) &&
+           (free.at_from == kNoTriangle || !meets_back(mesh, free.at_from, -direction));
 }
 
 }  // namespace
 
 std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
                                               const MeshView& mesh,
-                                              const Region& region,
+                                              const ViewRegion& region,
                                               const SegmentSampling& sampling,
                                               Executor& executor) {
-    check(region);
+    validate(region);
     const double step_out = kStepOut * glm::length(region.size());
     std::vector<FreeSegment> result;
     std::vector<Ray> rays;
@@ -126,7 +126,7 @@ std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
         if (sampling.skip_solids) {
             leave_solids(tree, mesh, step_out, rays, executor);
         }
-        const auto segments = cast_both_ways(tree, mesh, rays, region, executor);
+        const auto segments = cast_free_segments(tree, mesh, rays, region, executor);
         for (std::size_t i = 0; i < segments.size(); ++i) {
             if (segments[i].is_valid() &&
                 (!sampling.skip_solids ||

@@ -51,7 +51,7 @@ Across across(const Vec3& direction) noexcept {
 
 SampleSource::SampleSource(const geometry::MeshView& mesh,
                            const Objects& objects,
-                           const Region& region,
+                           const ViewRegion& region,
                            std::uint64_t seed)
     : mesh_(mesh), objects_(objects), region_(region), seed_(seed) {
     for (ObjectId object = 0; object < objects.size(); ++object) {
@@ -104,25 +104,25 @@ SampleSource::Spot SampleSource::on_object(std::uint64_t index) const noexcept {
 }
 
 void SampleSource::draw(Sample& sample, std::uint64_t index) const {
-    switch (sample.kind) {
-        case SampleKind::view_direction: {
+    switch (sample.distribution) {
+        case SampleDistribution::view_space_direction: {
             sample.ray = {in_region(index),
                           on_sphere(1.0 - 2.0 * number(index, 7), kTurn * number(index, 11))};
             return;
         }
-        case SampleKind::object_direction: {
+        case SampleDistribution::object_surface_direction: {
             sample.ray = lambert_ray(index);
             return;
         }
-        case SampleKind::two_point: {
+        case SampleDistribution::two_point: {
             const Vec3 eye = in_region(index);
             sample.ray = {eye, on_object(index).point - eye};
             return;
         }
-        case SampleKind::two_point_mutation:
+        case SampleDistribution::two_point_mutation:
             sample.ray = two_point_mutation(*sample.origin, index);
             return;
-        case SampleKind::silhouette_mutation:
+        case SampleDistribution::silhouette_mutation:
             silhouette_mutation(sample, index);
             return;
     }

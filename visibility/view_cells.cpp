@@ -32,7 +32,7 @@ constexpr std::uint32_t kMostDepth = 4096;
 
 /// Every leaf once, and every node but the root once and after its parent.
 void check_tree(std::span<const CellNode> nodes, std::size_t leaves) {
-    if (leaves == 0 || leaves > ViewCells::kMostLeaves || nodes.size() + 1 != leaves) {
+    if (leaves == 0 || leaves > ViewCells::kMaxLeaves || nodes.size() + 1 != leaves) {
         fail("the numbers of nodes and leaves do not fit each other");
     }
     std::vector<std::uint8_t> has_node(nodes.size(), 0);
@@ -65,7 +65,7 @@ struct Block {
 
 class GridMaker {
 public:
-    GridMaker(const Region& region, const std::array<std::uint32_t, 3>& counts)
+    GridMaker(const ViewRegion& region, const std::array<std::uint32_t, 3>& counts)
         : region_(region), counts_(counts) {}
 
     /// Divides a block in the middle of its longest side, counted in cells; returns its word.
@@ -103,32 +103,34 @@ private:
         return block.end[k] - block.begin[k];
     }
 
-    Region region_;
+    ViewRegion region_;
     std::array<std::uint32_t, 3> counts_;
 };
 
 }  // namespace
 
-ViewCells::ViewCells(const Region& region) : ViewCells(region, {}, {region.volume()}) {}
+ViewCells::ViewCells(const ViewRegion& region) : ViewCells(region, {}, {region.volume()}) {}
 
-ViewCells::ViewCells(const Region& region, std::vector<CellNode> nodes, std::vector<double> volumes)
+ViewCells::ViewCells(const ViewRegion& region,
+                     std::vector<CellNode> nodes,
+                     std::vector<double> volumes)
     : region_(region), nodes_(std::move(nodes)), leaf_volumes_(std::move(volumes)) {
-    check(region_);
+    validate(region_);
     check_tree(nodes_, leaf_volumes_.size());
     cell_of_leaf_.resize(leaf_volumes_.size());
     std::iota(cell_of_leaf_.begin(), cell_of_leaf_.end(), CellId{0});
     sum_volumes();
 }
 
-ViewCells ViewCells::grid(const Region& region, const std::array<std::uint32_t, 3>& counts) {
+ViewCells ViewCells::grid(const ViewRegion& region, const std::array<std::uint32_t, 3>& counts) {
     std::size_t cells = 1;
     for (const std::uint32_t count : counts) {
         // Each factor is below 2^24 + 1, so that no product overflows.
-        cells *= count > kMostLeaves || cells > kMostLeaves ? 0 : count;
+        cells *= count > kMaxLeaves || cells > kMaxLeaves ? 0 : count;
     }
-    if (cells == 0 || cells > kMostLeaves) {
+    if (cells == 0 || cells > kMaxLeaves) {
         throw Error("view cells",
-                    "a grid has no cells, or more than " + std::to_string(kMostLeaves),
+                    "a grid has no cells, or more than " + std::to_string(kMaxLeaves),
                     "choose other counts");
     }
     GridMaker maker(region, counts);
@@ -185,7 +187,7 @@ std::optional<CellId> ViewCells::cell_at(const Vec3& point) const noexcept {
 
 void ViewCells::pierced(const Segment& segment, std::vector<CellId>& cells) const {
     cells.clear();
-    if (const Passage inside = passage(segment, region_); !inside.is_empty()) {
+    if (const geometry::Interval inside = clip(segment, region_); !inside.is_empty()) {
         add_pierced(nodes_.empty() ? kCellLeaf : 0, segment, inside, cells);
     }
     std::sort(cells.begin(), cells.end());
@@ -194,7 +196,7 @@ void ViewCells::pierced(const Segment& segment, std::vector<CellId>& cells) cons
 
 void ViewCells::add_pierced(std::uint32_t child,
                             const Segment& segment,
-                            const Passage& part,
+                            const geometry::Interval& part,
                             std::vector<CellId>& cells) const {
     if ((child & kCellLeaf) != 0) {
         cells.push_back(cell_of_leaf_[child & ~kCellLeaf]);
@@ -210,11 +212,11 @@ void ViewCells::add_pierced(std::uint32_t child,
     const double crossing = from / (from - to);
     const auto [first, second] =
         from < 0.0 ? std::pair(node.back, node.front) : std::pair(node.front, node.back);
-    if (crossing >= part.begin) {
-        add_pierced(first, segment, {part.begin, std::min(crossing, part.end)}, cells);
+    if (crossing >= part.min) {
+        add_pierced(first, segment, {part.min, std::min(crossing, part.max)}, cells);
     }
-    if (crossing <= part.end) {
-        add_pierced(second, segment, {std::max(crossing, part.begin), part.end}, cells);
+    if (crossing <= part.max) {
+        add_pierced(second, segment, {std::max(crossing, part.min), part.max}, cells);
     }
 }
 

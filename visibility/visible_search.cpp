@@ -35,17 +35,17 @@ constexpr double kOpposite = 4.0 - 1e-12;
 VisibleSearch::VisibleSearch(const bvh::WideTree& tree,
                              const geometry::MeshView& mesh,
                              const Vec3& point,
-                             const VisibleOptions& options,
+                             const VisibleTrianglesOptions& options,
                              Executor& executor)
     : tree_(tree),
       mesh_(mesh),
       point_(point),
       options_(options),
       executor_(executor),
-      place_(mesh.triangles.size(), kNothing) {}
+      place_(mesh.triangles.size(), kNoTriangle) {}
 
 std::vector<TriangleId> VisibleSearch::look(std::span<const Vec3> directions) {
-    std::vector<TriangleId> seen(directions.size(), kNothing);
+    std::vector<TriangleId> seen(directions.size(), kNoTriangle);
     std::vector<Ray> rays(std::min(kBatch, directions.size()));
     std::vector<std::optional<Hit>> hits(rays.size());
     for (std::size_t done = 0; done < directions.size(); done += kBatch) {
@@ -72,7 +72,7 @@ std::vector<TriangleId> VisibleSearch::look(std::span<const Vec3> directions) {
 }
 
 std::optional<std::vector<TriangleId>> VisibleSearch::refine(std::span<const Vec3> directions) {
-    if (directions.size() > options_.most_refining_rays - refining_rays_) {
+    if (directions.size() > options_.max_refining_rays - refining_rays_) {
         found_.is_complete = false;
         return std::nullopt;
     }
@@ -81,14 +81,14 @@ std::optional<std::vector<TriangleId>> VisibleSearch::refine(std::span<const Vec
 }
 
 void VisibleSearch::note(TriangleId triangle, const Vec3& direction) {
-    if (place_[triangle] == kNothing) {
+    if (place_[triangle] == kNoTriangle) {
         place_[triangle] = static_cast<std::uint32_t>(found_.triangles.size());
         found_.triangles.push_back({.triangle = triangle, .direction = direction});
     }
 }
 
 void VisibleSearch::count_pixel(TriangleId triangle, double solid_angle) {
-    if (triangle == kNothing) {
+    if (triangle == kNoTriangle) {
         found_.free_solid_angle += solid_angle;
         return;
     }
@@ -98,7 +98,7 @@ void VisibleSearch::count_pixel(TriangleId triangle, double solid_angle) {
 }
 
 bool VisibleSearch::are_joined(TriangleId a, TriangleId b) const noexcept {
-    if (a == kNothing || b == kNothing) {
+    if (a == kNoTriangle || b == kNoTriangle) {
         return false;
     }
     // By position: files of some formats give every triangle corners of its own.
@@ -115,7 +115,7 @@ bool VisibleSearch::is_open(const Gap& gap, double longest) const noexcept {
     // The chord, which is a little shorter than the angle.
     const Vec3 step = gap.second.direction - gap.first.direction;
     const double squared = glm::dot(step, step);
-    if (!(squared > options_.least_gap * options_.least_gap && squared < kOpposite)) {
+    if (!(squared > options_.min_gap * options_.min_gap && squared < kOpposite)) {
         return false;
     }
     const TriangleId a = gap.first.triangle, b = gap.second.triangle;
@@ -160,8 +160,8 @@ void VisibleSearch::follow_borders(Progress* progress) {
         directions.clear();
         for (; followed_ < end; ++followed_) {
             // Seen from the origin, since the corners are counted from the point.
-            auto outline =
-                enlarged({}, corners_of(found_.triangles[followed_].triangle), options_.border);
+            auto outline = enlarged(
+                {}, corners_of(found_.triangles[followed_].triangle), options_.border_angle);
             std::transform(outline.begin(), outline.end(), outline.begin(), unit);
             if (std::all_of(outline.begin(), outline.end(), is_finite)) {
                 directions.insert(directions.end(), outline.begin(), outline.end());
@@ -195,7 +195,7 @@ void VisibleSearch::aim_at_others(Progress* progress) {
     while (next < place_.size() && found_.is_complete) {
         directions.clear();
         for (; next < place_.size() && directions.size() < kBatch; ++next) {
-            if (place_[next] != kNothing) {
+            if (place_[next] != kNoTriangle) {
                 continue;
             }
             const auto corners = corners_of(static_cast<TriangleId>(next));

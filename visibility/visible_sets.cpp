@@ -23,12 +23,12 @@ std::uint64_t mesh_digest(const geometry::MeshView& mesh) noexcept {
 VisibleSets::VisibleSets(ViewCells cells,
                          Objects objects,
                          std::vector<std::vector<ObjectId>> sets,
-                         SetsOrigin origin,
+                         SetsProvenance provenance,
                          std::optional<MergeHistory> history)
     : cells_(std::move(cells)),
       objects_(std::move(objects)),
       sets_(std::move(sets)),
-      origin_(std::move(origin)),
+      provenance_(std::move(provenance)),
       history_(std::move(history)) {
     const auto is_set = [&](const std::vector<ObjectId>& set) {
         return std::adjacent_find(set.begin(), set.end(), std::greater_equal<>()) == set.end() &&
@@ -49,12 +49,12 @@ std::uint64_t VisibleSets::entries() const noexcept {
     return sum;
 }
 
-bool VisibleSets::sees(CellId cell, TriangleId triangle) const noexcept {
+bool VisibleSets::contains(CellId cell, TriangleId triangle) const noexcept {
     const std::vector<ObjectId>& set = sets_[cell];
     return std::binary_search(set.begin(), set.end(), objects_.of(triangle));
 }
 
-std::vector<TriangleId> VisibleSets::triangles_seen_from(CellId cell) const {
+std::vector<TriangleId> VisibleSets::triangles_visible_from(CellId cell) const {
     std::vector<TriangleId> triangles;
     for (const ObjectId object : sets_[cell]) {
         const auto members = objects_.triangles_of(object);
@@ -77,7 +77,7 @@ VisibleSets VisibleSets::merged(std::size_t cells) const {
     return {cells_.merged(std::move(cell_of_leaf)),
             objects_,
             merged_sets(sets_, cell_of_group),
-            origin_};
+            provenance_};
 }
 
 }  // namespace earshot::visibility

@@ -14,22 +14,23 @@
 
 namespace earshot::visibility {
 
-/// Of what and how sets were made.
-struct SetsOrigin {
-    std::string scene;              ///< its name
-    double time = 0.0;              ///< the instant of its animation, seconds
-    std::uint64_t mesh_digest = 0;  ///< mesh_digest() then
+/// The scene and the sampling that visible sets come from.
+struct SetsProvenance {
+    std::string scene;              ///< name of the scene
+    double time = 0.0;              ///< instant of the scene's animation, seconds
+    std::uint64_t mesh_digest = 0;  ///< mesh_digest() of the mesh at that instant
     std::uint64_t seed = 0;
     std::uint64_t rays = 0;
-    double missed_share = 0.0;  ///< RegionView::missed_share or GlobalView::missed_share
-    friend bool operator==(const SetsOrigin&, const SetsOrigin&) = default;
+    double missed_share = 0.0;  ///< RegionPvs::missed_share or GlobalPvs::missed_share
+    friend bool operator==(const SetsProvenance&, const SetsProvenance&) = default;
 };
 
-/// Tells meshes apart, and the poses of one.
+/// A hash of positions and triangles: tells meshes apart, and the poses of one mesh.
 std::uint64_t mesh_digest(const geometry::MeshView& mesh) noexcept;
 
-/// What can be seen from each cell of a region: from a point to its cell to its set. Sets that were
-/// sampled are subsets of what can be seen (aggressive), and hold for one pose of the mesh.
+/// The potentially visible set (PVS) of each view cell of a region: from a viewpoint to its cell to
+/// its set. Sampled sets are subsets of the true ones (aggressive), and hold for one pose of the
+/// mesh.
 class VisibleSets {
 public:
     /// `sets` holds one per cell. A history has the cells as its leaves. Throws Error unless they
@@ -37,23 +38,25 @@ public:
     VisibleSets(ViewCells cells,
                 Objects objects,
                 std::vector<std::vector<ObjectId>> sets,
-                SetsOrigin origin,
+                SetsProvenance provenance,
                 std::optional<MergeHistory> history = std::nullopt);
 
     const ViewCells& cells() const noexcept { return cells_; }
     const Objects& objects() const noexcept { return objects_; }
     std::span<const std::vector<ObjectId>> sets() const noexcept { return sets_; }
-    const SetsOrigin& origin() const noexcept { return origin_; }
+    const SetsProvenance& provenance() const noexcept { return provenance_; }
     const std::optional<MergeHistory>& history() const noexcept { return history_; }
     std::uint64_t entries() const noexcept;  ///< of all sets together
 
-    // Precondition of the next two: the cell is one.
+    // Precondition of the next two: `cell` is below cells().size().
 
-    bool sees(CellId cell, geometry::TriangleId triangle) const noexcept;
-    /// Ascending.
-    std::vector<geometry::TriangleId> triangles_seen_from(CellId cell) const;
+    /// Whether a triangle's object is in the set of a cell.
+    bool contains(CellId cell, geometry::TriangleId triangle) const noexcept;
+    /// The triangles of the objects in the set of a cell, ascending.
+    std::vector<geometry::TriangleId> triangles_visible_from(CellId cell) const;
 
-    /// Fewer cells, as the history has them, without a history. Throws Error if there is none.
+    /// Sets of fewer cells, merged as the history says, without a history. Throws Error if there is
+    /// no history.
     /// Precondition: cells > 0.
     VisibleSets merged(std::size_t cells) const;
 
@@ -63,7 +66,7 @@ private:
     ViewCells cells_;
     Objects objects_;
     std::vector<std::vector<ObjectId>> sets_;
-    SetsOrigin origin_;
+    SetsProvenance provenance_;
     std::optional<MergeHistory> history_;
 };
 

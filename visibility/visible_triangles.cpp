@@ -90,11 +90,11 @@ private:
 class Sweep {
 public:
     Sweep(VisibleSearch& search,
-          const VisibleOptions& options,
+          const VisibleTrianglesOptions& options,
           Executor& executor,
           Progress* progress)
         : search_(search),
-          is_refined_(options.is_refined),
+          is_refined_(options.refine),
           pixels_(pixels_along_edge(options.resolution)),
           executor_(executor),
           progress_(progress) {}
@@ -200,15 +200,15 @@ private:
 VisibleTriangles visible_triangles(const bvh::WideTree& tree,
                                    const geometry::MeshView& mesh,
                                    const Vec3& point,
-                                   const VisibleOptions& options,
+                                   const VisibleTrianglesOptions& options,
                                    Executor& executor,
                                    Progress* progress) {
-    EARSHOT_ASSERT(options.resolution >= VisibleOptions::kFinest &&
-                   options.resolution <= VisibleOptions::kCoarsest);
-    EARSHOT_ASSERT(options.least_gap > 0.0 && options.border > 0.0);
+    EARSHOT_ASSERT(options.resolution >= VisibleTrianglesOptions::kMinResolution &&
+                   options.resolution <= VisibleTrianglesOptions::kMaxResolution);
+    EARSHOT_ASSERT(options.min_gap > 0.0 && options.border_angle > 0.0);
     VisibleSearch search(tree, mesh, point, options, executor);
     Sweep(search, options, executor, progress).run();
-    if (options.is_refined) {
+    if (options.refine) {
         search.follow_borders(progress);
         search.aim_at_others(progress);
         search.follow_borders(progress);

@@ -42,20 +42,20 @@ VisibleSets made_sets(bool with_history) {
         }
     }
     const std::vector<double> costs(kObjects, 2.0);
-    const visibility::SetsOrigin origin = {.scene = "made",
-                                           .time = 1.5,
-                                           .mesh_digest = 0xfedcba9876543210ULL,
-                                           .seed = 7,
-                                           .rays = 123'456'789'012ULL,
-                                           .missed_share = 1e-4};
+    const visibility::SetsProvenance provenance = {.scene = "made",
+                                                   .time = 1.5,
+                                                   .mesh_digest = 0xfedcba9876543210ULL,
+                                                   .seed = 7,
+                                                   .rays = 123'456'789'012ULL,
+                                                   .missed_share = 1e-4};
     if (!with_history) {
         std::vector<visibility::CellId> halves(cells.leaves(), 0);
         halves.back() = 1;
         sets.resize(2);
-        return {cells.merged(halves), visibility::Objects(object_of_triangle), sets, origin};
+        return {cells.merged(halves), visibility::Objects(object_of_triangle), sets, provenance};
     }
     const auto history = visibility::merge_cells(cells, sets, costs);
-    return {cells, visibility::Objects(object_of_triangle), sets, origin, history};
+    return {cells, visibility::Objects(object_of_triangle), sets, provenance, history};
 }
 
 class VisibilityFile : public testing::Test {

@@ -270,7 +270,7 @@ visibility::VisibleSets sets_of(const Scene& scene, bool sees_floor) {
             seen.push_back(triangle);
         }
     }
-    return {visibility::ViewCells(visibility::Region{{0.0, 0.0, 0.0}, {3.0, 3.0, 5.0}}),
+    return {visibility::ViewCells(visibility::ViewRegion{{0.0, 0.0, 0.0}, {3.0, 3.0, 5.0}}),
             visibility::Objects::triangles(14),
             {seen},
             {.scene = "box",

@@ -73,7 +73,7 @@ TEST(BorderSampling, PointsLieJustOutsideOfTheTriangle) {
 TEST(BorderSampling, ReverseRaysPassTheBlockerTowardsWhatItHides) {
     // A screen from x = -1 to 0 at z = -5 hides what lies at z = -10 from the eye; the region
     // reaches to x = 2.
-    const Region region = {{-2.0, -2.0, 0.0}, {2.0, 2.0, 0.0}};
+    const ViewRegion region = {{-2.0, -2.0, 0.0}, {2.0, 2.0, 0.0}};
     const Vec3 eye(0.5, 0.0, 0.0);
     const Corners blocker = {Vec3(-1.0, -3.0, -5.0), Vec3(-1.0, 3.0, -5.0), Vec3(0.2, 0.0, -5.0)};
     const Corners wall = {Vec3(-9.0, -9.0, -10.0), Vec3(9.0, -9.0, -10.0), Vec3(0.0, 9.0, -10.0)};
@@ -94,7 +94,7 @@ TEST(BorderSampling, ReverseRaysPassTheBlockerTowardsWhatItHides) {
 }
 
 TEST(BorderSampling, NoReverseRayWhereTheRegionDoesNotReach) {
-    const Region region = {{0.4, -0.1, 0.0}, {0.6, 0.1, 0.0}};
+    const ViewRegion region = {{0.4, -0.1, 0.0}, {0.6, 0.1, 0.0}};
     const Vec3 eye(0.5, 0.0, 0.0);
     const Corners blocker = {Vec3(-1.0, -3.0, -5.0), Vec3(-1.0, 3.0, -5.0), Vec3(0.2, 0.0, -5.0)};
     const geometry::Ray ray = {eye, Vec3(0.0, 0.0, -5.0) - eye};

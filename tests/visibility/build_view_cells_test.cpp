@@ -24,15 +24,15 @@ using support::Room;
 
 constexpr std::uint64_t kSeed = 9;
 
-const Region kUnit = {Vec3(0.0), Vec3(1.0)};
+const ViewRegion kUnit = {Vec3(0.0), Vec3(1.0)};
 
 /// What is seen along x from one place to another, in the middle of the unit cube.
 FreeSegment along_x(double from, double to, geometry::TriangleId end) {
-    return {{{from, 0.5, 0.5}, {to, 0.5, 0.5}}, kNothing, end};
+    return {{{from, 0.5, 0.5}, {to, 0.5, 0.5}}, kNoTriangle, end};
 }
 
 std::vector<FreeSegment> sampled(const geometry::Mesh& mesh,
-                                 const Region& region,
+                                 const ViewRegion& region,
                                  std::size_t count) {
     const auto tree =
         bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
@@ -54,18 +54,18 @@ Room rooms_with_door() {
     return room;
 }
 
-const Region kRooms = {Vec3(0.0), {10.0, 3.0, 4.0}};
+const ViewRegion kRooms = {Vec3(0.0), {10.0, 3.0, 4.0}};
 
 /// A soup of triangles and cells among them, with planes of all directions.
 struct Soup {
     geometry::Mesh mesh = test::triangle_soup(kSeed, 300);
-    Region region = {Vec3(-1.0), {1.0, 0.8, 0.9}};
+    ViewRegion region = {Vec3(-1.0), {1.0, 0.8, 0.9}};
     Objects objects = Objects::groups(mesh.view(), 3);
     std::vector<FreeSegment> segments = sampled(mesh, region, 6000);
     CellOptions options;
 
     Soup() {
-        options.most_cells = 60;
+        options.max_cells = 60;
         options.mesh = mesh.view();
         options.seed = kSeed;
         options.cost = {2.0, 0.7};
@@ -80,7 +80,7 @@ double cost_of(const BuiltCells& built, std::span<const double> costs) {
     double sum = 0.0;
     for (std::size_t leaf = 0; leaf < built.sets.size(); ++leaf) {
         for (const ObjectId object : built.sets[leaf]) {
-            sum += built.shares[leaf] * costs[object];
+            sum += built.viewer_fractions[leaf] * costs[object];
         }
     }
     return sum;
@@ -89,14 +89,14 @@ double cost_of(const BuiltCells& built, std::span<const double> costs) {
 TEST(BuildViewCells, HalvesTheCostOfTwoHalvesThatSeeOneObjectEach) {
     const std::vector<FreeSegment> segments = {along_x(0.0, 0.5, 0), along_x(0.5, 1.0, 1)};
     const auto built = build_view_cells(
-        kUnit, segments, Objects::triangles(2), {.most_cells = 2, .least_segments = 1});
+        kUnit, segments, Objects::triangles(2), {.max_cells = 2, .min_segments = 1});
     EXPECT_EQ(built.region_cost, 2.0);
     ASSERT_EQ(built.splits.size(), 1U);
     EXPECT_EQ(built.splits[0], (CellSplit{0, 1.0, 1.0}));
     ASSERT_EQ(built.cells.nodes().size(), 1U);
     EXPECT_EQ(built.cells.nodes()[0], (CellNode{{1.0, 0.0, 0.0}, 0.5, kCellLeaf, kCellLeaf + 1}));
     EXPECT_EQ(built.sets, (std::vector<std::vector<ObjectId>>{{0}, {1}}));
-    EXPECT_EQ(built.shares, (std::vector<double>{0.5, 0.5}));
+    EXPECT_EQ(built.viewer_fractions, (std::vector<double>{0.5, 0.5}));
 }
 
 TEST(BuildViewCells, CutsTwoRoomsAtTheWallBetweenThem) {
@@ -104,7 +104,7 @@ TEST(BuildViewCells, CutsTwoRoomsAtTheWallBetweenThem) {
     const auto segments = sampled(room.mesh, kRooms, 30000);
     const Objects objects = Objects::triangles(room.mesh.triangles.size());
     for (const bool with_mesh : {false, true}) {
-        CellOptions options{.most_cells = 2};
+        CellOptions options{.max_cells = 2};
         options.mesh = with_mesh ? room.mesh.view() : geometry::MeshView{};
         const auto built = build_view_cells(kRooms, segments, objects, options);
         ASSERT_EQ(built.splits.size(), 1U);
@@ -119,16 +119,16 @@ TEST(BuildViewCells, ProposesTheBestOfAllSegmentEnds) {
     const auto costs = object_costs(soup.objects, soup.options.cost);
     CellOptions options = soup.options;
     options.mesh = {};
-    options.most_cells = 2;
+    options.max_cells = 2;
     const std::span segments = std::span(soup.segments).first(200);
     const auto built = build_view_cells(soup.region, segments, soup.objects, options);
     // Every plane through an end of a segment clipped to the region, by definition.
     std::vector<std::pair<Vec3, Vec3>> clipped;
     for (const FreeSegment& free : segments) {
-        const Passage inside = passage(free.segment, soup.region);
+        const geometry::Interval inside = clip(free.segment, soup.region);
         const Vec3 step = free.segment.to - free.segment.from;
-        clipped.emplace_back(free.segment.from + inside.begin * step,
-                             free.segment.from + inside.end * step);
+        clipped.emplace_back(free.segment.from + inside.min * step,
+                             free.segment.from + inside.max * step);
     }
     double best = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -139,7 +139,7 @@ TEST(BuildViewCells, ProposesTheBestOfAllSegmentEnds) {
                 const auto [low, high] =
                     std::minmax({clipped[i].first[axis], clipped[i].second[axis]});
                 for (const auto end : {segments[i].at_from, segments[i].at_to}) {
-                    if (end == kNothing) {
+                    if (end == kNoTriangle) {
                         continue;
                     }
                     const ObjectId object = soup.objects.of(end);
@@ -174,10 +174,10 @@ TEST(BuildViewCells, TakesPlanesOfTriangles) {
         Vec3(0.0, 0.0, 4.0), Vec3(4.0, 0.0, 0.0), Vec3(4.0, 3.0, 0.0), Vec3(0.0, 3.0, 4.0)};
     const auto first = room.mesh.triangles.size();
     support::add_polygon(room, wall, 6, true);
-    const Region region = {Vec3(0.0), {4.0, 3.0, 4.0}};
+    const ViewRegion region = {Vec3(0.0), {4.0, 3.0, 4.0}};
     const auto segments = sampled(room.mesh, region, 20000);
     const Objects objects = Objects::triangles(room.mesh.triangles.size());
-    const CellOptions axes{.most_cells = 2};
+    const CellOptions axes{.max_cells = 2};
     CellOptions all = axes;
     all.mesh = {room.mesh.positions, std::span(room.mesh.triangles).subspan(first)};
     const auto by_axes = build_view_cells(region, segments, objects, axes);
@@ -197,7 +197,7 @@ TEST(BuildViewCells, KeepsVolumeAndNeverRaisesTheCost) {
     double share = 0.0;
     for (std::size_t leaf = 0; leaf < 60; ++leaf) {
         volume += built.cells.leaf_volumes()[leaf];
-        share += built.shares[leaf];
+        share += built.viewer_fractions[leaf];
         EXPECT_GT(built.cells.leaf_volumes()[leaf], 0.0);
     }
     EXPECT_NEAR(volume, soup.region.volume(), 1e-9 * soup.region.volume());
@@ -250,11 +250,11 @@ TEST(BuildViewCells, KeepsVolumeInFlatRegionsAndFarAway) {
 // What lies behind a wall gets nothing of what ends at the wall, once the ends are drawn in.
 TEST(BuildViewCells, PutsCellsAtWallsThatShortenedSegmentsDoNotReachThrough) {
     const Room room = rooms_with_door();
-    Region region = kRooms;
+    ViewRegion region = kRooms;
     region.upper.y = 3.5;  // above the ceiling there is nothing
     const auto segments = sampled(room.mesh, kRooms, 20000);
     const Objects objects = Objects::triangles(room.mesh.triangles.size());
-    CellOptions options{.most_cells = 30};
+    CellOptions options{.max_cells = 30};
     options.mesh = room.mesh.view();
     const auto built = build_view_cells(region, segments, objects, options);
     const LeafId above = built.cells.leaf_at({8.0, 3.4, 2.0}).value();
@@ -333,10 +333,10 @@ TEST(BuildViewCells, GivesEachLeafWhatTheSegmentsThroughItSee) {
             const bool touches = length_within(shapes[leaf], free.segment, 1e-7) >= 0.0;
             const bool enters = length_within(shapes[leaf], free.segment, -1e-7) >= 0.0;
             for (const auto end : {free.at_from, free.at_to}) {
-                if (end != kNothing && touches) {
+                if (end != kNoTriangle && touches) {
                     touching.insert(soup.objects.of(end));
                 }
-                if (end != kNothing && enters) {
+                if (end != kNoTriangle && enters) {
                     within.insert(soup.objects.of(end));
                 }
             }
@@ -360,20 +360,20 @@ TEST(BuildViewCells, IsTheSameForAnyThreads) {
         EXPECT_EQ(built.cells, other.cells);
         EXPECT_EQ(built.sets, other.sets);
         EXPECT_EQ(built.splits, other.splits);
-        EXPECT_EQ(built.shares, other.shares);
+        EXPECT_EQ(built.viewer_fractions, other.viewer_fractions);
     }
 }
 
 TEST(BuildViewCells, OfFewerCellsAreTheFirstSplitsOfMore) {
     Soup soup;
     const auto more = soup.build();
-    soup.options.most_cells = 20;
+    soup.options.max_cells = 20;
     const auto fewer = soup.build();
     EXPECT_TRUE(std::equal(fewer.splits.begin(), fewer.splits.end(), more.splits.begin()));
 }
 
 TEST(BuildViewCells, SplitsTheLargestInTheMiddleIfToldSo) {
-    CellOptions options{.rule = CellRule::middle, .most_cells = 8};
+    CellOptions options{.rule = CellRule::middle, .max_cells = 8};
     const auto built = build_view_cells(kUnit, {}, Objects::triangles(0), options);
     ASSERT_EQ(built.cells.leaves(), 8U);
     for (const double volume : built.cells.leaf_volumes()) {
@@ -392,42 +392,42 @@ TEST(BuildViewCells, WeighsByWhereViewersAre) {
     // Three times as many in the left half; it sees A, the right one A, B and C.
     const std::vector<FreeSegment> segments = {
         along_x(0.0, 0.5, 0), along_x(0.5, 1.0, 0), along_x(0.5, 1.0, 1), along_x(0.5, 1.0, 2)};
-    CellOptions options{.most_cells = 2, .least_segments = 1};
+    CellOptions options{.max_cells = 2, .min_segments = 1};
     options.density = [](const Vec3& p) { return p.x < 0.5 ? 30.0 : 10.0; };
     const auto built = build_view_cells(kUnit, segments, Objects::triangles(3), options);
     // Points fill space evenly: of 65,536 some parts in ten thousand are on the wrong side.
     EXPECT_NEAR(built.region_cost, 3.0, 1e-12);
     ASSERT_EQ(built.splits.size(), 1U);
     EXPECT_EQ(built.cells.nodes()[0].offset, 0.5);
-    EXPECT_NEAR(built.shares[0], 0.75, 1e-3);
-    EXPECT_NEAR(built.shares[0] + built.shares[1], 1.0, 1e-12);
+    EXPECT_NEAR(built.viewer_fractions[0], 0.75, 1e-3);
+    EXPECT_NEAR(built.viewer_fractions[0] + built.viewer_fractions[1], 1.0, 1e-12);
     EXPECT_NEAR(built.splits[0].cost, 0.75 * 1.0 + 0.25 * 3.0, 2e-3);
     EXPECT_NEAR(built.splits[0].saving, 0.75 * 2.0, 2e-3);
 }
 
 TEST(BuildViewCells, StopsInBranchesWhereSplitsSaveLittle) {
     Soup soup;
-    soup.options.least_saving = 1.0;  // more than any split
-    soup.options.most_poor_splits = 2;
+    soup.options.min_saving = 1.0;  // more than any split
+    soup.options.max_poor_splits = 2;
     EXPECT_EQ(soup.build().cells.leaves(), 4U);
-    soup.options.most_poor_splits = 3;
+    soup.options.max_poor_splits = 3;
     EXPECT_EQ(soup.build().cells.leaves(), 8U);
-    soup.options.least_saving = 0.0;
-    soup.options.least_segments = soup.segments.size() + 1;
+    soup.options.min_saving = 0.0;
+    soup.options.min_segments = soup.segments.size() + 1;
     EXPECT_EQ(soup.build().cells.leaves(), 1U);
 }
 
 TEST(BuildViewCells, LeaveARegionWholeWhereNothingIsSeen) {
     const Objects none = Objects::triangles(0);
-    for (const CellOptions& options : {CellOptions{}, CellOptions{.most_cells = 1}}) {
+    for (const CellOptions& options : {CellOptions{}, CellOptions{.max_cells = 1}}) {
         const auto built = build_view_cells(kUnit, {}, none, options);
         EXPECT_EQ(built.cells, ViewCells(kUnit));
         EXPECT_EQ(built.region_cost, 0.0);
         EXPECT_TRUE(built.splits.empty());
-        EXPECT_EQ(built.shares, std::vector<double>{1.0});
+        EXPECT_EQ(built.viewer_fractions, std::vector<double>{1.0});
     }
     // Segments beside the region, and such that end nowhere.
-    const std::vector<FreeSegment> beside = {along_x(2.0, 3.0, 0), along_x(0.0, 1.0, kNothing)};
+    const std::vector<FreeSegment> beside = {along_x(2.0, 3.0, 0), along_x(0.0, 1.0, kNoTriangle)};
     EXPECT_EQ(build_view_cells(kUnit, beside, Objects::triangles(1)).cells.leaves(), 1U);
 }
 
@@ -442,9 +442,9 @@ TEST(BuildViewCells, RefusesWhatMakesNoSense) {
                               Vec3(1e200)}) {
         EXPECT_THROW(build_view_cells({Vec3(0.0), upper}, {}, none), Error);
     }
-    EXPECT_THROW(build_view_cells(kUnit, {}, none, {.most_cells = 0}), Error);
-    EXPECT_THROW(build_view_cells(kUnit, {}, none, {.least_saving = nan}), Error);
-    EXPECT_THROW(build_view_cells(kUnit, {}, none, {.most_poor_splits = 0}), Error);
+    EXPECT_THROW(build_view_cells(kUnit, {}, none, {.max_cells = 0}), Error);
+    EXPECT_THROW(build_view_cells(kUnit, {}, none, {.min_saving = nan}), Error);
+    EXPECT_THROW(build_view_cells(kUnit, {}, none, {.max_poor_splits = 0}), Error);
     EXPECT_THROW(build_view_cells(kUnit, {}, none, {.cost = {-1.0, 1.0}}), Error);
     for (const double density : {0.0, -1.0, nan}) {
         CellOptions options;

@@ -19,7 +19,7 @@ using geometry::Vec3;
 constexpr std::uint64_t kSeed = 17;
 constexpr double kSlack = 1e-9;
 
-const Region kBox = {{-1.0, 0.0, 2.0}, {5.0, 3.0, 12.0}};
+const ViewRegion kBox = {{-1.0, 0.0, 2.0}, {5.0, 3.0, 12.0}};
 
 Vec3 random_place(std::uint64_t index) {
     const Vec3 part = test::random_point(kSeed, index, 0.0, 1.0);
@@ -62,7 +62,7 @@ TEST(CellShape, IsDividedIntoWhatFormulasSay) {
     // halves meet in one eighth.
     const CellShape cube({Vec3(0.0), Vec3(1.0)});
     const Vec3 diagonal = glm::normalize(Vec3(1.0));
-    const auto corner = cube.divided({diagonal, diagonal.x, 0, 0}, 7, kSlack);
+    const auto corner = cube.split({diagonal, diagonal.x, 0, 0}, 7, kSlack);
     ASSERT_TRUE(corner);
     EXPECT_NEAR(corner->back.volume(), 1.0 / 6.0, 1e-15);
     EXPECT_NEAR(corner->front.volume(), 5.0 / 6.0, 1e-15);
@@ -71,7 +71,7 @@ TEST(CellShape, IsDividedIntoWhatFormulasSay) {
     EXPECT_EQ(corner->back.faces().back().node, 7U);
     // Through opposite edges: corners lie on the plane.
     const Vec3 across = glm::normalize(Vec3(1.0, -1.0, 0.0));
-    const auto wedges = cube.divided({across, 0.0, 0, 0}, 0, kSlack);
+    const auto wedges = cube.split({across, 0.0, 0, 0}, 0, kSlack);
     ASSERT_TRUE(wedges);
     EXPECT_NEAR(wedges->back.volume(), 0.5, 1e-15);
     EXPECT_EQ(wedges->back.corners().size(), 6U);
@@ -82,11 +82,11 @@ TEST(CellShape, IsNotDividedByPlanesThatMissOrTouchIt) {
     const CellShape cube({Vec3(0.0), Vec3(1.0)});
     const Vec3 x(1.0, 0.0, 0.0);
     const Vec3 diagonal = glm::normalize(Vec3(1.0));
-    EXPECT_FALSE(cube.divided({x, 2.0, 0, 0}, 0, kSlack));
-    EXPECT_FALSE(cube.divided({x, 1.0, 0, 0}, 0, kSlack));
-    EXPECT_FALSE(cube.divided({x, 0.5 * kSlack, 0, 0}, 0, kSlack));
-    EXPECT_FALSE(cube.divided({diagonal, 0.0, 0, 0}, 0, kSlack));
-    EXPECT_FALSE(CellShape::empty().divided({x, 0.5, 0, 0}, 0, kSlack));
+    EXPECT_FALSE(cube.split({x, 2.0, 0, 0}, 0, kSlack));
+    EXPECT_FALSE(cube.split({x, 1.0, 0, 0}, 0, kSlack));
+    EXPECT_FALSE(cube.split({x, 0.5 * kSlack, 0, 0}, 0, kSlack));
+    EXPECT_FALSE(cube.split({diagonal, 0.0, 0, 0}, 0, kSlack));
+    EXPECT_FALSE(CellShape::empty().split({x, 0.5, 0, 0}, 0, kSlack));
 }
 
 TEST(CellShape, KeepsVolumeAndSidesThroughManyCuts) {
@@ -100,7 +100,7 @@ TEST(CellShape, KeepsVolumeAndSidesThroughManyCuts) {
         ASSERT_NE(part, parts.end()) << "cut " << i;
         CellNode plane = random_plane(i);
         plane.offset = glm::dot(plane.normal, place);
-        auto halves = part->divided(plane, 0, kSlack);
+        auto halves = part->split(plane, 0, kSlack);
         if (!halves) {
             continue;
         }
@@ -150,17 +150,17 @@ TEST(ShareBehind, IsTheVolumeThatCuttingGives) {
     for (std::uint64_t i = 0; i < 300; ++i) {
         leaf.shape = CellShape(kBox);
         for (std::uint64_t cut = 0; cut < 3; ++cut) {
-            if (auto halves = leaf.shape.divided(random_plane(10 * i + cut), 0, kSlack)) {
+            if (auto halves = leaf.shape.split(random_plane(10 * i + cut), 0, kSlack)) {
                 leaf.shape = std::move(halves->back);
             }
         }
         leaf.volume = leaf.shape.volume();
         leaf.share = 0.5;
         const CellNode plane = random_plane(10 * i + 9);
-        const auto halves = leaf.shape.divided(plane, 0, kSlack);
-        const double expected = halves                                     ? halves->back.volume()
-                                : height(plane, leaf.shape.middle()) < 0.0 ? leaf.volume
-                                                                           : 0.0;
+        const auto halves = leaf.shape.split(plane, 0, kSlack);
+        const double expected = halves ? halves->back.volume()
+                                : height(plane, leaf.shape.vertex_mean()) < 0.0 ? leaf.volume
+                                                                                : 0.0;
         const ShareBehind behind(leaf, {}, plane.normal);
         const double volume = behind.volume(plane.offset);
         ASSERT_NEAR(volume, expected, 1e-7) << "shape " << i;

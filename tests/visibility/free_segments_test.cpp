@@ -19,19 +19,19 @@ constexpr std::uint64_t kSeed = 11;
 
 TEST(FreeSegments, EndAtTheFirstTriangleBothWays) {
     const geometry::Mesh mesh = test::triangle_soup(kSeed, 500);
-    const Region region = {Vec3(-2.0), Vec3(2.0)};
+    const ViewRegion region = {Vec3(-2.0), Vec3(2.0)};
     std::vector<Ray> rays;
     for (std::uint64_t i = 0; i < 2000; ++i) {
         rays.push_back({test::random_point(kSeed, 2 * i), test::random_point(kSeed, 2 * i + 1)});
     }
-    const auto segments = cast_both_ways(test::tree_of(mesh), mesh.view(), rays, region);
+    const auto segments = cast_free_segments(test::tree_of(mesh), mesh.view(), rays, region);
     ASSERT_EQ(segments.size(), rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const auto ahead = bvh::brute_force::closest_hit(mesh.view(), rays[i]);
         const auto behind =
             bvh::brute_force::closest_hit(mesh.view(), {rays[i].origin, -rays[i].direction});
-        ASSERT_EQ(segments[i].at_to, ahead ? ahead->triangle : kNothing) << "ray " << i;
-        ASSERT_EQ(segments[i].at_from, behind ? behind->triangle : kNothing) << "ray " << i;
+        ASSERT_EQ(segments[i].at_to, ahead ? ahead->triangle : kNoTriangle) << "ray " << i;
+        ASSERT_EQ(segments[i].at_from, behind ? behind->triangle : kNoTriangle) << "ray " << i;
         if (ahead) {
             ASSERT_EQ(segments[i].segment.to, rays[i].origin + ahead->t * rays[i].direction);
         } else {
@@ -43,9 +43,9 @@ TEST(FreeSegments, EndAtTheFirstTriangleBothWays) {
 }
 
 TEST(FreeSegments, AreEmptyOutsideAndWithoutAnythingToSee) {
-    const Region region = {Vec3(-1.0), Vec3(1.0)};
+    const ViewRegion region = {Vec3(-1.0), Vec3(1.0)};
     const std::vector<Ray> rays = {{Vec3(0.0), {1.0, 0.0, 0.0}}, {Vec3(3.0), {1.0, 0.0, 0.0}}};
-    const auto segments = cast_both_ways({}, {}, rays, region);
+    const auto segments = cast_free_segments({}, {}, rays, region);
     ASSERT_EQ(segments.size(), 2U);
     EXPECT_FALSE(segments[0].is_valid());
     EXPECT_EQ(segments[0].segment.from, Vec3(-1.0, 0.0, 0.0));

@@ -42,11 +42,11 @@ std::vector<ObjectId> up_to(ObjectId end, ObjectId begin = 0) {
 TEST(GlobalSampling, CellsOfAConvexRoomSeeAllOfIt) {
     const Mesh room = test::cube(4, 2.0);
     const ViewCells cells = ViewCells::grid({Vec3(-1.9), Vec3(1.9)}, {3, 3, 3});
-    const GlobalView view = sample_cells(tree_of(room),
-                                         room.view(),
-                                         Objects::triangles(room.triangles.size()),
-                                         cells,
-                                         {.most_rays = 400'000, .samples_per_batch = kBatch});
+    const GlobalPvs view = sample_cells(tree_of(room),
+                                        room.view(),
+                                        Objects::triangles(room.triangles.size()),
+                                        cells,
+                                        {.max_rays = 400'000, .samples_per_batch = kBatch});
     for (const auto& visible : view.visible) {
         EXPECT_EQ(visible, up_to(static_cast<ObjectId>(room.triangles.size())));
     }
@@ -58,11 +58,11 @@ TEST(GlobalSampling, SealedRoomsNeverSeeEachOther) {
     // Two columns of cells in each room and one between them.
     const ViewCells cells = ViewCells::grid({{-1.5, -1.5, -1.5}, {6.5, 1.5, 1.5}}, {8, 1, 1})
                                 .merged({0, 0, 0, 1, 1, 2, 2, 2});
-    const GlobalView view = sample_cells(tree_of(mesh),
-                                         mesh.view(),
-                                         Objects::triangles(mesh.triangles.size()),
-                                         cells,
-                                         {.most_rays = 1'000'000, .samples_per_batch = kBatch});
+    const GlobalPvs view = sample_cells(tree_of(mesh),
+                                        mesh.view(),
+                                        Objects::triangles(mesh.triangles.size()),
+                                        cells,
+                                        {.max_rays = 1'000'000, .samples_per_batch = kBatch});
     EXPECT_EQ(view.visible[0], up_to(half));
     EXPECT_EQ(view.visible[2], up_to(2 * half, half));
 }
@@ -72,14 +72,14 @@ TEST(GlobalSampling, MoreRaysOnlyAdd) {
     const Objects objects = Objects::groups(mesh.view(), 4);
     const ViewCells cells = ViewCells::grid({Vec3(-1.0), Vec3(1.0)}, {4, 4, 4});
     const auto tree = tree_of(mesh);
-    GlobalView last;
+    GlobalPvs last;
     for (std::uint64_t batches = 1; batches < 64; batches *= 4) {
-        GlobalView view =
+        GlobalPvs view =
             sample_cells(tree,
                          mesh.view(),
                          objects,
                          cells,
-                         {.most_rays = 2 * batches * kBatch, .samples_per_batch = kBatch});
+                         {.max_rays = 2 * batches * kBatch, .samples_per_batch = kBatch});
         EXPECT_EQ(view.rays, 2 * batches * kBatch);
         for (std::size_t cell = 0; batches > 1 && cell < cells.size(); ++cell) {
             ASSERT_TRUE(std::includes(view.visible[cell].begin(),
@@ -100,18 +100,20 @@ TEST(GlobalSampling, IsTheSameForAnyExecutorAndTree) {
     const Mesh mesh = test::triangle_soup(4, 1500);
     const Objects objects = Objects::triangles(mesh.triangles.size());
     const ViewCells cells = ViewCells::grid({Vec3(-1.0), Vec3(1.0)}, {3, 2, 4});
-    const GlobalOptions options = {.most_rays = 100'000, .samples_per_batch = kBatch};
-    const GlobalView once = sample_cells(tree_of(mesh), mesh.view(), objects, cells, options);
+    const GlobalSamplingOptions options = {.max_rays = 100'000, .samples_per_batch = kBatch};
+    const GlobalPvs once = sample_cells(tree_of(mesh), mesh.view(), objects, cells, options);
     for (const int threads : {1, 2, 8}) {
         for (const bvh::Builder builder : {bvh::Builder::quality, bvh::Builder::lbvh}) {
             Executor executor(threads);
-            const GlobalView again = sample_cells(
+            const GlobalPvs again = sample_cells(
                 tree_of(mesh, builder), mesh.view(), objects, cells, options, executor);
             EXPECT_EQ(again.visible, once.visible);
             EXPECT_EQ(again.missed_share, once.missed_share);
-            for (std::size_t kind = 0; kind < kSampleKinds; ++kind) {
-                EXPECT_EQ(again.counts[kind].samples, once.counts[kind].samples);
-                EXPECT_EQ(again.counts[kind].finds, once.counts[kind].finds);
+            for (std::size_t distribution = 0; distribution < kSampleDistributions;
+                 ++distribution) {
+                EXPECT_EQ(again.counts[distribution].samples, once.counts[distribution].samples);
+                EXPECT_EQ(again.counts[distribution].contribution,
+                          once.counts[distribution].contribution);
             }
         }
     }
@@ -121,28 +123,28 @@ TEST(GlobalSampling, MutationsFindWhatViewDirectionsMiss) {
     const Mesh mesh = test::sphere(4, 1.0, {0.0, 0.0, -8.0});
     const Objects objects = Objects::triangles(mesh.triangles.size());
     const ViewCells cells = ViewCells::grid({Vec3(-0.5), Vec3(0.5)}, {2, 2, 2});
-    GlobalOptions options = {.most_rays = 200'000, .samples_per_batch = kBatch};
+    GlobalSamplingOptions options = {.max_rays = 200'000, .samples_per_batch = kBatch};
     const auto tree = tree_of(mesh);
     const auto all = sample_cells(tree, mesh.view(), objects, cells, options);
-    options.kinds = {true, false, false, false, false};
+    options.distributions = {true, false, false, false, false};
     const auto plain = sample_cells(tree, mesh.view(), objects, cells, options);
     EXPECT_GT(all.curve.back().entries, 3 * plain.curve.back().entries);
 }
 
 TEST(GlobalSampling, EndsWhenNothingGrows) {
     const Mesh room = test::cube(1, 2.0);
-    const GlobalView view = sample_cells(tree_of(room),
-                                         room.view(),
-                                         Objects::triangles(room.triangles.size()),
-                                         ViewCells({Vec3(-1.0), Vec3(1.0)}),
-                                         {.window = 20'000, .most_growth = 0});
+    const GlobalPvs view = sample_cells(tree_of(room),
+                                        room.view(),
+                                        Objects::triangles(room.triangles.size()),
+                                        ViewCells({Vec3(-1.0), Vec3(1.0)}),
+                                        {.window = 20'000, .max_growth = 0});
     EXPECT_LT(view.rays, 1'000'000U);
     EXPECT_EQ(view.missed_share, 0.0);
 }
 
 TEST(GlobalSampling, HandlesNothingToSeeAndRefusesWhatIsTooLarge) {
     const ViewCells one({Vec3(-1.0), Vec3(1.0)});
-    const GlobalView view = sample_cells({}, {}, Objects::triangles(0), one);
+    const GlobalPvs view = sample_cells({}, {}, Objects::triangles(0), one);
     ASSERT_EQ(view.visible.size(), 1U);
     EXPECT_TRUE(view.visible[0].empty());
     const Mesh mesh = test::triangle_soup(4, 3000);
@@ -152,7 +154,8 @@ TEST(GlobalSampling, HandlesNothingToSeeAndRefusesWhatIsTooLarge) {
                               ViewCells::grid(one.region(), {1U << 12U, 1U << 12U, 1})),
                  Error);
     EXPECT_THROW(
-        sample_cells(tree_of(mesh), mesh.view(), Objects::triangles(3000), one, {.kinds = {}}),
+        sample_cells(
+            tree_of(mesh), mesh.view(), Objects::triangles(3000), one, {.distributions = {}}),
         Error);
 }
 

@@ -35,7 +35,7 @@ Mesh marks(const std::vector<Vec3>& points) {
 
 ItemBuffer look(const Mesh& mesh, const View& view) {
     Executor two(2);
-    return look_around(wide_tree_of(mesh.view()), mesh.view(), {0, 0, 0}, view, two);
+    return render_item_buffer(wide_tree_of(mesh.view()), mesh.view(), {0, 0, 0}, view, two);
 }
 
 /// What is seen at fractions of the width, from the left, and of the height, from the top.
@@ -56,7 +56,7 @@ TEST(ItemBuffer, OfAPanoramaHasAnglesForPixels) {
     EXPECT_EQ(at(buffer, 0.5, 0.75), 4U);  // 45 degrees down
     const double behind = (180.0 - std::atan2(1.0, 5.0) * 180.0 / math::kPi) / 360.0;
     EXPECT_EQ(at(buffer, 0.5 + behind, 0.5), 5U);
-    EXPECT_EQ(at(buffer, 0.6, 0.2), kNothing);
+    EXPECT_EQ(at(buffer, 0.6, 0.2), kNoTriangle);
     EXPECT_EQ(buffer.distances[0], std::numeric_limits<double>::infinity());
     EXPECT_NEAR(buffer.distances[100 * 400 + 200], 5.0, 0.02);
 }
@@ -64,22 +64,22 @@ TEST(ItemBuffer, OfAPanoramaHasAnglesForPixels) {
 TEST(ItemBuffer, OfAViewIsAPerspective) {
     // 90 degrees across: x / -z is -1 ... 1 over the width, and half of that over the height.
     const Mesh mesh = marks({{0, 0, -5}, {3, 0, -5}, {0, 2, -5}, {-4, -2, -5}, {5, 0, 0}});
-    const ItemBuffer front = look(mesh, {.width = 600, .height = 300, .front = Vec3{0, 0, -2}});
+    const ItemBuffer front = look(mesh, {.width = 600, .height = 300, .forward = Vec3{0, 0, -2}});
     EXPECT_EQ(at(front, 0.5, 0.5), 0U);
     EXPECT_EQ(at(front, 0.5 + 0.3, 0.5), 1U);
     EXPECT_EQ(at(front, 0.5, 0.5 - 0.4), 2U);
     EXPECT_EQ(at(front, 0.5 - 0.4, 0.5 + 0.4), 3U);
-    const ItemBuffer right = look(mesh, {.width = 60, .height = 60, .front = Vec3{1, 0, 0}});
+    const ItemBuffer right = look(mesh, {.width = 60, .height = 60, .forward = Vec3{1, 0, 0}});
     EXPECT_EQ(at(right, 0.5, 0.5), 4U);
 }
 
 TEST(ItemBuffer, LooksStraightUpAndDown) {
     const Mesh mesh = marks({{2, 5, 0}, {0, 5, 2}, {2, -5, 0}, {0, -5, -2}});
-    const View view{.width = 200, .height = 200, .front = Vec3{0, 3, 0}};
+    const View view{.width = 200, .height = 200, .forward = Vec3{0, 3, 0}};
     const ItemBuffer up = look(mesh, view);
     EXPECT_EQ(at(up, 0.7, 0.5), 0U);
     EXPECT_EQ(at(up, 0.5, 0.3), 1U);
-    const ItemBuffer down = look(mesh, {.width = 200, .height = 200, .front = Vec3{0, -1, 0}});
+    const ItemBuffer down = look(mesh, {.width = 200, .height = 200, .forward = Vec3{0, -1, 0}});
     EXPECT_EQ(at(down, 0.7, 0.5), 2U);
     EXPECT_EQ(at(down, 0.5, 0.3), 3U);
 }
@@ -88,7 +88,8 @@ TEST(ItemBuffer, HoldsTheClosestHitOfEveryPixel) {
     const Mesh mesh = scene_mesh("classroom");
     const auto tree = wide_tree_of(mesh.view());
     const Vec3 point{1.5, 1.2, 2.5};
-    const ItemBuffer buffer = look_around(tree, mesh.view(), point, {.width = 70, .height = 35});
+    const ItemBuffer buffer =
+        render_item_buffer(tree, mesh.view(), point, {.width = 70, .height = 35});
     for (std::size_t i = 0; i < buffer.triangles.size(); ++i) {
         EXPECT_NEAR(glm::length(buffer.directions[i]), 1.0, 1e-15);
         const auto hit = bvh::brute_force::closest_hit(

@@ -27,10 +27,10 @@ std::vector<Segment> some_segments(const Mesh& mesh, std::size_t count, std::uin
 
 std::optional<Blocker> first_by_brute_force(const Mesh& mesh,
                                             const Segment& segment,
-                                            const Ignored& ignored) {
+                                            const ExclusionMask& excluded) {
     std::optional<Blocker> first;
     for (TriangleId id = 0; id < mesh.triangles.size(); ++id) {
-        if (ignored.contains(id) || !blocks(mesh.view(), id, segment)) {
+        if (excluded.contains(id) || !blocks(mesh.view(), id, segment)) {
             continue;
         }
         const auto& t = mesh.triangles[id];
@@ -48,7 +48,7 @@ std::size_t compare(const std::string& scene, std::size_t count) {
     const Mesh mesh = scene_mesh(scene);
     const auto segments = some_segments(mesh, count, count);
     Executor two(2);
-    const auto seen = sees(wide_tree_of(mesh.view()), mesh.view(), segments, {}, two);
+    const auto seen = visible(wide_tree_of(mesh.view()), mesh.view(), segments, {}, two);
     std::size_t free = 0, different = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const bool expected =
@@ -79,15 +79,15 @@ TEST(LineOfSight, AsksOneByOneWhatItAsksInBatches) {
     const Mesh mesh = scene_mesh("classroom");
     const auto tree = wide_tree_of(mesh.view());
     const auto segments = some_segments(mesh, 3000, 5);
-    Ignored ignored;
+    ExclusionMask excluded;
     for (TriangleId id = 0; id < mesh.triangles.size(); id += 3) {
-        ignored.add(id);
+        excluded.add(id);
     }
-    for (const Ignored& passed : {Ignored(), ignored}) {
-        const auto seen = sees(tree, mesh.view(), segments, passed);
+    for (const ExclusionMask& passed : {ExclusionMask(), excluded}) {
+        const auto seen = visible(tree, mesh.view(), segments, passed);
         const auto blockers = first_blockers(tree, mesh.view(), segments, passed);
         for (std::size_t i = 0; i < segments.size(); ++i) {
-            ASSERT_EQ(seen[i] != 0, sees(tree, mesh.view(), segments[i], passed));
+            ASSERT_EQ(seen[i] != 0, visible(tree, mesh.view(), segments[i], passed));
             ASSERT_EQ(blockers[i], first_blocker(tree, mesh.view(), segments[i], passed));
             ASSERT_EQ(blockers[i], first_by_brute_force(mesh, segments[i], passed));
             ASSERT_EQ(seen[i] != 0, !blockers[i]);
@@ -98,21 +98,21 @@ TEST(LineOfSight, AsksOneByOneWhatItAsksInBatches) {
 TEST(LineOfSight, DoesNotDependOnBuilderThreadsInstructionsOrDirection) {
     const Mesh mesh = scene_mesh("coupled_rooms");
     auto segments = some_segments(mesh, 4000, 6);
-    const auto expected = sees(wide_tree_of(mesh.view()), mesh.view(), segments);
+    const auto expected = visible(wide_tree_of(mesh.view()), mesh.view(), segments);
     Executor two(2), eight(8);
     for (const auto builder : {bvh::Builder::lbvh, bvh::Builder::spatial_median}) {
         const auto tree = wide_tree_of(mesh.view(), {.builder = builder});
         for (const std::string& target : simd_targets()) {
             use_simd_target(target);
-            EXPECT_EQ(sees(tree, mesh.view(), segments, {}, two), expected) << target;
-            EXPECT_EQ(sees(tree, mesh.view(), segments, {}, eight), expected) << target;
+            EXPECT_EQ(visible(tree, mesh.view(), segments, {}, two), expected) << target;
+            EXPECT_EQ(visible(tree, mesh.view(), segments, {}, eight), expected) << target;
         }
         use_simd_target("auto");
     }
     for (Segment& segment : segments) {
         std::swap(segment.from, segment.to);
     }
-    EXPECT_EQ(sees(wide_tree_of(mesh.view()), mesh.view(), segments), expected);
+    EXPECT_EQ(visible(wide_tree_of(mesh.view()), mesh.view(), segments), expected);
 }
 
 TEST(LineOfSight, GrazingBlocks) {
@@ -142,19 +142,19 @@ TEST(LineOfSight, LooksThroughWhatIsIgnored) {
     const auto tree = wide_tree_of(panes.view());
     const Segment through{{0, 0, 0}, {4, 0, 0}};
     const std::vector<std::uint32_t> materials{7, 3};
-    const auto ignoring = [&](std::vector<std::uint32_t> which) {
-        return Ignored::materials(materials, which);
+    const auto excluding = [&](std::vector<std::uint32_t> which) {
+        return ExclusionMask::of_materials(materials, which);
     };
-    EXPECT_EQ(first_blocker(tree, panes.view(), through, ignoring({7})), (Blocker{1, 0.5}));
-    EXPECT_EQ(first_blocker(tree, panes.view(), through, ignoring({3})), (Blocker{0, 0.25}));
-    EXPECT_TRUE(sees(tree, panes.view(), through, ignoring({3, 7})));
-    EXPECT_FALSE(sees(tree, panes.view(), through, ignoring({5})));
+    EXPECT_EQ(first_blocker(tree, panes.view(), through, excluding({7})), (Blocker{1, 0.5}));
+    EXPECT_EQ(first_blocker(tree, panes.view(), through, excluding({3})), (Blocker{0, 0.25}));
+    EXPECT_TRUE(visible(tree, panes.view(), through, excluding({3, 7})));
+    EXPECT_FALSE(visible(tree, panes.view(), through, excluding({5})));
 }
 
 TEST(LineOfSight, IsFreeWhereThereIsNothing) {
     const bvh::WideTree nothing = wide_tree_of({});
-    EXPECT_TRUE(sees(nothing, {}, Segment{{0, 0, 0}, {1, 1, 1}}));
-    EXPECT_TRUE(sees(nothing, {}, std::span<const Segment>{}).empty());
+    EXPECT_TRUE(visible(nothing, {}, Segment{{0, 0, 0}, {1, 1, 1}}));
+    EXPECT_TRUE(visible(nothing, {}, std::span<const Segment>{}).empty());
 }
 
 }  // namespace

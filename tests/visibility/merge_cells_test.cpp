@@ -62,13 +62,13 @@ public:
     SlowMerger(const ViewCells& cells,
                const Sets& sets,
                std::vector<double> costs,
-               const std::vector<double>& shares)
+               const std::vector<double>& viewer_fractions)
         : costs_(std::move(costs)) {
         for (const LeafContact& contact : leaf_contacts(cells)) {
             contacts_.insert({contact.first, contact.second});
         }
         for (LeafId i = 0; i < sets.size(); ++i) {
-            groups[i] = {shares[i], {sets[i].begin(), sets[i].end()}, {i}};
+            groups[i] = {viewer_fractions[i], {sets[i].begin(), sets[i].end()}, {i}};
         }
         next_ = static_cast<std::uint32_t>(sets.size());
     }
@@ -153,12 +153,12 @@ TEST(MergeCells, TakesWhatTryingEveryPairFindsBest) {
     const ViewCells cells = test::random_cells(kSeed, 16);
     const Sets sets = random_sets(16, 20);
     const auto costs = random_numbers(20, 1);
-    auto shares = random_numbers(16, 2);
-    for (double& share : shares) {
+    auto viewer_fractions = random_numbers(16, 2);
+    for (double& share : viewer_fractions) {
         share /= 40.0;
     }
-    const auto history = merge_cells(cells, sets, costs, shares);
-    SlowMerger slow(cells, sets, costs, shares);
+    const auto history = merge_cells(cells, sets, costs, viewer_fractions);
+    SlowMerger slow(cells, sets, costs, viewer_fractions);
     EXPECT_NEAR(history.leaf_cost(), slow.cost(), 1e-12);
     for (const CellMerge& merge : history.merges()) {
         const auto expected = slow.merge();
@@ -182,7 +182,7 @@ TEST(MergeCells, NeverLowersTheCostAndEndsInTheUnion) {
     }
     std::vector<ObjectId> all;
     for (const auto& set : sets) {
-        all = united(all, set);
+        all = union_of(all, set);
     }
     EXPECT_NEAR(cost, set_cost(all, costs), 1e-9 * cost);
     EXPECT_EQ(history.merges().back().entries, all.size());
@@ -225,7 +225,7 @@ TEST(MergeCells, OfAFlatRegionAreThoseOfAThickOne) {
     const Sets sets = random_sets(20, 30);
     const auto costs = random_numbers(30, 1);
     for (const int axis : {0, 1, 2}) {
-        Region region = {Vec3(0.0), Vec3(20.0)};
+        ViewRegion region = {Vec3(0.0), Vec3(20.0)};
         std::array<std::uint32_t, 3> counts = {5, 5, 5};
         counts[static_cast<std::size_t>((axis + 1) % 3)] = 4;
         counts[static_cast<std::size_t>(axis)] = 1;

@@ -14,7 +14,7 @@ namespace earshot::test {
 /// dividing the leaf that its point is in. All volumes are given as equal, which they are not.
 inline visibility::ViewCells random_cells(std::uint64_t seed, std::uint32_t leaves) {
     using namespace visibility;
-    const Region cube = {geometry::Vec3(-1.0), geometry::Vec3(1.0)};
+    const ViewRegion cube = {geometry::Vec3(-1.0), geometry::Vec3(1.0)};
     std::vector<CellNode> nodes;
     for (std::uint32_t added = 1; added < leaves; ++added) {
         const geometry::Vec3 place = random_point(seed, 2 * added);

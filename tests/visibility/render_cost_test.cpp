@@ -31,8 +31,8 @@ TEST(RenderCost, RefusesWhatIsNoCost) {
 
 TEST(RenderCost, UnitesSets) {
     using Set = std::vector<ObjectId>;
-    EXPECT_EQ(united(Set{0, 2, 5}, Set{1, 2, 9}), (Set{0, 1, 2, 5, 9}));
-    EXPECT_EQ(united(Set{}, Set{4}), Set{4});
+    EXPECT_EQ(union_of(Set{0, 2, 5}, Set{1, 2, 9}), (Set{0, 1, 2, 5, 9}));
+    EXPECT_EQ(union_of(Set{}, Set{4}), Set{4});
 }
 
 }  // namespace

@@ -22,15 +22,15 @@ constexpr std::uint64_t kSeed = 5;
 
 const Vec3 kLower = {0.0, 0.0, 0.0};
 const Vec3 kUpper = {4.0, 3.0, 5.0};
-const Region kInside = {kLower + 0.01, kUpper - 0.01};
-const Region kSolid = {{1.0, 0.5, 1.0}, {2.5, 2.0, 3.0}};
+const ViewRegion kInside = {kLower + 0.01, kUpper - 0.01};
+const ViewRegion kSolid = {{1.0, 0.5, 1.0}, {2.5, 2.0, 3.0}};
 
 bvh::WideTree tree_of(const geometry::Mesh& mesh) {
     return bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
 }
 
 std::vector<FreeSegment> sample(const geometry::Mesh& mesh,
-                                const Region& region,
+                                const ViewRegion& region,
                                 const SegmentSampling& sampling,
                                 int threads = 1) {
     Executor executor(threads);
@@ -61,8 +61,8 @@ TEST(SampleFreeSegments, InAClosedBoxReachFromWallToAnotherWall) {
     ASSERT_EQ(segments.size(), 3000U);
     for (std::size_t i = 0; i < segments.size(); ++i) {
         const FreeSegment& free = segments[i];
-        ASSERT_NE(free.at_from, kNothing) << "sample " << i;
-        ASSERT_NE(free.at_to, kNothing) << "sample " << i;
+        ASSERT_NE(free.at_from, kNoTriangle) << "sample " << i;
+        ASSERT_NE(free.at_to, kNoTriangle) << "sample " << i;
         ASSERT_NE(room.labels[free.at_from], room.labels[free.at_to]) << "sample " << i;
         const Vec3 direction = free.segment.to - free.segment.from;
         const auto ahead =
@@ -117,7 +117,7 @@ TEST(SampleFreeSegments, GiveUpWhereSolidsDoNotEnd) {
         mesh.positions.push_back(corner);
     }
     mesh.triangles.push_back({60, 61, 62});
-    const Region region = {{-0.5, -1.0, -1.0}, {18.5, 1.0, 1.0}};
+    const ViewRegion region = {{-0.5, -1.0, -1.0}, {18.5, 1.0, 1.0}};
     constexpr std::size_t kCount = 20000;
     const auto segments =
         sample(mesh, region, {.seed = kSeed, .count = kCount, .skip_solids = true});
@@ -153,7 +153,7 @@ TEST(SampleFreeSegments, AreTheSameForAnyThreadsAndInParts) {
 
 TEST(SampleFreeSegments, GoThroughFlatRegionsAndSeeNothingWithoutAMesh) {
     const Room room = support::box_room(kLower, kUpper);
-    const Region ear = {{0.1, 1.5, 0.1}, {3.9, 1.5, 4.9}};
+    const ViewRegion ear = {{0.1, 1.5, 0.1}, {3.9, 1.5, 4.9}};
     for (const FreeSegment& free : sample(room.mesh, ear, {.seed = kSeed, .count = 500})) {
         EXPECT_LE(std::min(free.segment.from.y, free.segment.to.y), 1.5);
         EXPECT_GE(std::max(free.segment.from.y, free.segment.to.y), 1.5);

@@ -15,7 +15,7 @@ using geometry::Mesh;
 using geometry::Vec3;
 
 constexpr std::uint64_t kSeed = 5;
-const Region kRegion = {{-1.0, -2.0, -3.0}, {3.0, 2.0, 1.0}};
+const ViewRegion kRegion = {{-1.0, -2.0, -3.0}, {3.0, 2.0, 1.0}};
 
 class SampleSources : public testing::Test {
 protected:
@@ -24,9 +24,9 @@ protected:
           objects(std::vector<ObjectId>(mesh.triangles.size(), 0)),
           source(mesh.view(), objects, kRegion, kSeed) {}
 
-    Sample sample(SampleKind kind, std::uint64_t index) const {
+    Sample sample(SampleDistribution distribution, std::uint64_t index) const {
         Sample result;
-        result.kind = kind;
+        result.distribution = distribution;
         result.origin = Candidate{{0.0, 0.0, 0.0}, {0.0, 0.0, -9.0}, 0, 0.25};
         source.draw(result, index);
         return result;
@@ -42,7 +42,7 @@ TEST_F(SampleSources, ViewDirectionsStartAnywhereAndGoToAllSides) {
     Vec3 origins(0.0);
     Vec3 directions(0.0);
     for (std::uint64_t i = 0; i < kCount; ++i) {
-        const Sample s = sample(SampleKind::view_direction, i);
+        const Sample s = sample(SampleDistribution::view_space_direction, i);
         ASSERT_TRUE(kRegion.contains(s.ray.origin));
         ASSERT_NEAR(glm::length(s.ray.direction), 1.0, 1e-12);
         origins += s.ray.origin / static_cast<double>(kCount);
@@ -57,7 +57,7 @@ TEST_F(SampleSources, ViewDirectionsStartAnywhereAndGoToAllSides) {
 
 TEST_F(SampleSources, TwoPointsLeadFromTheRegionToTheObject) {
     for (std::uint64_t i = 0; i < 2000; ++i) {
-        const Sample s = sample(SampleKind::two_point, i);
+        const Sample s = sample(SampleDistribution::two_point, i);
         ASSERT_TRUE(kRegion.contains(s.ray.origin));
         // The sphere's triangles lie up to 2 % inside of it.
         const double radius = glm::distance(s.ray.origin + s.ray.direction, Vec3(0.0, 0.0, -10.0));
@@ -71,7 +71,7 @@ TEST_F(SampleSources, ObjectDirectionsLeaveBothSidesAfterLambert) {
     constexpr std::uint64_t kCount = 20000;
     std::array<double, 2> cosines{};
     for (std::uint64_t i = 0; i < kCount; ++i) {
-        const Sample s = sample(SampleKind::object_direction, i);
+        const Sample s = sample(SampleDistribution::object_surface_direction, i);
         const Vec3 out = glm::normalize(s.ray.origin - Vec3(0.0, 0.0, -10.0));
         cosines[i % 2] += 2.0 * glm::dot(out, s.ray.direction) / static_cast<double>(kCount);
     }
@@ -86,7 +86,7 @@ TEST_F(SampleSources, TwoPointMutationsSpreadAsObjectsAreLarge) {
     Vec3 from_variance(0.0);
     Vec3 to_variance(0.0);
     for (std::uint64_t i = 0; i < kCount; ++i) {
-        const geometry::Ray ray = sample(SampleKind::two_point_mutation, i).ray;
+        const geometry::Ray ray = sample(SampleDistribution::two_point_mutation, i).ray;
         const Vec3 from = ray.origin - 0.5 * ray.direction;
         const Vec3 to = ray.origin + 0.5 * ray.direction - Vec3(0.0, 0.0, -9.0);
         from_variance += from * from / static_cast<double>(kCount);
@@ -104,7 +104,7 @@ TEST_F(SampleSources, SilhouetteMutationsPassJustByTheObject) {
     const Vec3 from(0.0);
     const Vec3 middle(0.0, 0.0, -9.0);
     for (std::uint64_t i = 0; i < 2000; ++i) {
-        const Vec3 aimed_at = sample(SampleKind::silhouette_mutation, i).aimed_at;
+        const Vec3 aimed_at = sample(SampleDistribution::silhouette_mutation, i).aimed_at;
         ASSERT_FALSE(source.meets(from, aimed_at, 0)) << "sample " << i;
         // The search ends a 128th of the way within the border.
         const Vec3 aside = glm::normalize(aimed_at - middle);

@@ -19,7 +19,7 @@ using geometry::Vec3;
 
 constexpr std::uint64_t kSeed = 3;
 
-const Region kHall = {{-1.0, 0.0, 2.0}, {5.0, 3.0, 12.0}};
+const ViewRegion kHall = {{-1.0, 0.0, 2.0}, {5.0, 3.0, 12.0}};
 constexpr std::array<std::uint32_t, 3> kCounts = {4, 3, 5};
 
 Vec3 random_point(std::uint64_t index, double margin = 0.0) {
@@ -133,11 +133,11 @@ TEST(ViewCells, RefusesWhatIsNoTree) {
 TEST(ViewCells, RefusesRegionsThatAreUpsideDownOrNotFinite) {
     constexpr double kMost = std::numeric_limits<double>::max();
     constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-    for (const Region& region : {Region{{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}},
-                                 Region{{0.0, 1.0, 0.0}, {1.0, 0.0, 1.0}},
-                                 Region{Vec3(-kMost), Vec3(kMost)},
-                                 Region{Vec3(0.0), {1.0, kNoNumber, 1.0}},
-                                 Region{Vec3(-kMost), {-kMost, -kMost, kMost}}}) {
+    for (const ViewRegion& region : {ViewRegion{{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}},
+                                     ViewRegion{{0.0, 1.0, 0.0}, {1.0, 0.0, 1.0}},
+                                     ViewRegion{Vec3(-kMost), Vec3(kMost)},
+                                     ViewRegion{Vec3(0.0), {1.0, kNoNumber, 1.0}},
+                                     ViewRegion{Vec3(-kMost), {-kMost, -kMost, kMost}}}) {
         EXPECT_THROW(ViewCells{region}, Error);
         EXPECT_THROW(ViewCells::grid(region, {2, 2, 2}), Error);
     }

@@ -15,7 +15,7 @@ using geometry::TriangleId;
 using geometry::Vec3;
 using Sets = std::vector<std::vector<ObjectId>>;
 
-const Region kRegion = {{0.0, 0.0, 0.0}, {4.0, 1.0, 1.0}};
+const ViewRegion kRegion = {{0.0, 0.0, 0.0}, {4.0, 1.0, 1.0}};
 
 /// Four cells in a row that see objects {0, 1}, {0, 1}, {1, 2}, {2}; object 1 has two triangles.
 VisibleSets four_cells() {
@@ -32,9 +32,9 @@ TEST(VisibleSets, LeadFromAPointToItsTriangles) {
     const VisibleSets sets = four_cells();
     const auto cell = sets.cells().cell_at({2.5, 0.5, 0.5});
     ASSERT_TRUE(cell);
-    EXPECT_EQ(sets.triangles_seen_from(*cell), (std::vector<TriangleId>{0, 2, 3}));
-    EXPECT_TRUE(sets.sees(*cell, 2));
-    EXPECT_FALSE(sets.sees(*cell, 1));
+    EXPECT_EQ(sets.triangles_visible_from(*cell), (std::vector<TriangleId>{0, 2, 3}));
+    EXPECT_TRUE(sets.contains(*cell, 2));
+    EXPECT_FALSE(sets.contains(*cell, 1));
     EXPECT_EQ(sets.entries(), 7U);
 }
 

@@ -60,7 +60,9 @@ Mesh tiled_room(const Vec3& half, int count) {
     return mesh;
 }
 
-VisibleTriangles seen_in(const Mesh& mesh, const Vec3& point, const VisibleOptions& options = {}) {
+VisibleTriangles seen_in(const Mesh& mesh,
+                         const Vec3& point,
+                         const VisibleTrianglesOptions& options = {}) {
     return visible_triangles(wide_tree_of(mesh.view()), mesh.view(), point, options);
 }
 
@@ -162,7 +164,7 @@ TEST(VisibleTriangles, NarrowerThanAPixelAreFound) {
                              visible.triangles.end(),
                              [](const VisibleTriangle& e) { return e.triangle % 4 >= 2; });
     };
-    const VisibleTriangles swept = seen_in(mesh, {0.3, 0, 0}, {.is_refined = false});
+    const VisibleTriangles swept = seen_in(mesh, {0.3, 0, 0}, {.refine = false});
     const VisibleTriangles refined = seen_in(mesh, {0.3, 0, 0});
     EXPECT_LT(slats(swept), 10);
     EXPECT_EQ(slats(refined), 20);
@@ -223,7 +225,7 @@ TEST(VisibleTriangles, HoldAllThatRaysInAnyDirectionHit) {
 TEST(VisibleTriangles, DoNotDependOnBuilderThreadsOrInstructions) {
     const Mesh mesh = scene_mesh("classroom");
     const Vec3 point{1.5, 1.2, 2.5};
-    const VisibleOptions options{.resolution = 3.0 * kDegree};
+    const VisibleTrianglesOptions options{.resolution = 3.0 * kDegree};
     const VisibleTriangles expected = seen_in(mesh, point, options);
     Executor two(2), eight(8);
     for (const auto builder : {bvh::Builder::lbvh, bvh::Builder::spatial_median}) {
@@ -242,8 +244,8 @@ TEST(VisibleTriangles, DoNotDependOnBuilderThreadsOrInstructions) {
 TEST(VisibleTriangles, StopWhenTheirRaysAreSpent) {
     const Mesh mesh = scene_mesh("classroom");
     const Vec3 point{1.5, 1.2, 2.5};
-    const VisibleTriangles swept = seen_in(mesh, point, {.is_refined = false});
-    const VisibleTriangles some = seen_in(mesh, point, {.most_refining_rays = 3000});
+    const VisibleTriangles swept = seen_in(mesh, point, {.refine = false});
+    const VisibleTriangles some = seen_in(mesh, point, {.max_refining_rays = 3000});
     const VisibleTriangles all = seen_in(mesh, point);
     EXPECT_TRUE(swept.is_complete && all.is_complete);
     EXPECT_FALSE(some.is_complete);

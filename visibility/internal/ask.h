@@ -12,14 +12,14 @@ namespace earshot::visibility {
 void ask(const bvh::WideTree& tree,
          const geometry::MeshView& mesh,
          std::span<const geometry::Segment> segments,
-         const Ignored& ignored,
+         const ExclusionMask& excluded,
          std::span<std::uint8_t> seen,
          Executor& executor);
 
 void ask(const bvh::WideTree& tree,
          const geometry::MeshView& mesh,
          std::span<const geometry::Segment> segments,
-         const Ignored& ignored,
+         const ExclusionMask& excluded,
          std::span<std::optional<Blocker>> blockers,
          Executor& executor);
 

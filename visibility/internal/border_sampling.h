@@ -40,7 +40,7 @@ std::optional<geometry::Vec3> expected_hit(const geometry::Ray& ray,
 /// A ray from the border of the region to what the blocker hides: past the blocker, `gap` metres
 /// beside it in the plane of both rays. Empty if none does.
 std::optional<geometry::Ray> reverse_ray(const BlockedRay& blocked,
-                                         const Region& region,
+                                         const ViewRegion& region,
                                          double gap) noexcept;
 
 }  // namespace earshot::visibility

@@ -19,10 +19,10 @@ public:
                   const geometry::MeshView& mesh,
                   const Objects& objects,
                   const ViewCells& cells,
-                  const GlobalOptions& options,
+                  const GlobalSamplingOptions& options,
                   Executor& executor);
 
-    GlobalView run();
+    GlobalPvs run();
 
 private:
     /// An entry that a sample may add.
@@ -39,14 +39,14 @@ private:
 
     bool is_finished() const;
     std::vector<Sample> draw_batch();
-    SampleKind choose(double die) const;
+    SampleDistribution choose(double die) const;
     std::vector<Find> look(std::span<const Sample> samples, std::span<const FreeSegment> segments);
     void take_in(std::span<const Sample> samples,
                  std::span<const FreeSegment> segments,
                  std::span<const Find> finds);
     void note_candidates(const FreeSegment& segment, bool ahead, bool behind);
     void follow_silhouette(const Sample& sample, const FreeSegment& segment);
-    void choose_anew(const std::array<GlobalView::Count, kSampleKinds>& before);
+    void choose_anew(const std::array<GlobalPvs::Count, kSampleDistributions>& before);
     void close_window();
     std::vector<ObjectId> set_of(CellId cell) const;
 
@@ -60,17 +60,17 @@ private:
     geometry::MeshView mesh_;
     const Objects& objects_;
     const ViewCells& cells_;
-    const GlobalOptions& options_;
+    const GlobalSamplingOptions& options_;
     Executor& executor_;
     SampleSource source_;
     MutationStore store_;
     std::size_t words_;                 // of bits, per cell
     std::vector<std::uint64_t> bits_;   // cell after cell
     std::vector<std::uint64_t> sizes_;  // per cell
-    std::array<double, kSampleKinds> chances_{};
-    GlobalView view_;
+    std::array<double, kSampleDistributions> chances_{};
+    GlobalPvs view_;
     std::uint64_t entries_ = 0;
-    std::uint64_t own_finds_ = 0;  // by view_direction for the cell of their origin
+    std::uint64_t own_finds_ = 0;  // by view_space_direction for the cell of their origin
     std::vector<Mark> marks_;
     std::uint64_t window_end_;
     std::vector<std::uint64_t> sizes_then_;  // when the window began

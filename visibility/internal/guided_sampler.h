@@ -17,12 +17,12 @@ class GuidedSampler {
 public:
     GuidedSampler(const bvh::WideTree& tree,
                   const geometry::MeshView& mesh,
-                  const Region& region,
-                  const GuidedOptions& options,
+                  const ViewRegion& region,
+                  const GuidedSamplingOptions& options,
                   Executor& executor);
 
     /// Until it is enough; the triangles and witnesses of the result are left out.
-    RegionView run();
+    RegionPvs run();
 
     bool is_known(geometry::TriangleId triangle) const noexcept {
         return place_[triangle] != kUnknown;
@@ -70,8 +70,8 @@ private:
 
     const bvh::WideTree& tree_;
     geometry::MeshView mesh_;
-    Region region_;
-    const GuidedOptions& options_;
+    ViewRegion region_;
+    const GuidedSamplingOptions& options_;
     Executor& executor_;
     double diagonal_ = 0.0;
     std::array<double, 6> faces_{};  // of the region, areas summed up
@@ -90,7 +90,7 @@ private:
     };
     std::uint64_t random_finds_ = 0;
     std::vector<Mark> marks_;  // after every batch
-    std::vector<RegionView::Point> curve_;
+    std::vector<RegionPvs::Point> curve_;
     bool is_interrupted_ = false;
 };
 

@@ -14,7 +14,7 @@ namespace earshot::visibility {
 
 /// What all leaves have in common while view cells are being built.
 struct CellBuild {
-    Region region{};
+    ViewRegion region{};
     std::vector<Sight> sights{};
     std::vector<double> costs{};    ///< per object
     std::vector<Viewer> viewers{};  ///< none: everywhere alike

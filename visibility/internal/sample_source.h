@@ -13,19 +13,19 @@ namespace earshot::visibility {
 
 /// A line to be cast both ways from a point on it.
 struct Sample {
-    SampleKind kind = SampleKind::two_point;
+    SampleDistribution distribution = SampleDistribution::two_point;
     geometry::Ray ray{};
     std::optional<Candidate> origin{};  ///< what was varied
     geometry::Vec3 aimed_at{};          ///< of a silhouette mutation: just beside the object
 };
 
-/// Draws the lines of each kind. Sample i of a kind is a pure function of the seed, i and, for
-/// mutations, of what is varied. Only reads what it was given, which must outlive it.
+/// Draws the lines of each distribution. Sample i of a distribution is a pure function of the seed,
+/// i and, for mutations, of what is varied. Only reads what it was given, which must outlive it.
 class SampleSource {
 public:
     SampleSource(const geometry::MeshView& mesh,
                  const Objects& objects,
-                 const Region& region,
+                 const ViewRegion& region,
                  std::uint64_t seed);
 
     /// Precondition: there are objects; a mutation has an origin.
@@ -50,7 +50,7 @@ private:
 
     geometry::MeshView mesh_;
     const Objects& objects_;
-    Region region_;
+    ViewRegion region_;
     std::uint64_t seed_;
     double reach_ = 0.0;  // the largest absolute coordinate of the mesh
     std::vector<double> radii_;

@@ -16,7 +16,7 @@ namespace earshot::visibility {
 /// A direction and the triangle that is seen in it.
 struct Look {
     geometry::Vec3 direction{};
-    geometry::TriangleId triangle = kNothing;
+    geometry::TriangleId triangle = kNoTriangle;
 };
 
 /// Two directions between which more may be seen.
@@ -30,7 +30,7 @@ public:
     VisibleSearch(const bvh::WideTree& tree,
                   const geometry::MeshView& mesh,
                   const geometry::Vec3& point,
-                  const VisibleOptions& options,
+                  const VisibleTrianglesOptions& options,
                   Executor& executor);
 
     /// Casts a ray in every direction and notes what is new, in order.
@@ -67,9 +67,9 @@ private:
     const bvh::WideTree& tree_;
     const geometry::MeshView mesh_;
     const geometry::Vec3 point_;
-    const VisibleOptions options_;
+    const VisibleTrianglesOptions options_;
     Executor& executor_;
-    std::vector<std::uint32_t> place_;  // of each triangle in found_.triangles, or kNothing
+    std::vector<std::uint32_t> place_;  // of each triangle in found_.triangles, or kNoTriangle
     VisibleTriangles found_;            // in the order of discovery
     std::size_t followed_ = 0;          // so many of these have been
     std::uint64_t refining_rays_ = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/sight_matrix.h"
+#include "earshot/visibility/visibility_matrix.h"
 
 #include "earshot/visibility/internal/ask.h"
 #include "earshot/visibility/internal/coherent_order.h"
@@ -27,8 +27,8 @@ TriangleId cell_of(const std::optional<Blocker>& blocker) noexcept {
 template <typename Answer, typename Cell>
 void make_matrix(const WideTree& tree,
                  const MeshView& mesh,
-                 const SightPoints& points,
-                 const Ignored& ignored,
+                 const PointSets& points,
+                 const ExclusionMask& excluded,
                  Executor& executor,
                  const std::function<void(std::span<const Cell>)>& take_row) {
     const std::size_t columns = points.to.size();
@@ -49,7 +49,7 @@ void make_matrix(const WideTree& tree,
                 const std::size_t pair = begin + i;
                 segments[i] = {points.from[row + pair / columns], points.to[order[pair % columns]]};
             }
-            ask(tree, mesh, segments, ignored, std::span<Answer>(answers), executor);
+            ask(tree, mesh, segments, excluded, std::span<Answer>(answers), executor);
             for (std::size_t i = 0; i < count; ++i) {
                 const std::size_t pair = begin + i;
                 cells[pair / columns * columns + order[pair % columns]] = cell_of(answers[i]);
@@ -63,23 +63,23 @@ void make_matrix(const WideTree& tree,
 
 }  // namespace
 
-void sight_matrix(const WideTree& tree,
-                  const MeshView& mesh,
-                  const SightPoints& points,
-                  const Ignored& ignored,
-                  Executor& executor,
-                  const std::function<void(std::span<const std::uint8_t>)>& take_row) {
-    make_matrix<std::uint8_t, std::uint8_t>(tree, mesh, points, ignored, executor, take_row);
+void visibility_matrix(const WideTree& tree,
+                       const MeshView& mesh,
+                       const PointSets& points,
+                       const ExclusionMask& excluded,
+                       Executor& executor,
+                       const std::function<void(std::span<const std::uint8_t>)>& take_row) {
+    make_matrix<std::uint8_t, std::uint8_t>(tree, mesh, points, excluded, executor, take_row);
 }
 
 void blocker_matrix(const WideTree& tree,
                     const MeshView& mesh,
-                    const SightPoints& points,
-                    const Ignored& ignored,
+                    const PointSets& points,
+                    const ExclusionMask& excluded,
                     Executor& executor,
                     const std::function<void(std::span<const TriangleId>)>& take_row) {
     make_matrix<std::optional<Blocker>, TriangleId>(
-        tree, mesh, points, ignored, executor, take_row);
+        tree, mesh, points, excluded, executor, take_row);
 }
 
 }  // namespace earshot::visibility

@@ -9,16 +9,16 @@
 
 namespace earshot::visibility {
 
-/// Triangles that a line of sight passes as if they were not there: panes of glass, say, or the
-/// surface that its end lies on. One bit per triangle; may be shared by any number of queries.
-class Ignored {
+/// The triangles that a query treats as absent: panes of glass, say, or the surface that the end of
+/// a line of sight lies on. One bit per triangle; a mask may be shared by any number of queries.
+class ExclusionMask {
 public:
-    Ignored() = default;  ///< nothing
+    ExclusionMask() = default;  ///< excludes no triangle
 
-    /// The triangles that have one of these materials, of `material_of_triangle`, an index per
-    /// triangle.
-    static Ignored materials(std::span<const std::uint32_t> material_of_triangle,
-                             std::span<const std::uint32_t> materials);
+    /// Excludes the triangles that have one of `materials`; `material_of_triangle` holds the index
+    /// of each triangle's material.
+    static ExclusionMask of_materials(std::span<const std::uint32_t> material_of_triangle,
+                                      std::span<const std::uint32_t> materials);
 
     void add(geometry::TriangleId triangle);
 

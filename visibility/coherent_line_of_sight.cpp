@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/coherent_sight.h"
+#include "earshot/visibility/coherent_line_of_sight.h"
 
 #include "earshot/bvh/wide_ray.h"
 #include "earshot/visibility/internal/segment_walk.h"
@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kGrain = 512;
 
-/// A pair that has not been asked about.
+/// The state of a pair without an earlier answer.
 constexpr TriangleId kUnknown = kNoBlocker - 1;
 
 bool is_same(const Segment& a, const Segment& b) noexcept {
@@ -38,16 +38,16 @@ std::vector<std::uint8_t> moved_points(std::span<const Vec3> before, std::span<c
 
 }  // namespace
 
-CoherentSight::CoherentSight(const MeshView& mesh,
-                             Ignored ignored,
-                             const bvh::UpdateOptions& options,
-                             Executor& executor)
-    : ignored_(std::move(ignored)),
+CoherentLineOfSight::CoherentLineOfSight(const MeshView& mesh,
+                                         ExclusionMask excluded,
+                                         const bvh::UpdateOptions& options,
+                                         Executor& executor)
+    : excluded_(std::move(excluded)),
       tree_(mesh, options, executor),
       positions_(mesh.positions.begin(), mesh.positions.end()),
       moved_(mesh.triangles.size()) {}
 
-void CoherentSight::follow(const MeshView& mesh, Executor& executor) {
+void CoherentLineOfSight::update(const MeshView& mesh, Executor& executor) {
     const std::vector<std::uint8_t> is_moved = moved_points(positions_, mesh.positions);
     executor.for_each(mesh.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -72,12 +72,12 @@ void CoherentSight::follow(const MeshView& mesh, Executor& executor) {
     mark_slots();
 }
 
-bool CoherentSight::may_meet_moved(const Segment& segment) const noexcept {
+bool CoherentLineOfSight::may_intersect_moved(const Segment& segment) const noexcept {
     const geometry::Slabs slabs(segment.from, segment.to - segment.from, tree_.tree().reach());
     return !moved_box_.is_empty() && !slabs.passage(moved_box_, 1.0).is_empty();
 }
 
-void CoherentSight::mark_slots() {
+void CoherentLineOfSight::mark_slots() {
     const bvh::WideTree& tree = tree_.tree();
     moved_slots_.assign(tree.nodes().size(), 0);
     // Parents stand before their children.
@@ -98,38 +98,38 @@ void CoherentSight::mark_slots() {
     }
 }
 
-void CoherentSight::expect_pairs(std::size_t count) {
+void CoherentLineOfSight::expect_pairs(std::size_t count) {
     if (states_.size() != count) {
         states_.assign(count, kUnknown);
-        seen_.resize(count);
+        visible_.resize(count);
     }
 }
 
-TriangleId CoherentSight::state_of(const MeshView& mesh,
-                                   const Segment& segment,
-                                   TriangleId last,
-                                   bool has_moved,
-                                   SightCounts& counts) const noexcept {
+TriangleId CoherentLineOfSight::state_of(const MeshView& mesh,
+                                         const Segment& segment,
+                                         TriangleId last,
+                                         bool has_moved,
+                                         LineOfSightStatistics& statistics) const noexcept {
     const auto blocks = [&](TriangleId id) {
-        ++counts.triangles;
+        ++statistics.triangles;
         return touches(segment, mesh, id);
     };
     if (last < kUnknown && ((!has_moved && moved_[last] == 0) || blocks(last))) {
-        ++counts.kept;
+        ++statistics.kept;
         return last;
     }
-    // Of a pair that saw each other and stayed, only what has moved can have come in between.
+    // Between two resting points that were mutually visible only a moved triangle can be now.
     const bool is_free_of_resting = last == kNoBlocker && !has_moved;
-    if (is_free_of_resting && !may_meet_moved(segment)) {
-        ++counts.kept;
+    if (is_free_of_resting && !may_intersect_moved(segment)) {
+        ++statistics.kept;
         return last;
     }
-    // Wide kernels tell sooner that nothing blocks, but not what does.
-    if (!is_counted_ && !bvh::occluded(tree_.tree(), mesh, segment)) {
+    // The wide kernels are faster at telling that no triangle blocks, but not which one does.
+    if (!collects_statistics_ && !bvh::occluded(tree_.tree(), mesh, segment)) {
         return kNoBlocker;
     }
     TriangleId blocker = kNoBlocker;
-    counts.nodes += walk(
+    statistics.nodes += walk(
         tree_.tree(),
         segment,
         1.0,
@@ -137,7 +137,7 @@ TriangleId CoherentSight::state_of(const MeshView& mesh,
             return !is_free_of_resting || (moved_slots_[node] >> slot & 1U) != 0;
         },
         [&](TriangleId id) {
-            if ((is_free_of_resting && moved_[id] == 0) || ignored_.contains(id) || !blocks(id)) {
+            if ((is_free_of_resting && moved_[id] == 0) || excluded_.contains(id) || !blocks(id)) {
                 return true;
             }
             blocker = id;
@@ -147,30 +147,30 @@ TriangleId CoherentSight::state_of(const MeshView& mesh,
 }
 
 template <typename SegmentOf, typename HasMoved>
-void CoherentSight::answer(const MeshView& mesh,
-                           const SegmentOf& segment_of,
-                           const HasMoved& has_moved,
-                           Executor& executor) {
-    std::vector<SightCounts> counts(chunk_count(states_.size(), kGrain));
+void CoherentLineOfSight::answer(const MeshView& mesh,
+                                 const SegmentOf& segment_of,
+                                 const HasMoved& has_moved,
+                                 Executor& executor) {
+    std::vector<LineOfSightStatistics> statistics(chunk_count(states_.size(), kGrain));
     executor.for_each(states_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        SightCounts& of_chunk = counts[begin / kGrain];
+        LineOfSightStatistics& of_chunk = statistics[begin / kGrain];
         for (std::size_t i = begin; i < end; ++i) {
             states_[i] = state_of(mesh, segment_of(i), states_[i], has_moved(i), of_chunk);
-            seen_[i] = states_[i] == kNoBlocker ? 1 : 0;
+            visible_[i] = states_[i] == kNoBlocker ? 1 : 0;
         }
     });
-    counts_ = {};
-    for (const SightCounts& of_chunk : counts) {
-        counts_.nodes += of_chunk.nodes;
-        counts_.triangles += of_chunk.triangles;
-        counts_.kept += of_chunk.kept;
+    statistics_ = {};
+    for (const LineOfSightStatistics& of_chunk : statistics) {
+        statistics_.nodes += of_chunk.nodes;
+        statistics_.triangles += of_chunk.triangles;
+        statistics_.kept += of_chunk.kept;
     }
 }
 
-const std::vector<std::uint8_t>& CoherentSight::sees(const MeshView& mesh,
-                                                     std::span<const Segment> segments,
-                                                     Executor& executor) {
-    follow(mesh, executor);
+const std::vector<std::uint8_t>& CoherentLineOfSight::visible(const MeshView& mesh,
+                                                              std::span<const Segment> segments,
+                                                              Executor& executor) {
+    update(mesh, executor);
     expect_pairs(segments.size());
     const auto has_moved = [&](std::size_t i) {
         return i >= segments_.size() || !is_same(segments_[i], segments[i]);
@@ -180,15 +180,15 @@ const std::vector<std::uint8_t>& CoherentSight::sees(const MeshView& mesh,
     segments_.assign(segments.begin(), segments.end());
     from_.clear();
     to_.clear();
-    return seen_;
+    return visible_;
 }
 
-const std::vector<std::uint8_t>& CoherentSight::matrix(const MeshView& mesh,
-                                                       const SightPoints& points,
-                                                       Executor& executor) {
-    follow(mesh, executor);
+const std::vector<std::uint8_t>& CoherentLineOfSight::matrix(const MeshView& mesh,
+                                                             const PointSets& points,
+                                                             Executor& executor) {
+    update(mesh, executor);
     const std::size_t columns = points.to.size();
-    // The same number of pairs in another shape is another question.
+    // As many pairs in a matrix of another shape are other pairs.
     if (from_.size() != points.from.size() || to_.size() != columns) {
         states_.clear();
     }
@@ -205,7 +205,7 @@ const std::vector<std::uint8_t>& CoherentSight::matrix(const MeshView& mesh,
     from_.assign(points.from.begin(), points.from.end());
     to_.assign(points.to.begin(), points.to.end());
     segments_.clear();
-    return seen_;
+    return visible_;
 }
 
 }  // namespace earshot::visibility

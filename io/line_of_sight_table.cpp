@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/io/sight_table.h"
+#include "earshot/io/line_of_sight_table.h"
 
 #include "earshot/io/internal/json_lines.h"
 
@@ -37,17 +37,17 @@ Json to_json(std::span<const Vec3> points) {
 
 }  // namespace
 
-void SightCsv::add_row(std::span<const std::uint8_t> seen) {
+void LineOfSightCsv::add_row(std::span<const std::uint8_t> seen) {
     append_row(seen, text_);
     text_ += '\n';
 }
 
-void SightCsv::add_row(std::span<const TriangleId> blockers) {
+void LineOfSightCsv::add_row(std::span<const TriangleId> blockers) {
     append_row(blockers, "", text_);
     text_ += '\n';
 }
 
-SightJson::SightJson(std::string_view scene, const visibility::SightPoints& points)
+LineOfSightJson::LineOfSightJson(std::string_view scene, const visibility::PointSets& points)
     : lines_(std::make_unique<JsonLines>()) {
     lines_->begin_list("{\"version\":1,\"scene\":" + json_text(scene) +
                            ",\n\"from\":" + to_json(points.from).dump() +
@@ -55,31 +55,31 @@ SightJson::SightJson(std::string_view scene, const visibility::SightPoints& poin
                        1);
 }
 
-SightJson::~SightJson() = default;
+LineOfSightJson::~LineOfSightJson() = default;
 
-void SightJson::begin_frame(double time, bool with_blockers) {
+void LineOfSightJson::begin_frame(double time, bool with_blockers) {
     lines_->add_record("{\"time\":" + json_number(time));
     lines_->begin_list(with_blockers ? ",\"blockers\":" : ",\"visible\":", 2);
 }
 
-void SightJson::add_row(std::span<const std::uint8_t> seen) {
+void LineOfSightJson::add_row(std::span<const std::uint8_t> seen) {
     std::string row = "[";
     append_row(seen, row);
     lines_->add_record(row + "]");
 }
 
-void SightJson::add_row(std::span<const TriangleId> blockers) {
+void LineOfSightJson::add_row(std::span<const TriangleId> blockers) {
     std::string row = "[";
     append_row(blockers, "null", row);
     lines_->add_record(row + "]");
 }
 
-void SightJson::end_frame() {
+void LineOfSightJson::end_frame() {
     lines_->end_list();
     lines_->append("}");
 }
 
-std::string SightJson::finish() {
+std::string LineOfSightJson::finish() {
     lines_->end_list();
     return lines_->finish();
 }

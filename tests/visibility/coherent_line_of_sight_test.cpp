@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/coherent_sight.h"
+#include "earshot/visibility/coherent_line_of_sight.h"
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ private:
     std::vector<Vec3> positions_;
 };
 
-TEST(CoherentSight, AnswersAsIfItRememberedNothing) {
+TEST(CoherentLineOfSight, AnswersAsIfItRememberedNothing) {
     Executor two(2);
     for (const std::string name : {"curtain", "door"}) {
         Moving scene(name);
@@ -44,12 +44,12 @@ TEST(CoherentSight, AnswersAsIfItRememberedNothing) {
         for (Segment& segment : segments) {
             segment = {somewhere(dice), somewhere(dice)};
         }
-        CoherentSight coherent(scene.at(0.0));
-        Ignored ignored;
-        ignored.add(2);
-        CoherentSight with_ignored(scene.at(0.0), ignored);
-        CoherentSight counted(scene.at(0.0));
-        counted.count_work(true);
+        CoherentLineOfSight coherent(scene.at(0.0));
+        ExclusionMask excluded;
+        excluded.add(2);
+        CoherentLineOfSight with_excluded(scene.at(0.0), excluded);
+        CoherentLineOfSight counted(scene.at(0.0));
+        counted.collect_statistics(true);
         for (int frame = 0; frame < 40; ++frame) {
             // The animation runs, halts, and jumps back; points move, and their number changes.
             const auto mesh = scene.at(frame < 30 ? 0.05 * std::max(0, frame - 5) : 0.3);
@@ -61,18 +61,20 @@ TEST(CoherentSight, AnswersAsIfItRememberedNothing) {
                 segments.resize(2500);
             }
             const auto tree = wide_tree_of(mesh);
-            ASSERT_EQ(coherent.sees(mesh, segments, two), sees(tree, mesh, segments)) << frame;
-            ASSERT_EQ(counted.sees(mesh, segments), sees(tree, mesh, segments)) << frame;
-            ASSERT_EQ(with_ignored.sees(mesh, segments), sees(tree, mesh, segments, ignored));
+            ASSERT_EQ(coherent.visible(mesh, segments, two), visible(tree, mesh, segments))
+                << frame;
+            ASSERT_EQ(counted.visible(mesh, segments), visible(tree, mesh, segments)) << frame;
+            ASSERT_EQ(with_excluded.visible(mesh, segments),
+                      visible(tree, mesh, segments, excluded));
         }
     }
 }
 
-TEST(CoherentSight, AnswersMatricesOfAnyShape) {
+TEST(CoherentLineOfSight, AnswersMatricesOfAnyShape) {
     Moving scene("curtain");
     Dice dice(8);
     std::vector<Vec3> from(20), to(30);
-    CoherentSight coherent(scene.at(0.0));
+    CoherentLineOfSight coherent(scene.at(0.0));
     for (int frame = 0; frame < 12; ++frame) {
         const auto mesh = scene.at(0.1 * frame);
         if (frame == 0 || frame == 6) {
@@ -85,22 +87,23 @@ TEST(CoherentSight, AnswersMatricesOfAnyShape) {
         const std::vector<std::uint8_t> kept = coherent.matrix(mesh, {from, to});
         const auto tree = wide_tree_of(mesh);
         std::size_t row = 0;
-        sight_matrix(tree,
-                     mesh,
-                     {from, to},
-                     {},
-                     Executor::serial(),
-                     [&](std::span<const std::uint8_t> seen) {
-                         const auto begin = kept.begin() + static_cast<long>(row++ * to.size());
-                         EXPECT_TRUE(std::equal(seen.begin(), seen.end(), begin));
-                     });
+        visibility_matrix(tree,
+                          mesh,
+                          {from, to},
+                          {},
+                          Executor::serial(),
+                          [&](std::span<const std::uint8_t> seen) {
+                              const auto begin =
+                                  kept.begin() + static_cast<long>(row++ * to.size());
+                              EXPECT_TRUE(std::equal(seen.begin(), seen.end(), begin));
+                          });
         if (frame == 9) {
-            coherent.sees(mesh, std::vector<Segment>(600));
+            coherent.visible(mesh, std::vector<Segment>(600));
         }
     }
 }
 
-TEST(CoherentSight, LooksIntoAThirdOfTheNodesAtMost) {
+TEST(CoherentLineOfSight, LooksIntoAThirdOfTheNodesAtMost) {
     for (const std::string name : {"curtain", "door"}) {
         Moving scene(name);
         Dice dice(9);
@@ -108,19 +111,19 @@ TEST(CoherentSight, LooksIntoAThirdOfTheNodesAtMost) {
         for (Segment& segment : segments) {
             segment = {somewhere(dice), somewhere(dice)};
         }
-        CoherentSight coherent(scene.at(0.0));
-        coherent.count_work(true);
-        coherent.sees(scene.at(0.0), segments);
+        CoherentLineOfSight coherent(scene.at(0.0));
+        coherent.collect_statistics(true);
+        coherent.visible(scene.at(0.0), segments);
         std::uint64_t nodes = 0, from_scratch = 0;
         for (int frame = 1; frame <= 30; ++frame) {
             const auto mesh = scene.at(frame / 30.0);
-            coherent.sees(mesh, segments);
-            nodes += coherent.counts().nodes;
-            CoherentSight fresh(mesh);
-            fresh.count_work(true);
-            fresh.sees(mesh, segments);
-            from_scratch += fresh.counts().nodes;
-            EXPECT_EQ(fresh.counts().kept, 0U);
+            coherent.visible(mesh, segments);
+            nodes += coherent.statistics().nodes;
+            CoherentLineOfSight fresh(mesh);
+            fresh.collect_statistics(true);
+            fresh.visible(mesh, segments);
+            from_scratch += fresh.statistics().nodes;
+            EXPECT_EQ(fresh.statistics().kept, 0U);
         }
         std::cout << name << ": " << nodes << " nodes instead of " << from_scratch << ", 1/"
                   << static_cast<double>(from_scratch) / static_cast<double>(nodes) << "\n";
@@ -128,7 +131,7 @@ TEST(CoherentSight, LooksIntoAThirdOfTheNodesAtMost) {
     }
 }
 
-TEST(CoherentSight, CountsTheSameForAnyExecutor) {
+TEST(CoherentLineOfSight, CountsTheSameForAnyExecutor) {
     Executor two(2);
     Moving scene("curtain");
     std::vector<Segment> segments(4000);
@@ -136,17 +139,17 @@ TEST(CoherentSight, CountsTheSameForAnyExecutor) {
     for (Segment& segment : segments) {
         segment = {somewhere(dice), somewhere(dice)};
     }
-    CoherentSight one(scene.at(0.0)), other(scene.at(0.0), {}, {}, two);
-    one.count_work(true);
-    other.count_work(true);
+    CoherentLineOfSight one(scene.at(0.0)), other(scene.at(0.0), {}, {}, two);
+    one.collect_statistics(true);
+    other.collect_statistics(true);
     for (const double time : {0.0, 0.1, 0.1}) {
         const auto mesh = scene.at(time);
-        one.sees(mesh, segments);
-        other.sees(mesh, segments, two);
-        EXPECT_EQ(one.counts(), other.counts());
+        one.visible(mesh, segments);
+        other.visible(mesh, segments, two);
+        EXPECT_EQ(one.statistics(), other.statistics());
     }
-    EXPECT_EQ(one.counts().kept, segments.size());
-    EXPECT_EQ(one.counts().nodes, 0U);
+    EXPECT_EQ(one.statistics().kept, segments.size());
+    EXPECT_EQ(one.statistics().nodes, 0U);
 }
 
 }  // namespace

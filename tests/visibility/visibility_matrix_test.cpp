@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/sight_matrix.h"
+#include "earshot/visibility/visibility_matrix.h"
 
 #include <gtest/gtest.h>
 
@@ -31,15 +31,16 @@ TEST(SightMatrix, HoldsEveryPairInItsPlace) {
         const auto to = some_points(static_cast<std::size_t>(columns), 2);
         std::size_t row = 0, free = 0;
         support::Dice dice(3);
-        sight_matrix(tree, mesh.view(), {from, to}, {}, two, [&](std::span<const std::uint8_t> is) {
-            ASSERT_EQ(is.size(), to.size());
-            for (int i = 0; i < 20 && columns > 0; ++i) {
-                const auto k = static_cast<std::size_t>(dice.below(columns));
-                EXPECT_EQ(is[k] != 0, sees(tree, mesh.view(), Segment{from[row], to[k]}));
-                free += is[k];
-            }
-            ++row;
-        });
+        visibility_matrix(
+            tree, mesh.view(), {from, to}, {}, two, [&](std::span<const std::uint8_t> is) {
+                ASSERT_EQ(is.size(), to.size());
+                for (int i = 0; i < 20 && columns > 0; ++i) {
+                    const auto k = static_cast<std::size_t>(dice.below(columns));
+                    EXPECT_EQ(is[k] != 0, visible(tree, mesh.view(), Segment{from[row], to[k]}));
+                    free += is[k];
+                }
+                ++row;
+            });
         EXPECT_EQ(row, from.size());
         EXPECT_TRUE(rows < 100 || (free > 0 && free < 20 * from.size()));
     }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/geometry/types.h"
-#include "earshot/visibility/sight_matrix.h"
+#include "earshot/visibility/visibility_matrix.h"
 
 #include <cstdint>
 #include <memory>
@@ -16,7 +16,7 @@ class JsonLines;
 
 /// Writes who sees whom as a table without a header: a line per `from` point, a cell per `to`
 /// point, 1 where they see each other and 0 where not.
-class SightCsv {
+class LineOfSightCsv {
 public:
     void add_row(std::span<const std::uint8_t> seen);
     /// With blockers a cell holds the triangle that blocks first, and is empty where none does.
@@ -29,12 +29,12 @@ private:
 
 /// Writes the same as JSON, for one instant or several: the points, and per instant the rows, as
 /// `visible`, or as `blockers` with null where two see each other.
-class SightJson {
+class LineOfSightJson {
 public:
-    SightJson(std::string_view scene, const visibility::SightPoints& points);
-    ~SightJson();
-    SightJson(const SightJson&) = delete;
-    SightJson& operator=(const SightJson&) = delete;
+    LineOfSightJson(std::string_view scene, const visibility::PointSets& points);
+    ~LineOfSightJson();
+    LineOfSightJson(const LineOfSightJson&) = delete;
+    LineOfSightJson& operator=(const LineOfSightJson&) = delete;
 
     void begin_frame(double time, bool with_blockers);
     void add_row(std::span<const std::uint8_t> seen);
