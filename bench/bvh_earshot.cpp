@@ -132,7 +132,7 @@ protected:
         });
     }
 
-    virtual earshot::bvh::LeafForm leaves() const { return earshot::bvh::LeafForm::single; }
+    virtual earshot::bvh::LeafEncoding leaves() const { return earshot::bvh::LeafEncoding::single; }
 
     WideTree tree_;
 };
@@ -157,7 +157,9 @@ public:
     std::string name() const override { return "earshot quantised"; }
 
 protected:
-    earshot::bvh::LeafForm leaves() const override { return earshot::bvh::LeafForm::quantised; }
+    earshot::bvh::LeafEncoding leaves() const override {
+        return earshot::bvh::LeafEncoding::quantised;
+    }
 };
 
 }  // namespace

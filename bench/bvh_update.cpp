@@ -2,12 +2,11 @@
 //
 // bench_bvh_update [MESH]: what it costs to keep a hierarchy over a mesh that deforms, and to ask
 // it, for four policies: refit only, rebuild always, the 40 % rule of Lauterbach 2010, and
-// MovingTree.
+// DeformableBvh.
 
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
-#include "earshot/bvh/aging.h"
-#include "earshot/bvh/moving_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/bvh/partial_refit.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/io/scene_file.h"
@@ -15,6 +14,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "structures/area_ratio_rule.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -28,9 +28,9 @@
 
 namespace {
 
+using bench::AreaRatioRule;
 using earshot::random;
-using earshot::bvh::AreaRatioRule;
-using earshot::bvh::MovingTree;
+using earshot::bvh::DeformableBvh;
 using earshot::bvh::Tree;
 using earshot::bvh::WideTree;
 using earshot::geometry::Hit;
@@ -141,7 +141,7 @@ void follow(const char* name, const Motion& motion, std::size_t ray_count) {
     const Mesh rest = motion(0.0);
     WideTree refitted = built(rest.view());
     WideTree rebuilt = refitted;
-    MovingTree moving(rest.view(), {.rays_per_update = static_cast<double>(ray_count)});
+    DeformableBvh moving(rest.view(), {.rays_per_update = static_cast<double>(ray_count)});
     Tree by_rule = Tree::build(earshot::bvh::triangle_boxes(rest.view()));
     WideTree by_rule_wide = refitted;
     auto rule = std::make_unique<AreaRatioRule>(by_rule);

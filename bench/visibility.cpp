@@ -144,7 +144,7 @@ void measure_coherence(const Mesh& mesh, std::size_t count) {
     const auto segments = make_sets(mesh, count)["coherent"];
     for (const double share : {0.05, 0.2, 1.0}) {
         visibility::CoherentLineOfSight coherent(mesh.view()), counted(mesh.view());
-        bvh::MovingTree tree(mesh.view());
+        bvh::DeformableBvh tree(mesh.view());
         counted.collect_statistics(true);
         coherent.visible(mesh.view(), segments);
         counted.visible(mesh.view(), segments);

@@ -36,7 +36,7 @@ std::optional<Hit> hit_of(const PreparedRay& ray, const geometry::MeshView& mesh
 }  // namespace
 
 OrderedHits::OrderedHits(const Tree& tree, const geometry::MeshView& mesh, const geometry::Ray& ray)
-    : tree_(tree), mesh_(mesh), ray_(ray, reach_of(tree)) {
+    : tree_(tree), mesh_(mesh), ray_(ray, max_abs_coordinate(tree)) {
     if (!tree.nodes().empty() && ray_.is_valid()) {
         wait_for(0);
     }
@@ -90,7 +90,7 @@ void OrderedHits::open(std::uint32_t index) {
 std::vector<Hit> all_hits(const Tree& tree,
                           const geometry::MeshView& mesh,
                           const geometry::Ray& ray) {
-    const PreparedRay prepared(ray, reach_of(tree));
+    const PreparedRay prepared(ray, max_abs_coordinate(tree));
     std::vector<Hit> hits;
     if (!prepared.is_valid()) {
         return hits;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/bin_cuts.h"
+#include "earshot/bvh/internal/binned_sah.h"
 
 #include <algorithm>
 #include <initializer_list>
@@ -25,8 +25,8 @@ struct Run {
 
 class SubtreeBuilder {
 public:
-    SubtreeBuilder(const Subtree& subtree,
-                   const CutRule& rule,
+    SubtreeBuilder(const BuildRange& subtree,
+                   const SplitRule& rule,
                    RawNode* nodes,
                    std::uint32_t* primitives)
         : refs_{subtree.refs[0], subtree.refs[1]},
@@ -38,31 +38,32 @@ public:
     /// Builds the tree over a run into nodes[node] and what follows the nodes there are.
     void build(std::uint32_t node, const Run& run, Box box, Box centres) {
         const std::uint32_t size = run.size();
-        WideBox* const refs = refs_[run.side] + run.begin;
+        PrimRef* const refs = refs_[run.side] + run.begin;
         if (size == 1) {
             write_leaf(node, run, box);
             return;
         }
-        if (rule_.at_middle && size <= rule_.leaf_size) {
+        if (rule_.spatial_median && size <= rule_.max_leaf_size) {
             write_leaf(node, run, box);
             return;
         }
-        if (size <= kSmallTree && !rule_.at_middle) {
+        if (size <= kSmallTree && !rule_.spatial_median) {
             SmallTree(refs, size, rule_, output_).write(node, box);
             return;
         }
-        if (run.depth >= kHalvingDepth) {
-            if (size <= rule_.leaf_size) {
+        if (run.depth >= kMedianSplitDepth) {
+            if (size <= rule_.max_leaf_size) {
                 write_leaf(node, run, box);
             } else {
                 cut_in_half(node, run, box);
             }
             return;
         }
-        const Binning binning = rule_.at_middle ? make_halves(box) : make_binning(centres, size);
+        const Binning binning =
+            rule_.spatial_median ? make_halves(box) : make_binning(centres, size);
         fill(refs, size, binning, bins_, spare_bins_);
         const Split split = best_split(bins_, binning);
-        if (size <= rule_.leaf_size) {
+        if (size <= rule_.max_leaf_size) {
             const float area = half_area(box);
             if (!(rule_.traversal_cost * area + split.cost < static_cast<float>(size) * area)) {
                 write_leaf(node, run, box);
@@ -79,7 +80,7 @@ public:
 private:
     void write_leaf(std::uint32_t node, const Run& run, Box box) {
         for (std::uint32_t i = run.begin; i < run.end; ++i) {
-            output_.primitives[i] = index_of(refs_[run.side][i]);
+            output_.primitives[i] = primitive_index(refs_[run.side][i]);
         }
         output_.primitive_count = run.end;
         store_node(box, run.begin, run.size(), output_.nodes[node]);
@@ -104,10 +105,10 @@ private:
     }
 
     void cut_in_half(std::uint32_t node, const Run& run, Box box) {
-        WideBox bounds;
+        BuildBox bounds;
         store_box(box, bounds);
-        WideBox* const refs = refs_[run.side];
-        const std::size_t left = halve(refs + run.begin, run.size(), bounds);
+        PrimRef* const refs = refs_[run.side];
+        const std::size_t left = split_at_median(refs + run.begin, run.size(), bounds);
         const std::uint32_t middle = run.begin + static_cast<std::uint32_t>(left);
         const std::uint32_t children = output_.add_children();
         store_node(box, children, 0, output_.nodes[node]);
@@ -125,35 +126,35 @@ private:
         build(node, run, box, centres);
     }
 
-    WideBox* refs_[2];
-    CutRule rule_;
+    PrimRef* refs_[2];
+    SplitRule rule_;
     Output output_;
     Bins bins_, spare_bins_;
 };
 
-std::uint32_t subtree(const Subtree& task,
-                      const CutRule& rule,
+std::uint32_t subtree(const BuildRange& task,
+                      const SplitRule& rule,
                       RawNode* nodes,
                       std::uint32_t* primitives) {
     SubtreeBuilder builder(task, rule, nodes, primitives);
     builder.build(0,
                   {task.begin, task.end, task.side, task.depth},
                   load_box(task.bounds.box),
-                  load_box(task.bounds.centres));
+                  load_box(task.bounds.centroids));
     return builder.node_count();
 }
 
 void refer_into(
-    const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds) {
+    const float* boxes, std::uint32_t first, std::size_t count, PrimRef* refs, Bounds& bounds) {
     refer_to(boxes, first, count, refs, bounds);
 }
 
-Binning make_binning_of(const CutRule& rule, const Bounds& bounds, std::size_t count) {
-    return rule.at_middle ? make_halves(load_box(bounds.box))
-                          : make_binning(load_box(bounds.centres), count);
+Binning make_binning_of(const SplitRule& rule, const Bounds& bounds, std::size_t count) {
+    return rule.spatial_median ? make_halves(load_box(bounds.box))
+                               : make_binning(load_box(bounds.centroids), count);
 }
 
-void fill_from(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
+void fill_from(const PrimRef* refs, std::size_t count, const Binning& binning, Bins& bins) {
     Bins spare;
     fill(refs, count, binning, bins, spare);
 }
@@ -166,13 +167,13 @@ Split split_between(const Bins& bins, const Binning& binning) {
     return best_split(bins, binning);
 }
 
-void part_into(const Parting& parting,
+void part_into(const PartitionTask& parting,
                const Binning& binning,
                const Split& split,
-               WideBox* centres) {
+               BuildBox* centroids) {
     const Centres both = part_stably(parting, binning, split);
-    store_box(both.left, centres[0]);
-    store_box(both.right, centres[1]);
+    store_box(both.left, centroids[0]);
+    store_box(both.right, centroids[1]);
 }
 
 }  // namespace earshot::bvh::HWY_NAMESPACE
@@ -189,20 +190,20 @@ HWY_EXPORT(split_between);
 HWY_EXPORT(part_into);
 HWY_EXPORT(subtree);
 
-void refer(
-    const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds) {
+void make_prim_refs(
+    const float* boxes, std::uint32_t first, std::size_t count, PrimRef* refs, Bounds& bounds) {
     HWY_DYNAMIC_DISPATCH(refer_into)(boxes, first, count, refs, bounds);
 }
 
-Binning binning_of(const CutRule& rule, const Bounds& bounds, std::size_t count) {
+Binning choose_binning(const SplitRule& rule, const Bounds& bounds, std::size_t count) {
     return HWY_DYNAMIC_DISPATCH(make_binning_of)(rule, bounds, count);
 }
 
-void fill_bins(const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins) {
+void fill_bins(const PrimRef* refs, std::size_t count, const Binning& binning, Bins& bins) {
     HWY_DYNAMIC_DISPATCH(fill_from)(refs, count, binning, bins);
 }
 
-void join_bins(const Bins& more, const Binning& binning, Bins& bins) {
+void merge_bins(const Bins& more, const Binning& binning, Bins& bins) {
     HWY_DYNAMIC_DISPATCH(join_all)(more, binning, bins);
 }
 
@@ -210,12 +211,15 @@ Split find_split(const Bins& bins, const Binning& binning) {
     return HWY_DYNAMIC_DISPATCH(split_between)(bins, binning);
 }
 
-void part(const Parting& parting, const Binning& binning, const Split& split, WideBox* centres) {
-    HWY_DYNAMIC_DISPATCH(part_into)(parting, binning, split, centres);
+void partition(const PartitionTask& parting,
+               const Binning& binning,
+               const Split& split,
+               BuildBox* centroids) {
+    HWY_DYNAMIC_DISPATCH(part_into)(parting, binning, split, centroids);
 }
 
-std::uint32_t build_subtree(const Subtree& task,
-                            const CutRule& rule,
+std::uint32_t build_subtree(const BuildRange& task,
+                            const SplitRule& rule,
                             RawNode* nodes,
                             std::uint32_t* primitives) {
     return HWY_DYNAMIC_DISPATCH(subtree)(task, rule, nodes, primitives);

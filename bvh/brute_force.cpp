@@ -9,33 +9,33 @@
 namespace earshot::bvh::brute_force {
 namespace {
 
-// As reach_of() of a tree with this box.
-double reach_of(const geometry::Aabb& box) noexcept {
-    double reach = 0.0;
+// As max_abs_coordinate() of a tree with this box.
+double max_abs_coordinate(const geometry::Aabb& box) noexcept {
+    double largest = 0.0;
     for (std::size_t k = 0; k < 3 && !box.is_empty(); ++k) {
-        reach = std::max({reach,
-                          std::abs(static_cast<double>(box.lower[k])),
-                          std::abs(static_cast<double>(box.upper[k]))});
+        largest = std::max({largest,
+                            std::abs(static_cast<double>(box.lower[k])),
+                            std::abs(static_cast<double>(box.upper[k]))});
     }
-    return reach;
+    return largest;
 }
 
-double reach_of(const geometry::MeshView& mesh) noexcept {
+double max_abs_coordinate(const geometry::MeshView& mesh) noexcept {
     geometry::Aabb box;
     for (const geometry::Triangle& triangle : mesh.triangles) {
         for (const geometry::VertexId vertex : triangle) {
             box.include(mesh.positions[vertex]);
         }
     }
-    return reach_of(box);
+    return max_abs_coordinate(box);
 }
 
-double reach_of(const Instances& scene) noexcept {
+double max_abs_coordinate(const Instances& instances) noexcept {
     geometry::Aabb box;
-    for (const Instances::Instance& instance : scene.placed()) {
+    for (const Instances::Instance& instance : instances.active_instances()) {
         box.include(instance.box);
     }
-    return reach_of(box);
+    return max_abs_coordinate(box);
 }
 
 std::optional<geometry::Hit> hit_of(const geometry::PreparedRay& ray,
@@ -56,7 +56,7 @@ std::optional<geometry::Hit> hit_of(const geometry::PreparedRay& ray,
 
 std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
                                          const geometry::Ray& ray) noexcept {
-    const geometry::PreparedRay prepared(ray, reach_of(mesh));
+    const geometry::PreparedRay prepared(ray, max_abs_coordinate(mesh));
     std::optional<geometry::Hit> best;
     for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
         const auto hit = hit_of(prepared, mesh, i);
@@ -68,7 +68,7 @@ std::optional<geometry::Hit> closest_hit(const geometry::MeshView& mesh,
 }
 
 std::vector<geometry::Hit> all_hits(const geometry::MeshView& mesh, const geometry::Ray& ray) {
-    const geometry::PreparedRay prepared(ray, reach_of(mesh));
+    const geometry::PreparedRay prepared(ray, max_abs_coordinate(mesh));
     std::vector<geometry::Hit> hits;
     for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
         if (const auto hit = hit_of(prepared, mesh, i)) {
@@ -90,10 +90,10 @@ bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) 
         });
 }
 
-std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mesh,
+std::vector<geometry::NearPoint> closest_triangles(const geometry::MeshView& mesh,
                                                    const geometry::Vec3& point,
                                                    std::size_t count,
-                                                   double most) {
+                                                   double max_distance) {
     const geometry::PreparedPoint prepared(point);
     std::vector<geometry::NearPoint> found;
     for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
@@ -101,7 +101,7 @@ std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mes
         if (auto near = prepared.nearest(mesh.positions[triangle[0]],
                                          mesh.positions[triangle[1]],
                                          mesh.positions[triangle[2]],
-                                         most)) {
+                                         max_distance)) {
             near->triangle = static_cast<geometry::TriangleId>(i);
             found.push_back(*near);
         }
@@ -115,21 +115,22 @@ std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mes
 
 std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
                                                  const geometry::Vec3& point,
-                                                 double most) {
-    const auto nearest = nearest_triangles(mesh, point, 1, most);
+                                                 double max_distance) {
+    const auto nearest = closest_triangles(mesh, point, 1, max_distance);
     return nearest.empty() ? std::nullopt : std::optional(nearest.front());
 }
 
-std::optional<InstanceHit> closest_hit(const Instances& scene, const geometry::Ray& ray) noexcept {
-    const geometry::PreparedRay prepared(ray, reach_of(scene));
+std::optional<InstanceHit> closest_hit(const Instances& instances,
+                                       const geometry::Ray& ray) noexcept {
+    const geometry::PreparedRay prepared(ray, max_abs_coordinate(instances));
     std::optional<InstanceHit> best;
-    for (const Instances::Instance& instance : scene.placed()) {
+    for (const Instances::Instance& instance : instances.active_instances()) {
         const auto own = prepared.passage(instance.box, prepared.t_max());
         if (!prepared.is_valid() || own.is_empty()) {
             continue;
         }
-        auto hit =
-            closest_hit(scene.part(instance.part).mesh, instance.into_part(ray, prepared.t_max()));
+        auto hit = closest_hit(instances.part(instance.part).mesh,
+                               instance.to_local(ray, prepared.t_max()));
         if (hit) {
             hit->t = std::clamp(hit->t, own.near, own.far);
             if (!best || hit->t < best->hit.t) {
@@ -140,16 +141,17 @@ std::optional<InstanceHit> closest_hit(const Instances& scene, const geometry::R
     return best;
 }
 
-bool occluded(const Instances& scene, const geometry::Segment& segment) noexcept {
+bool occluded(const Instances& instances, const geometry::Segment& segment) noexcept {
     const geometry::Vec3 along = segment.to - segment.from;
-    const geometry::Slabs slabs(segment.from, along, reach_of(scene));
+    const geometry::Slabs slabs(segment.from, along, max_abs_coordinate(instances));
     const auto blocks = [&](const Instances::Instance& instance) {
         return !slabs.passage(instance.box, 1.0).is_empty() &&
-               occluded(scene.part(instance.part).mesh, instance.into_part(segment));
+               occluded(instances.part(instance.part).mesh, instance.to_local(segment));
     };
     const double sum = along.x + along.y + along.z;
     return sum - sum == 0.0 &&  // only if all are finite
-           std::any_of(scene.placed().begin(), scene.placed().end(), blocks);
+           std::any_of(
+               instances.active_instances().begin(), instances.active_instances().end(), blocks);
 }
 
 }  // namespace earshot::bvh::brute_force

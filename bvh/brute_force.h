@@ -12,7 +12,7 @@
 
 namespace earshot::bvh::brute_force {
 
-// The questions of ray.h, all_hits.h, closest_point.h, overlap.h and instances.h answered by trying
+// The queries of ray.h, all_hits.h, closest_point.h, overlap.h and instances.h answered by trying
 // every instance and triangle: oracle of tests and baseline of benchmarks. Same decisions, same
 // bits.
 
@@ -25,16 +25,17 @@ bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) 
 
 std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
                                                  const geometry::Vec3& point,
-                                                 double most);
+                                                 double max_distance);
 
-std::vector<geometry::NearPoint> nearest_triangles(const geometry::MeshView& mesh,
+std::vector<geometry::NearPoint> closest_triangles(const geometry::MeshView& mesh,
                                                    const geometry::Vec3& point,
                                                    std::size_t count,
-                                                   double most);
+                                                   double max_distance);
 
-std::optional<InstanceHit> closest_hit(const Instances& scene, const geometry::Ray& ray) noexcept;
+std::optional<InstanceHit> closest_hit(const Instances& instances,
+                                       const geometry::Ray& ray) noexcept;
 
-bool occluded(const Instances& scene, const geometry::Segment& segment) noexcept;
+bool occluded(const Instances& instances, const geometry::Segment& segment) noexcept;
 
 template <geometry::Region Region>
 std::vector<geometry::TriangleId> overlapping(const geometry::MeshView& mesh,

@@ -2,8 +2,8 @@
 #include "earshot/bvh/internal/builders.h"
 #include "earshot/bvh/internal/morton.h"
 #include "earshot/bvh/internal/top_down.h"
-#include "earshot/bvh/optimise.h"
 #include "earshot/bvh/quality.h"
+#include "earshot/bvh/reinsertion.h"
 
 #include <algorithm>
 
@@ -13,10 +13,10 @@ using geometry::Aabb;
 
 namespace {
 
-std::vector<std::uint32_t> indices_of(std::span<const MortonPlace> places) {
+std::vector<std::uint32_t> indices_of(std::span<const MortonPrimitive> places) {
     std::vector<std::uint32_t> indices;
     indices.reserve(places.size());
-    for (const MortonPlace& place : places) {
+    for (const MortonPrimitive& place : places) {
         indices.push_back(place.index);
     }
     return indices;
@@ -25,24 +25,25 @@ std::vector<std::uint32_t> indices_of(std::span<const MortonPlace> places) {
 /// Cuts ranges of the curve where the highest bit turns. Boxes come later, from the bottom up.
 class CurveSplitter {
 public:
-    CurveSplitter(std::span<const MortonPlace> places, const BuildOptions& options)
-        : places_(places), leaf_size_(static_cast<std::uint32_t>(options.leaf_size)) {}
+    CurveSplitter(std::span<const MortonPrimitive> places, const BuildOptions& options)
+        : places_(places), max_leaf_size_(static_cast<std::uint32_t>(options.max_leaf_size)) {}
 
     static Aabb box_of(const Range&) { return {}; }
 
     std::uint32_t cut(const Range& range, const Aabb&, Executor&) const {
-        if (range.size() <= leaf_size_) {
+        if (range.size() <= max_leaf_size_) {
             return range.end;
         }
         // From here on halves end in time, whatever the codes are.
-        constexpr std::uint32_t kHalvingDepth = kMaxDepth - 32;
-        return range.depth >= kHalvingDepth ? range.begin + range.size() / 2
-                                            : morton_cut(places_, range.begin, range.end);
+        constexpr std::uint32_t kMedianSplitDepth = kMaxDepth - 32;
+        return range.depth >= kMedianSplitDepth
+                   ? range.begin + range.size() / 2
+                   : find_morton_split(places_, range.begin, range.end);
     }
 
 private:
-    std::span<const MortonPlace> places_;
-    std::uint32_t leaf_size_;
+    std::span<const MortonPrimitive> places_;
+    std::uint32_t max_leaf_size_;
 };
 
 }  // namespace
@@ -72,7 +73,7 @@ Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Exec
             continue;
         }
         node.left = static_cast<std::uint32_t>(ranges.size());
-        const std::uint32_t middle = morton_cut(places, range.begin, range.end);
+        const std::uint32_t middle = find_morton_split(places, range.begin, range.end);
         ranges.push_back({range.begin, middle, range.depth + 1});
         ranges.push_back({middle, range.end, range.depth + 1});
     }
@@ -116,9 +117,9 @@ Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Exec
 
 Tree build_fast(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
     // What the curve spoils are few large boxes.
-    constexpr OptimiseOptions kMend = {.passes = 3, .share = 0.005};
+    constexpr ReinsertionOptions kReinsertion = {.max_iterations = 3, .batch_size_ratio = 0.005};
     Tree tree = build_lbvh(boxes, options, executor);
-    optimise(tree, kMend, executor);
+    optimise_by_reinsertion(tree, kReinsertion, executor);
     return tree;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/internal/builders.h"
-#include "earshot/bvh/optimise.h"
+#include "earshot/bvh/reinsertion.h"
 
 namespace earshot::bvh {
 
@@ -8,7 +8,7 @@ Tree build_quality(std::span<const geometry::Aabb> boxes,
                    const BuildOptions& options,
                    Executor& executor) {
     Tree tree = build_binned_sah(boxes, options, executor);
-    optimise(tree, {}, executor);
+    optimise_by_reinsertion(tree, {}, executor);
     return tree;
 }
 

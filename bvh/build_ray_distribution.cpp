@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/internal/builders.h"
-#include "earshot/bvh/internal/references.h"
+#include "earshot/bvh/internal/prim_refs.h"
 #include "earshot/geometry/intersect.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ constexpr std::uint32_t kSmallRange = 4;
 
 /// A range of the top, and the rays of the sample that meet its box.
 struct RayRange {
-    Subtree range;
+    BuildRange range;
     std::vector<std::uint32_t> rays{};
 };
 
@@ -28,14 +28,14 @@ struct Candidate {
     std::uint32_t axis = 0;
     std::uint32_t first_right_bin = 0;
     std::array<std::uint32_t, 2> counts{};
-    std::array<WideBox, 2> boxes{};
+    std::array<BuildBox, 2> boxes{};
 };
 
 std::vector<Candidate> candidates_along(std::uint32_t axis, const Bins& bins, std::uint32_t count) {
-    std::array<WideBox, kMostBins> rights;
-    WideBox box = no_bounds().box;
+    std::array<BuildBox, kMaxBins> rights;
+    BuildBox box = empty_bounds().box;
     for (std::uint32_t i = count; i-- > 1;) {
-        box = rights[i] = joined(box, bins.at[i].boxes[axis]);
+        box = rights[i] = united(box, bins.at[i].boxes[axis]);
     }
     std::uint32_t all = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -43,9 +43,9 @@ std::vector<Candidate> candidates_along(std::uint32_t axis, const Bins& bins, st
     }
     std::vector<Candidate> candidates;
     std::uint32_t left = 0;
-    box = no_bounds().box;
+    box = empty_bounds().box;
     for (std::uint32_t i = 1; i < count; ++i) {
-        box = joined(box, bins.at[i - 1].boxes[axis]);
+        box = united(box, bins.at[i - 1].boxes[axis]);
         left += static_cast<std::uint32_t>(bins.at[i - 1].counts[axis]);
         if (left > 0 && left < all) {
             candidates.push_back({axis, i, {left, all - left}, {box, rights[i]}});
@@ -57,11 +57,14 @@ std::vector<Candidate> candidates_along(std::uint32_t axis, const Bins& bins, st
 /// Cuts ranges level by level as long as rays meet them; what no ray meets becomes a task.
 class RayTop {
 public:
-    RayTop(const Subtree& all, const BuildOptions& options, const CutRule& rule, Executor& executor)
+    RayTop(const BuildRange& all,
+           const BuildOptions& options,
+           const SplitRule& rule,
+           Executor& executor)
         : rule_(rule) {
         double reach = 0.0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const WideBox& box = all.bounds.box;
+            const BuildBox& box = all.bounds.box;
             reach = std::max({reach,
                               std::abs(static_cast<double>(box.low[k])),
                               std::abs(static_cast<double>(box.high[k]))});
@@ -80,12 +83,12 @@ public:
     }
 
     std::span<const TopNode> nodes() const { return nodes_; }
-    std::span<const Subtree> tasks() const { return tasks_; }
+    std::span<const BuildRange> tasks() const { return tasks_; }
 
 private:
-    std::vector<std::uint32_t> those_meeting(const WideBox& box,
+    std::vector<std::uint32_t> those_meeting(const BuildBox& box,
                                              const std::vector<std::uint32_t>& rays) const {
-        const Aabb bounds = finished(box);
+        const Aabb bounds = to_aabb(box);
         std::vector<std::uint32_t> meeting;
         for (const std::uint32_t ray : rays) {
             if (!slabs_[ray].passage(bounds, 1.0).is_empty()) {
@@ -95,8 +98,8 @@ private:
         return meeting;
     }
 
-    double share_meeting(const WideBox& box, const std::vector<std::uint32_t>& rays) const {
-        const Aabb bounds = finished(box);
+    double share_meeting(const BuildBox& box, const std::vector<std::uint32_t>& rays) const {
+        const Aabb bounds = to_aabb(box);
         const auto count = std::count_if(rays.begin(), rays.end(), [&](std::uint32_t ray) {
             return !slabs_[ray].passage(bounds, 1.0).is_empty();
         });
@@ -105,8 +108,8 @@ private:
 
     bool is_task(const RayRange& node) const {
         const std::uint32_t size = node.range.end - node.range.begin;
-        return node.rays.empty() || size <= std::max(kSmallRange, rule_.leaf_size) ||
-               node.range.depth >= kHalvingDepth;
+        return node.rays.empty() || size <= std::max(kSmallRange, rule_.max_leaf_size) ||
+               node.range.depth >= kMedianSplitDepth;
     }
 
     std::vector<RayRange> cut_level(std::vector<RayRange> level, Executor& executor) {
@@ -126,7 +129,7 @@ private:
                 tasks_.push_back(level[i].range);
                 continue;
             }
-            node.box = finished(level[i].range.bounds.box);
+            node.box = to_aabb(level[i].range.bounds.box);
             node.left = next + static_cast<std::uint32_t>(below.size());
             below.push_back(std::move(children[i][0]));
             below.push_back(std::move(children[i][1]));
@@ -135,34 +138,35 @@ private:
     }
 
     std::array<RayRange, 2> cut(const RayRange& node) const {
-        const Subtree& range = node.range;
+        const BuildRange& range = node.range;
         const std::uint32_t size = range.end - range.begin;
-        WideBox* const refs = range.refs[range.side] + range.begin;
-        const Binning binning = binning_of(rule_, range.bounds, size);
+        PrimRef* const refs = range.refs[range.side] + range.begin;
+        const Binning binning = choose_binning(rule_, range.bounds, size);
         Bins bins;
         fill_bins(refs, size, binning, bins);
         const Candidate best = best_of(node, bins, binning.bins);
         std::array<RayRange, 2> children = {RayRange{range}, RayRange{range}};
-        Subtree& left = children[0].range;
-        Subtree& right = children[1].range;
+        BuildRange& left = children[0].range;
+        BuildRange& right = children[1].range;
         left.depth = right.depth = range.depth + 1;
         if (best.first_right_bin == 0) {
-            const auto half = static_cast<std::uint32_t>(halve(refs, size, range.bounds.box));
+            const auto half =
+                static_cast<std::uint32_t>(split_at_median(refs, size, range.bounds.box));
             left.end = right.begin = range.begin + half;
             left.bounds = bounds_of({refs, half});
             right.bounds = bounds_of({refs + half, size - half});
         } else {
             left.end = right.begin = range.begin + best.counts[0];
             left.side = right.side = 1 - range.side;
-            WideBox* const target = range.refs[left.side];
-            std::array<WideBox, 2> centres;
+            PrimRef* const target = range.refs[left.side];
+            std::array<BuildBox, 2> centres;
             Split split{};
             split.axis = best.axis;
             split.first_right_bin = best.first_right_bin;
-            part({refs, size, target + left.begin, target + right.begin},
-                 binning,
-                 split,
-                 centres.data());
+            partition({refs, size, target + left.begin, target + right.begin},
+                      binning,
+                      split,
+                      centres.data());
             left.bounds = {best.boxes[0], centres[0]};
             right.bounds = {best.boxes[1], centres[1]};
         }
@@ -174,15 +178,15 @@ private:
 
     /// The cheapest cut when sides are visited as often as the sample and their areas let expect.
     Candidate best_of(const RayRange& node, const Bins& bins, std::uint32_t bin_count) const {
-        const double area = finished(node.range.bounds.box).half_area();
-        const double weight = weight_of_rays(node.rays.size());
+        const double area = to_aabb(node.range.bounds.box).half_area();
+        const double weight = ray_blend_weight(node.rays.size());
         Candidate best;
         double best_cost = std::numeric_limits<double>::infinity();
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
             for (const Candidate& candidate : candidates_along(axis, bins, bin_count)) {
                 double by_area = 0.0;
                 for (std::size_t side = 0; side < 2; ++side) {
-                    const double part = finished(candidate.boxes[side]).half_area();
+                    const double part = to_aabb(candidate.boxes[side]).half_area();
                     by_area += (area > 0.0 ? part / area : 1.0) * candidate.counts[side];
                 }
                 double cost = (1.0 - weight) * by_area;
@@ -200,15 +204,15 @@ private:
         return best;
     }
 
-    CutRule rule_;
+    SplitRule rule_;
     std::vector<Slabs> slabs_;  // per ray
     std::vector<TopNode> nodes_;
-    std::vector<Subtree> tasks_;
+    std::vector<BuildRange> tasks_;
 };
 
 }  // namespace
 
-double weight_of_rays(std::size_t rays) noexcept {
+double ray_blend_weight(std::size_t rays) noexcept {
     constexpr double kAlpha = 0.9, kBeta = 0.1;  // as published
     return kAlpha * (1.0 - 1.0 / (1.0 + kBeta * static_cast<double>(rays)));
 }
@@ -221,14 +225,14 @@ double weight_of_rays(std::size_t rays) noexcept {
 Tree build_ray_distribution(std::span<const Aabb> boxes,
                             const BuildOptions& options,
                             Executor& executor) {
-    References references(boxes, executor);
-    if (references.are_clamped()) {
+    PrimRefs refs(boxes, executor);
+    if (refs.are_clamped()) {
         return build_binned_sah(boxes, options, executor);  // too far for counting
     }
-    const CutRule rule = {.leaf_size = static_cast<std::uint32_t>(options.leaf_size),
-                          .traversal_cost = static_cast<float>(options.traversal_cost)};
-    const RayTop top(references.all(), options, rule, executor);
-    return references.build(top.nodes(), top.tasks(), rule, executor);
+    const SplitRule rule = {.max_leaf_size = static_cast<std::uint32_t>(options.max_leaf_size),
+                            .traversal_cost = static_cast<float>(options.traversal_cost)};
+    const RayTop top(refs.root_range(), options, rule, executor);
+    return refs.build_tree(top.nodes(), top.tasks(), rule, executor);
 }
 
 }  // namespace earshot::bvh

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/bin_cuts.h"
+#include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/internal/builders.h"
 
 namespace earshot::bvh {
@@ -9,10 +9,10 @@ namespace earshot::bvh {
 Tree build_spatial_median(std::span<const geometry::Aabb> boxes,
                           const BuildOptions& options,
                           Executor& executor) {
-    return build_by_bins(
-        boxes,
-        {.leaf_size = static_cast<std::uint32_t>(options.leaf_size), .at_middle = true},
-        executor);
+    return build_binned(boxes,
+                        {.max_leaf_size = static_cast<std::uint32_t>(options.max_leaf_size),
+                         .spatial_median = true},
+                        executor);
 }
 
 }  // namespace earshot::bvh

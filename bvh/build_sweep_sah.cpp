@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/bin_cuts.h"
+#include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/internal/builders.h"
-#include "earshot/bvh/internal/sweep.h"
 #include "earshot/bvh/internal/top_down.h"
 
 #include <algorithm>
@@ -33,7 +32,7 @@ class SweepSplitter {
 public:
     SweepSplitter(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor)
         : boxes_(boxes),
-          leaf_size_(static_cast<std::uint32_t>(options.leaf_size)),
+          max_leaf_size_(static_cast<std::uint32_t>(options.max_leaf_size)),
           traversal_cost_(options.traversal_cost),
           goes_left_(boxes.size()) {
         executor.for_each(3, 1, [&](std::size_t axis, std::size_t) {
@@ -52,19 +51,20 @@ public:
     }
 
     std::uint32_t cut(const Range& range, const Aabb& box, Executor& executor) {
-        if (range.size() == 1 || (range.depth >= kHalvingDepth && range.size() <= leaf_size_)) {
+        if (range.size() == 1 ||
+            (range.depth >= kMedianSplitDepth && range.size() <= max_leaf_size_)) {
             return range.end;
         }
         const Place place =
-            range.depth >= kHalvingDepth ? halving_of(range, box) : best_of(range, executor);
-        if (range.depth < kHalvingDepth && range.size() <= leaf_size_) {
+            range.depth >= kMedianSplitDepth ? halving_of(range, box) : best_of(range, executor);
+        if (range.depth < kMedianSplitDepth && range.size() <= max_leaf_size_) {
             const double area = box.half_area();
             const double leaf_cost = static_cast<double>(range.size()) * area;
             if (!(traversal_cost_ * area + place.cost < leaf_cost)) {
                 return range.end;
             }
         }
-        part(range, place, executor);
+        partition(range, place, executor);
         return range.begin + place.left_count;
     }
 
@@ -121,7 +121,7 @@ private:
         return {.axis = axis, .left_count = range.size() / 2};
     }
 
-    void part(const Range& range, const Place& place, Executor& executor) {
+    void partition(const Range& range, const Place& place, Executor& executor) {
         const std::uint32_t middle = range.begin + place.left_count;
         const std::vector<std::uint32_t>& sorted = orders_[place.axis];
         for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -143,7 +143,7 @@ private:
     }
 
     std::span<const Aabb> boxes_;
-    std::uint32_t leaf_size_;
+    std::uint32_t max_leaf_size_;
     double traversal_cost_;
     std::array<std::vector<std::uint32_t>, 3> orders_;  // of primitives along each axis
     std::array<std::vector<double>, 3> costs_;

@@ -37,7 +37,7 @@ using Slots = std::array<Slot, WideNode::kWidth>;
 /// section 3.2: dynamic programming from the leaves up).
 class Collapse {
 public:
-    Collapse(const Tree& tree, LeafForm leaves, Executor& executor)
+    Collapse(const Tree& tree, LeafEncoding leaves, Executor& executor)
         : tree_(tree), leaves_(leaves), counts_(tree.nodes().size()), plans_(tree.nodes().size()) {
         for_each_bottom_up(tree.nodes(), executor, [&](std::size_t i) { plan(i); });
     }
@@ -56,15 +56,16 @@ public:
                 children[index][i] = place(slot.node);
             } else {
                 const std::uint32_t in_leaf = count_of(slot);
-                children[index][i] = kLeafFlag | (in_leaf - 1) << kLeafCountShift | placed_;
-                placed_ += static_cast<std::uint32_t>(leaf_places(leaves_, in_leaf));
+                children[index][i] =
+                    kLeafFlag | (in_leaf - 1) << kLeafCountShift | active_instances_;
+                active_instances_ += static_cast<std::uint32_t>(leaf_blocks(leaves_, in_leaf));
             }
         }
         return index;
     }
 
     /// For all leaves together.
-    std::size_t places() const { return placed_; }
+    std::size_t places() const { return active_instances_; }
 
     std::vector<Slots> slots;
     std::vector<std::array<std::uint32_t, WideNode::kWidth>> children;
@@ -87,7 +88,7 @@ private:
         if (node.is_leaf()) {
             counts_[index] = static_cast<std::uint8_t>(node.count);
             // A leaf too large for a slot becomes a node with two.
-            const bool fits = node.count <= kMostInWideLeaf;
+            const bool fits = node.count <= kMaxLeafTriangles;
             result.cost.fill(area * (fits ? kLeafCost : kNodeCost + 2.0F * kLeafCost));
             result.left.fill(0);
             result.is_leaf = fits;
@@ -116,9 +117,9 @@ private:
             }
         }
         const float as_leaf =
-            count <= kMostInWideLeaf ? area * kLeafCost : std::numeric_limits<float>::infinity();
+            count <= kMaxLeafTriangles ? area * kLeafCost : std::numeric_limits<float>::infinity();
         const float as_node = area * kNodeCost + shared[WideNode::kWidth];
-        result.is_leaf = count <= kMostInWideLeaf && as_leaf <= as_node;
+        result.is_leaf = count <= kMaxLeafTriangles && as_leaf <= as_node;
         result.left_of_eight = best[WideNode::kWidth];
         result.cost[0] = std::min(as_leaf, as_node);
         result.left[0] = 0;
@@ -182,10 +183,10 @@ private:
     }
 
     const Tree& tree_;
-    LeafForm leaves_;
+    LeafEncoding leaves_;
     LargeArray<std::uint8_t> counts_;  // of the primitives below a node; 255: or more
     LargeArray<Plan> plans_;
-    std::uint32_t placed_ = 0;
+    std::uint32_t active_instances_ = 0;
 };
 
 /// Writes the primitives of a subtree.
@@ -202,27 +203,27 @@ std::uint32_t* write_primitives(const Tree& tree, std::uint32_t index, std::uint
 WideTree WideTree::build(const Tree& tree,
                          const geometry::MeshView& mesh,
                          Executor& executor,
-                         LeafForm leaves) {
+                         LeafEncoding leaves) {
     const std::size_t count = tree.primitives().size();
-    const std::size_t most = (std::size_t{1} << kLeafCountShift) / leaf_places(leaves, 1);
+    const std::size_t most = (std::size_t{1} << kLeafCountShift) / leaf_blocks(leaves, 1);
     if (count >= most) {
-        throw Error(
-            "hierarchy",
-            "cannot hold " + std::to_string(most) + " triangles or more",
-            leaves == LeafForm::single ? "split the scene" : "split the scene, or do not quantise");
+        throw Error("hierarchy",
+                    "cannot hold " + std::to_string(most) + " triangles or more",
+                    leaves == LeafEncoding::single ? "split the scene"
+                                                   : "split the scene, or do not quantise");
     }
     WideTree wide;
-    wide.leaf_form_ = leaves;
-    wide.words_per_place_ = words_per_place(leaves);
+    wide.leaf_encoding_ = leaves;
+    wide.words_per_block_ = words_per_block(leaves);
     if (count == 0) {
         return wide;
     }
     Collapse collapse(tree, leaves, executor);
     collapse.place(0);
-    wide.triangles_ = count;
+    wide.triangle_count_ = count;
     wide.box_ = tree.nodes().front().box;
     wide.nodes_.resize(collapse.slots.size());
-    wide.words_.resize(wide.words_per_place_ * collapse.places() + kPaddingWords);
+    wide.words_.resize(wide.words_per_block_ * collapse.places() + kPaddingWords);
     std::fill_n(wide.words_.end() - kPaddingWords, kPaddingWords, 0U);
     const auto set_node = [&](std::size_t i) {
         WideNode& node = wide.nodes_[i];
@@ -235,7 +236,7 @@ WideTree WideTree::build(const Tree& tree,
             }
             const std::size_t in_leaf = leaf_count(node.child[k]);
             std::uint32_t* out =
-                wide.leaf_words(node.child[k]) + words_before_triangles(leaves, in_leaf);
+                wide.packed_leaf(node.child[k]) + triangle_ids_offset(leaves, in_leaf);
             if (slot.run_begin != slot.run_end) {
                 std::copy_n(tree.primitives().begin() + slot.run_begin, in_leaf, out);
             } else {
@@ -266,7 +267,7 @@ WideTree WideTree::build(const Tree& tree,
             }
             for (std::size_t i = begin; i < end; ++i) {
                 for_each_leaf(i, [&](std::uint32_t leaf) {
-                    fill_leaf(leaves, wide.leaf_words(leaf), leaf_count(leaf), mesh);
+                    fill_leaf(leaves, wide.packed_leaf(leaf), leaf_count(leaf), mesh);
                 });
             }
         }
@@ -274,19 +275,19 @@ WideTree WideTree::build(const Tree& tree,
     return wide;
 }
 
-double WideTree::reach() const noexcept {
-    double reach = 0.0;
-    for (std::size_t k = 0; k < 3 && triangles_ > 0; ++k) {
-        reach = std::max({reach,
-                          std::abs(static_cast<double>(box_.lower[k])),
-                          std::abs(static_cast<double>(box_.upper[k]))});
+double WideTree::max_abs_coordinate() const noexcept {
+    double largest = 0.0;
+    for (std::size_t k = 0; k < 3 && triangle_count_ > 0; ++k) {
+        largest = std::max({largest,
+                            std::abs(static_cast<double>(box_.lower[k])),
+                            std::abs(static_cast<double>(box_.upper[k]))});
     }
-    return reach;
+    return largest;
 }
 
 std::span<const std::uint32_t> WideTree::leaf_triangles(std::uint32_t child) const noexcept {
     const std::size_t count = leaf_count(child);
-    return {leaf_words(child) + words_before_triangles(leaf_form_, count), count};
+    return {packed_leaf(child) + triangle_ids_offset(leaf_encoding_, count), count};
 }
 
 std::size_t WideTree::bytes() const noexcept {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/closest_point.h"
 
-#include "earshot/bvh/internal/nearest_search.h"
+#include "earshot/bvh/internal/closest_point_search.h"
 
 #include <algorithm>
 
@@ -13,54 +13,54 @@ using geometry::Vec3;
 
 namespace {
 
-/// Keeps the first in order.
-class Nearest {
+/// Keeps the closest candidate.
+class Closest {
 public:
-    explicit Nearest(double most) noexcept : most_(most) {}
+    explicit Closest(double max_distance) noexcept : max_distance_(max_distance) {}
 
-    double most() const noexcept { return most_; }
-    void add(const NearPoint& found) noexcept {
-        if (!best_ || comes_before(found, *best_)) {
-            best_ = found;
-            most_ = found.distance;
+    double max_distance() const noexcept { return max_distance_; }
+    void add(const NearPoint& candidate) noexcept {
+        if (!best_ || is_closer(candidate, *best_)) {
+            best_ = candidate;
+            max_distance_ = candidate.distance;
         }
     }
     const std::optional<NearPoint>& best() const noexcept { return best_; }
 
 private:
     std::optional<NearPoint> best_;
-    double most_;
+    double max_distance_;
 };
 
-/// Keeps the first `count` in order, as a heap with the last on top.
-class NearestFew {
+/// Keeps the k closest candidates, as a heap with the farthest on top.
+class KClosest {
 public:
-    NearestFew(std::size_t count, double most) : count_(count), most_(most) {}
+    KClosest(std::size_t k, double max_distance) : k_(k), max_distance_(max_distance) {}
 
-    double most() const noexcept { return most_; }
-    void add(const NearPoint& found) {
-        if (found_.size() == count_) {
-            if (!comes_before(found, found_.front())) {
+    double max_distance() const noexcept { return max_distance_; }
+    void add(const NearPoint& candidate) {
+        if (heap_.size() == k_) {
+            if (!is_closer(candidate, heap_.front())) {
                 return;
             }
-            std::pop_heap(found_.begin(), found_.end(), comes_before);
-            found_.pop_back();
+            std::pop_heap(heap_.begin(), heap_.end(), is_closer);
+            heap_.pop_back();
         }
-        found_.push_back(found);
-        std::push_heap(found_.begin(), found_.end(), comes_before);
-        if (found_.size() == count_) {
-            most_ = found_.front().distance;
+        heap_.push_back(candidate);
+        std::push_heap(heap_.begin(), heap_.end(), is_closer);
+        if (heap_.size() == k_) {
+            max_distance_ = heap_.front().distance;
         }
     }
-    std::vector<NearPoint> in_order() && {
-        std::sort_heap(found_.begin(), found_.end(), comes_before);
-        return std::move(found_);
+    std::vector<NearPoint> sorted() && {
+        std::sort_heap(heap_.begin(), heap_.end(), is_closer);
+        return std::move(heap_);
     }
 
 private:
-    std::vector<NearPoint> found_;
-    std::size_t count_;
-    double most_;
+    std::vector<NearPoint> heap_;
+    std::size_t k_;
+    double max_distance_;
 };
 
 }  // namespace
@@ -68,23 +68,23 @@ private:
 std::optional<NearPoint> closest_point(const Tree& tree,
                                        const geometry::MeshView& mesh,
                                        const Vec3& point,
-                                       double most) noexcept {
-    Nearest nearest(most);
-    search_nearest(tree, mesh, PreparedPoint(point), nearest);
-    return nearest.best();
+                                       double max_distance) noexcept {
+    Closest closest(max_distance);
+    search_closest_points(tree, mesh, PreparedPoint(point), closest);
+    return closest.best();
 }
 
-std::vector<NearPoint> nearest_triangles(const Tree& tree,
+std::vector<NearPoint> closest_triangles(const Tree& tree,
                                          const geometry::MeshView& mesh,
                                          const Vec3& point,
                                          std::size_t count,
-                                         double most) {
+                                         double max_distance) {
     if (count == 0) {
         return {};
     }
-    NearestFew nearest(count, most);
-    search_nearest(tree, mesh, PreparedPoint(point), nearest);
-    return std::move(nearest).in_order();
+    KClosest closest(count, max_distance);
+    search_closest_points(tree, mesh, PreparedPoint(point), closest);
+    return std::move(closest).sorted();
 }
 
 }  // namespace earshot::bvh

@@ -17,21 +17,21 @@ namespace earshot::bvh {
 // never on the tree. Nothing is near a point with a coordinate that is not finite, and nothing
 // within a distance that is negative or not a number.
 
-/// The nearest point of the mesh within `most` metres (inclusive); of triangles at the same
+/// The closest point of the mesh within `max_distance` metres (inclusive); of triangles at the same
 /// distance the lowest TriangleId. Does not allocate.
 std::optional<geometry::NearPoint> closest_point(
     const Tree& tree,
     const geometry::MeshView& mesh,
     const geometry::Vec3& point,
-    double most = std::numeric_limits<double>::infinity()) noexcept;
+    double max_distance = std::numeric_limits<double>::infinity()) noexcept;
 
-/// The nearest points of the `count` nearest triangles within `most` metres (inclusive): by
+/// The closest points of the `count` closest triangles within `max_distance` metres (inclusive): by
 /// distance, then by TriangleId. Fewer if there are no more.
-std::vector<geometry::NearPoint> nearest_triangles(
+std::vector<geometry::NearPoint> closest_triangles(
     const Tree& tree,
     const geometry::MeshView& mesh,
     const geometry::Vec3& point,
     std::size_t count,
-    double most = std::numeric_limits<double>::infinity());
+    double max_distance = std::numeric_limits<double>::infinity());
 
 }  // namespace earshot::bvh

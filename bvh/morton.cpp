@@ -81,13 +81,13 @@ constexpr unsigned kCodeBits = 63;
 
 /// One stable pass of a radix sort. Chunks are counted apart and then scattered apart, each to its
 /// own places, so the order does not depend on who does it.
-void sort_by_digit(std::span<const MortonPlace> from,
-                   std::span<MortonPlace> to,
+void sort_by_digit(std::span<const MortonPrimitive> from,
+                   std::span<MortonPrimitive> to,
                    unsigned shift,
                    Executor& executor) {
     using Counts = std::array<std::uint32_t, kDigits>;
     std::vector<Counts> places(chunk_count(from.size(), kGrain));
-    const auto digit_of = [&](const MortonPlace& place) {
+    const auto digit_of = [&](const MortonPrimitive& place) {
         return place.code >> shift & (kDigits - 1);
     };
     executor.for_each(from.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -113,9 +113,9 @@ void sort_by_digit(std::span<const MortonPlace> from,
 
 }  // namespace
 
-LargeArray<MortonPlace> sorted_by_morton_code(std::span<const Aabb> boxes, Executor& executor) {
+LargeArray<MortonPrimitive> sorted_by_morton_code(std::span<const Aabb> boxes, Executor& executor) {
     const Grid grid = grid_of(boxes, executor);
-    LargeArray<MortonPlace> places(boxes.size());
+    LargeArray<MortonPrimitive> places(boxes.size());
     executor.for_each(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             places[i] = {spread(grid.cell(boxes[i], 0)) << 2U |
@@ -123,7 +123,7 @@ LargeArray<MortonPlace> sorted_by_morton_code(std::span<const Aabb> boxes, Execu
                          static_cast<std::uint32_t>(i)};
         }
     });
-    LargeArray<MortonPlace> other(boxes.size());
+    LargeArray<MortonPrimitive> other(boxes.size());
     for (unsigned shift = 0; shift < kCodeBits; shift += kDigitBits) {
         sort_by_digit(places, other, shift, executor);
         places.swap(other);
@@ -131,9 +131,9 @@ LargeArray<MortonPlace> sorted_by_morton_code(std::span<const Aabb> boxes, Execu
     return places;
 }
 
-std::uint32_t morton_cut(std::span<const MortonPlace> places,
-                         std::uint32_t begin,
-                         std::uint32_t end) noexcept {
+std::uint32_t find_morton_split(std::span<const MortonPrimitive> places,
+                                std::uint32_t begin,
+                                std::uint32_t end) noexcept {
     const std::uint64_t differing = places[begin].code ^ places[end - 1].code;
     if (differing == 0) {
         return begin + (end - begin) / 2;
@@ -141,7 +141,7 @@ std::uint32_t morton_cut(std::span<const MortonPlace> places,
     const std::uint64_t bit = std::bit_floor(differing);
     const auto range = places.subspan(begin, end - begin);
     const auto first = std::partition_point(
-        range.begin(), range.end(), [&](const MortonPlace& p) { return (p.code & bit) == 0; });
+        range.begin(), range.end(), [&](const MortonPrimitive& p) { return (p.code & bit) == 0; });
     return begin + static_cast<std::uint32_t>(first - range.begin());
 }
 

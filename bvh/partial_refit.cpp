@@ -14,7 +14,7 @@ enum Mark : std::uint8_t { kChildMoved = 1, kLeafMoved = 2 };
 }  // namespace
 
 PartialRefit::PartialRefit(const WideTree& tree)
-    : node_of_(tree.triangles()), parents_(tree.nodes().size()), marks_(tree.nodes().size()) {
+    : node_of_(tree.triangle_count()), parents_(tree.nodes().size()), marks_(tree.nodes().size()) {
     for (std::uint32_t i = 0; i < tree.nodes().size(); ++i) {
         for (const std::uint32_t child : tree.nodes()[i].child) {
             if (!is_leaf(child)) {
@@ -31,7 +31,8 @@ PartialRefit::PartialRefit(const WideTree& tree)
 void PartialRefit::refit(WideTree& tree,
                          const geometry::MeshView& mesh,
                          std::span<const TriangleRange> moved) {
-    EARSHOT_ASSERT(tree.triangles() == node_of_.size() && tree.nodes().size() == marks_.size());
+    EARSHOT_ASSERT(tree.triangle_count() == node_of_.size() &&
+                   tree.nodes().size() == marks_.size());
     std::uint32_t last = 0;
     bool has_moved = false;
     for (const TriangleRange& range : moved) {

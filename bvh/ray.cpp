@@ -9,23 +9,23 @@ namespace earshot::bvh {
 using geometry::Hit;
 using geometry::TriangleId;
 
-double reach_of(const Tree& tree) noexcept {
-    double reach = 0.0;
+double max_abs_coordinate(const Tree& tree) noexcept {
+    double largest = 0.0;
     if (!tree.nodes().empty()) {
         const geometry::Aabb& box = tree.nodes().front().box;
         for (std::size_t k = 0; k < 3; ++k) {
-            reach = std::max({reach,
-                              std::abs(static_cast<double>(box.lower[k])),
-                              std::abs(static_cast<double>(box.upper[k]))});
+            largest = std::max({largest,
+                                std::abs(static_cast<double>(box.lower[k])),
+                                std::abs(static_cast<double>(box.upper[k]))});
         }
     }
-    return reach;
+    return largest;
 }
 
 std::optional<Hit> closest_hit(const Tree& tree,
                                const geometry::MeshView& mesh,
                                const geometry::Ray& ray) noexcept {
-    const geometry::PreparedRay prepared(ray, reach_of(tree));
+    const geometry::PreparedRay prepared(ray, max_abs_coordinate(tree));
     const auto nodes = tree.nodes();
     if (nodes.empty() || !prepared.is_valid()) {
         return std::nullopt;
@@ -88,7 +88,7 @@ std::optional<Hit> closest_hit(const Tree& tree,
 bool occluded(const Tree& tree,
               const geometry::MeshView& mesh,
               const geometry::Segment& segment) noexcept {
-    return any_touching(tree, mesh, segment, [](TriangleId, double) { return true; });
+    return any_hit(tree, mesh, segment, [](TriangleId, double) { return true; });
 }
 
 }  // namespace earshot::bvh

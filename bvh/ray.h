@@ -24,10 +24,10 @@ std::optional<geometry::Hit> closest_hit(const Tree& tree,
 /// and `blocks(triangle, parameter)` holds for it, where the parameter (0 ... 1, rounded) is where
 /// the segment first touches it. Triangles are asked in any order until one blocks.
 template <std::predicate<geometry::TriangleId, double> Blocks>
-bool any_touching(const Tree& tree,
-                  const geometry::MeshView& mesh,
-                  const geometry::Segment& segment,
-                  Blocks&& blocks);
+bool any_hit(const Tree& tree,
+             const geometry::MeshView& mesh,
+             const geometry::Segment& segment,
+             Blocks&& blocks);
 
 /// Whether any triangle shares a point with the closed segment.
 bool occluded(const Tree& tree,
@@ -35,15 +35,15 @@ bool occluded(const Tree& tree,
               const geometry::Segment& segment) noexcept;
 
 /// The largest absolute coordinate of the tree's root box, metres; 0 without boxes.
-double reach_of(const Tree& tree) noexcept;
+double max_abs_coordinate(const Tree& tree) noexcept;
 
 template <std::predicate<geometry::TriangleId, double> Blocks>
-bool any_touching(const Tree& tree,
-                  const geometry::MeshView& mesh,
-                  const geometry::Segment& segment,
-                  Blocks&& blocks) {
+bool any_hit(const Tree& tree,
+             const geometry::MeshView& mesh,
+             const geometry::Segment& segment,
+             Blocks&& blocks) {
     // The far end may be a rounding past 1; the padding of Slabs has room for that.
-    const geometry::Slabs slabs(segment.from, segment.to - segment.from, reach_of(tree));
+    const geometry::Slabs slabs(segment.from, segment.to - segment.from, max_abs_coordinate(tree));
     bool is_blocked = false;
     traverse(
         tree,

@@ -51,7 +51,9 @@ void WideTree::refit_node(std::size_t index, const geometry::MeshView& mesh, boo
         if (is_leaf(child)) {
             if (with_leaves) {
                 set_slot_box(
-                    node, slot, fill_leaf(leaf_form_, leaf_words(child), leaf_count(child), mesh));
+                    node,
+                    slot,
+                    fill_leaf(leaf_encoding_, packed_leaf(child), leaf_count(child), mesh));
             }
         } else if (child != kNoChild) {
             set_slot_box(node, slot, box_of(nodes_[child]));
@@ -64,7 +66,7 @@ void WideTree::set_box() {
 }
 
 void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
-    EARSHOT_ASSERT(mesh.triangles.size() == triangles_);
+    EARSHOT_ASSERT(mesh.triangles.size() == triangle_count_);
     if (nodes_.empty()) {
         return;
     }

@@ -13,8 +13,8 @@ namespace earshot::bvh {
 namespace {
 
 void check(const BuildOptions& options, std::size_t count) {
-    if (options.leaf_size < 1 || options.leaf_size > 15) {
-        throw Error("leaf size", "must be 1 to 15, not " + std::to_string(options.leaf_size));
+    if (options.max_leaf_size < 1 || options.max_leaf_size > 15) {
+        throw Error("leaf size", "must be 1 to 15, not " + std::to_string(options.max_leaf_size));
     }
     if (!(options.traversal_cost >= 0.0 && options.traversal_cost <= 1e6)) {
         throw Error("traversal cost", "must be 0 to 1e6");

@@ -32,15 +32,16 @@ enum class Builder {
     binned_sah,      ///< surface area heuristic over bins (Wald 2007)
     sweep_sah,       ///< the same heuristic over all cuts between centres: the reference, slow
     spatial_median,  ///< every box in the middle of its longest side (Lauterbach 2010): slow to ask
-    quality,  ///< binned_sah, then optimise(): half as long again to build, the fastest to ask
+    quality,  ///< binned_sah, then optimise_by_reinsertion(): half as long again to build, the
+              ///< fastest to ask
     lbvh,     ///< along a Morton curve of 63 bits (Lauterbach 2010): the fastest to build
     hybrid,   ///< six levels along the curve, then binned_sah
-    fast,     ///< along the curve, then optimise() of the largest boxes
+    fast,     ///< along the curve, then optimise_by_reinsertion() of the largest boxes
 };
 
 struct BuildOptions {
     Builder builder = Builder::binned_sah;
-    int leaf_size = 4;            ///< most primitives in a leaf, 1..15
+    int max_leaf_size = 4;        ///< most primitives in a leaf, 1..15
     double traversal_cost = 1.0;  ///< cost of a node visit, in primitive tests
     /// A sample of the rays that will be asked, cut off where they hit, finite; some thousands are
     /// plenty. With it binned_sah prefers cuts whose sides few of these rays meet; other builders

@@ -93,27 +93,28 @@ std::vector<std::uint8_t> occluded(const WideTree& tree,
 
 void closest_hits(const WideTree& tree,
                   const geometry::MeshView& mesh,
-                  const LeavingRays& leaving,
+                  const SecondaryRays& secondary,
                   std::span<std::optional<Hit>> hits) {
-    EARSHOT_ASSERT(leaving.rays.size() == hits.size() && leaving.left.size() == hits.size());
+    EARSHOT_ASSERT(secondary.rays.size() == hits.size() &&
+                   secondary.origin_triangles.size() == hits.size());
     if (tree.nodes().empty()) {
         std::fill(hits.begin(), hits.end(), std::nullopt);
         return;
     }
-    find_closest_of_many(tree, mesh, leaving, hits);
+    find_closest_of_many(tree, mesh, secondary, hits);
 }
 
 void occluded(const WideTree& tree,
               const geometry::MeshView& mesh,
-              const LeavingSegments& leaving,
+              const SecondarySegments& secondary,
               std::span<std::uint8_t> blocked) {
-    EARSHOT_ASSERT(leaving.segments.size() == blocked.size() &&
-                   leaving.left.size() == blocked.size());
+    EARSHOT_ASSERT(secondary.segments.size() == blocked.size() &&
+                   secondary.origin_triangles.size() == blocked.size());
     if (tree.nodes().empty()) {
         std::fill(blocked.begin(), blocked.end(), std::uint8_t{0});
         return;
     }
-    find_any_of_many(tree, mesh, leaving, blocked);
+    find_any_of_many(tree, mesh, secondary, blocked);
 }
 
 }  // namespace earshot::bvh

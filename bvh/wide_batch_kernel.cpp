@@ -29,10 +29,10 @@ constexpr std::size_t kMinPacketRays = 12;
 /// Rays of which neighbours may start from one point.
 void closest_in_packets(const WideTree& tree,
                         const geometry::MeshView& mesh,
-                        const LeavingRays& leaving,
+                        const SecondaryRays& leaving,
                         std::span<std::optional<geometry::Hit>> hits,
                         ExactTestQueue& queue) {
-    const double reach = tree.reach();
+    const double reach = tree.max_abs_coordinate();
     const std::span<const geometry::Ray> rays = leaving.rays;
     RayPacket packet;
     // After rays that form no packet, a longer run is interleaved before the next attempt; after a
@@ -71,16 +71,16 @@ void closest_in_packets(const WideTree& tree,
 
 void closest_of_many(const WideTree& tree,
                      const geometry::MeshView& mesh,
-                     const LeavingRays& leaving,
+                     const SecondaryRays& leaving,
                      std::span<std::optional<geometry::Hit>> hits) {
-    ExactTestQueue queue(mesh, leaving.rays, hits, tree.reach());
+    ExactTestQueue queue(mesh, leaving.rays, hits, tree.max_abs_coordinate());
     if (mesh.triangles.size() <= kMaxSmallMeshTriangles) {
         SmallMeshClosest small_mesh(mesh, leaving.rays, hits, queue);
         for (std::size_t i = 0; i < leaving.rays.size(); ++i) {
             small_mesh.add(i);
         }
         small_mesh.finish();
-    } else if (leaving.left.empty()) {
+    } else if (leaving.origin_triangles.empty()) {
         closest_in_packets(tree, mesh, leaving, hits, queue);
     } else if (tree.bytes() <= kSecondCacheBytes) {
         closest_single_ray(tree, mesh, leaving, hits, queue);
@@ -92,17 +92,17 @@ void closest_of_many(const WideTree& tree,
 
 void any_interleaved(const WideTree& tree,
                      const geometry::MeshView& mesh,
-                     const LeavingSegments& leaving,
+                     const SecondarySegments& leaving,
                      std::span<std::uint8_t> blocked) {
-    const double reach = tree.reach();
+    const double reach = tree.max_abs_coordinate();
     const std::span<const geometry::Segment> segments = leaving.segments;
     AnyInFlight in_flight[kRaysInFlight];
     std::size_t next = 0;
     const auto start = [&](AnyInFlight& slot) {
         for (; next < segments.size(); ++next) {
             if (slot.start(tree, segments[next], reach)) {
-                if (!leaving.left.empty()) {
-                    slot.exclude(mesh, leaving.left[next]);
+                if (!leaving.origin_triangles.empty()) {
+                    slot.exclude(mesh, leaving.origin_triangles[next]);
                 }
                 slot.index = next++;
                 return true;
@@ -133,7 +133,7 @@ void any_interleaved(const WideTree& tree,
 
 void any_of_many(const WideTree& tree,
                  const geometry::MeshView& mesh,
-                 const LeavingSegments& leaving,
+                 const SecondarySegments& leaving,
                  std::span<std::uint8_t> blocked) {
     if (mesh.triangles.size() <= kMaxSmallMeshTriangles) {
         SmallMeshAny small_mesh(tree, mesh, leaving, blocked);
@@ -141,7 +141,7 @@ void any_of_many(const WideTree& tree,
             small_mesh.add(i);
         }
         small_mesh.finish();
-    } else if (!leaving.left.empty() && tree.bytes() <= kSecondCacheBytes) {
+    } else if (!leaving.origin_triangles.empty() && tree.bytes() <= kSecondCacheBytes) {
         any_single_ray(tree, mesh, leaving, blocked);
     } else {
         any_interleaved(tree, mesh, leaving, blocked);
@@ -159,14 +159,14 @@ HWY_EXPORT(any_of_many);
 
 void find_closest_of_many(const WideTree& tree,
                           const geometry::MeshView& mesh,
-                          const LeavingRays& leaving,
+                          const SecondaryRays& leaving,
                           std::span<std::optional<geometry::Hit>> hits) noexcept {
     HWY_DYNAMIC_DISPATCH(closest_of_many)(tree, mesh, leaving, hits);
 }
 
 void find_any_of_many(const WideTree& tree,
                       const geometry::MeshView& mesh,
-                      const LeavingSegments& leaving,
+                      const SecondarySegments& leaving,
                       std::span<std::uint8_t> blocked) noexcept {
     HWY_DYNAMIC_DISPATCH(any_of_many)(tree, mesh, leaving, blocked);
 }

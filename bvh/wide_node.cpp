@@ -113,10 +113,10 @@ std::uint16_t steps_to(double value, float lower, float step) noexcept {
 Aabb fill_quantised_leaf(std::uint32_t* words,
                          std::size_t count,
                          const geometry::MeshView& mesh) noexcept {
-    constexpr LeafForm kForm = LeafForm::quantised;
-    const std::size_t before = words_before_triangles(kForm, count);
+    constexpr LeafEncoding kForm = LeafEncoding::quantised;
+    const std::size_t before = triangle_ids_offset(kForm, count);
     const std::uint32_t* triangles = words + before;
-    std::array<std::uint32_t, 10 * kMostInWideLeaf> single;
+    std::array<std::uint32_t, 10 * kMaxLeafTriangles> single;
     std::copy_n(triangles, count, single.begin() + static_cast<std::ptrdiff_t>(9 * count));
     const Aabb box = fill_single_leaf(single.data(), count, mesh);
     float extent = 0.0F;
@@ -130,14 +130,15 @@ Aabb fill_quantised_leaf(std::uint32_t* words,
     // Gaps hold zeros, so that equal trees have equal bytes.
     words[before - 1] = 0;
     std::fill(
-        words + before + count, words + words_per_place(kForm) * leaf_places(kForm, count), 0U);
+        words + before + count, words + words_per_block(kForm) * leaf_blocks(kForm, count), 0U);
     for (std::size_t i = 0; i < count; ++i) {
         std::size_t run = 0;
         for (const geometry::VertexId vertex : mesh.triangles[triangles[i]]) {
             for (std::size_t axis = 0; axis < 3; ++axis, ++run) {
                 const double value = mesh.positions[vertex][static_cast<int>(axis)];
                 const std::uint16_t steps = steps_to(value, box.lower[axis], step);
-                std::memcpy(reinterpret_cast<char*>(words + kFrameWords) + 2 * (run * count + i),
+                std::memcpy(reinterpret_cast<char*>(words + kQuantisationFrameWords) +
+                                2 * (run * count + i),
                             &steps,
                             sizeof steps);
             }
@@ -148,12 +149,12 @@ Aabb fill_quantised_leaf(std::uint32_t* words,
 
 }  // namespace
 
-Aabb fill_leaf(LeafForm form,
+Aabb fill_leaf(LeafEncoding form,
                std::uint32_t* words,
                std::size_t count,
                const geometry::MeshView& mesh) noexcept {
-    return form == LeafForm::single ? fill_single_leaf(words, count, mesh)
-                                    : fill_quantised_leaf(words, count, mesh);
+    return form == LeafEncoding::single ? fill_single_leaf(words, count, mesh)
+                                        : fill_quantised_leaf(words, count, mesh);
 }
 
 void fetch_triangles(std::span<const std::uint32_t> triangles,

@@ -48,8 +48,8 @@ std::optional<Hit> closest_hit(const WideTree& tree,
     if (tree.nodes().empty()) {
         return std::nullopt;
     }
-    const double reach = tree.reach();
-    ClosestSearch search(mesh, ray, reach);
+    const double reach = tree.max_abs_coordinate();
+    ClosestHitSearch search(mesh, ray, reach);
     if (find_closest(tree, ray, reach, search)) {
         search.settle();
     } else if (const geometry::PreparedRay prepared(ray, reach); prepared.is_valid()) {
@@ -72,7 +72,7 @@ bool occluded(const WideTree& tree,
     if (tree.nodes().empty()) {
         return false;
     }
-    const double reach = tree.reach();
+    const double reach = tree.max_abs_coordinate();
     if (const auto found = find_any(tree, mesh, segment, reach)) {
         return *found;
     }

@@ -15,7 +15,7 @@ namespace earshot::bvh::HWY_NAMESPACE {
 bool closest(const WideTree& tree,
              const geometry::Ray& source,
              double reach,
-             ClosestSearch& search) {
+             ClosestHitSearch& search) {
     FloatRay ray;
     if (!set_ray(ray, source, static_cast<float>(reach))) {
         return false;
@@ -76,7 +76,7 @@ HWY_EXPORT(any);
 bool find_closest(const WideTree& tree,
                   const geometry::Ray& ray,
                   double reach,
-                  ClosestSearch& search) noexcept {
+                  ClosestHitSearch& search) noexcept {
     return HWY_DYNAMIC_DISPATCH(closest)(tree, ray, reach, search);
 }
 

@@ -2,7 +2,7 @@
 #include "earshot/cli/hierarchy_report.h"
 
 #include "earshot/base/assert.h"
-#include "earshot/bvh/aging.h"
+#include "earshot/bvh/quality.h"
 
 #include <nlohmann/json.hpp>
 
@@ -67,11 +67,11 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
     bvh::WideTree wide = bvh::WideTree::build(tree, mesh, executor);
     report.wide_bytes = wide.bytes();
     report.quantised_bytes =
-        bvh::WideTree::build(tree, mesh, executor, bvh::LeafForm::quantised).bytes();
+        bvh::WideTree::build(tree, mesh, executor, bvh::LeafEncoding::quantised).bytes();
     if (times.size() == 1) {
         return report;
     }
-    bvh::MovingTree moving(
+    bvh::DeformableBvh moving(
         mesh, {.build = options.build, .rays_per_update = options.rays_per_frame}, executor);
     for (const double time : times) {
         scene.mesh.positions_at(time, positions);
@@ -82,12 +82,12 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
         frame.build_seconds = seconds_of([&] { rebuilt = build(); });
         frame.rebuilt_sah_cost = bvh::sah_cost(rebuilt);
         wide.refit(mesh, executor);
-        frame.refit_steps = bvh::expected_steps(wide, executor);
+        frame.refit_steps = bvh::sah_cost(wide, executor);
         frame.rebuild_steps =
-            bvh::expected_steps(bvh::WideTree::build(rebuilt, mesh, executor), executor);
+            bvh::sah_cost(bvh::WideTree::build(rebuilt, mesh, executor), executor);
         bvh::UpdateReport update;
         frame.update_seconds = seconds_of([&] { update = moving.update(mesh, executor); });
-        frame.update_steps = update.steps;
+        frame.update_steps = update.sah_cost;
         frame.action = update.action;
         report.frames.push_back(frame);
     }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/moving_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/propagation/scene.h"
 
@@ -21,10 +21,10 @@ struct HierarchyFrame {
     double refit_seconds = 0.0;
     double build_seconds = 0.0;
     // Expected steps of a random ray over the wide layout, kept in three ways
-    // (bvh::expected_steps).
+    // (bvh::sah_cost).
     double refit_steps = 0.0;    ///< built at the first instant and refitted since
     double rebuild_steps = 0.0;  ///< built at this instant
-    double update_steps = 0.0;   ///< kept by bvh::MovingTree
+    double update_steps = 0.0;   ///< kept by bvh::DeformableBvh
     bvh::UpdateAction action{};  ///< what it did
     double update_seconds = 0.0;
 };
@@ -58,7 +58,7 @@ std::string hierarchy_text(const HierarchyReport& report);
 std::string hierarchy_json(const HierarchyReport& report);
 
 /// A picture of steps per ray over the frames, for a tree that is refitted only, rebuilt always,
-/// and kept by bvh::MovingTree: an SVG file. Precondition: there are frames.
+/// and kept by bvh::DeformableBvh: an SVG file. Precondition: there are frames.
 std::string hierarchy_plot(const HierarchyReport& report);
 
 }  // namespace earshot::cli

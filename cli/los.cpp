@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/simd.h"
-#include "earshot/bvh/moving_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
@@ -105,7 +105,7 @@ private:
         const bool is_json = output_.ends_with(".json");
         io::LineOfSightJson json(scene.name, points);
         const visibility::ExclusionMask excluded = exclusion_mask_of(scene);
-        std::optional<bvh::MovingTree> tree;
+        std::optional<bvh::DeformableBvh> tree;
         std::optional<visibility::CoherentLineOfSight> coherent;
         for (std::size_t frame = 0; frame < times.size(); ++frame) {
             const std::vector<Vec3> positions = scene.mesh.positions_at(times[frame]);

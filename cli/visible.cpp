@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/simd.h"
-#include "earshot/bvh/moving_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/picture_choice.h"
@@ -110,7 +110,7 @@ private:
         const visibility::VisibleTrianglesOptions options{
             .resolution = resolution_ * math::kPi / 180.0, .refine = !is_coarse_};
         io::VisibleJson json(scene, point_, options.resolution);
-        std::optional<bvh::MovingTree> tree;
+        std::optional<bvh::DeformableBvh> tree;
         Progress* const inner = times.size() == 1 ? &progress : nullptr;
         for (std::size_t frame = 0; frame < times.size(); ++frame) {
             const std::vector<Vec3> positions = scene.mesh.positions_at(times[frame]);

@@ -177,7 +177,7 @@ Shape Shape::build(const geometry::MeshView& mesh,
                    const bvh::BuildOptions& options,
                    Executor& executor) {
     bvh::BuildOptions single = options;
-    single.leaf_size = 1;
+    single.max_leaf_size = 1;
     const auto tree = bvh::Tree::build(bvh::triangle_boxes(mesh, executor), single, executor);
     Shape shape;
     shape.mesh_ = mesh;

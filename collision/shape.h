@@ -41,9 +41,10 @@ public:
     Shape() = default;
 
     /// The hierarchy is that of bvh::Tree::build() over the triangles' boxes, one triangle to a
-    /// leaf (options.leaf_size is not looked at), collapsed. Answers do not depend on it. Throws
-    /// Error as bvh::Tree::build(), and if a coordinate is beyond kMaxCoordinate. Preconditions:
-    /// those of MeshView; the mesh's arrays stay where they are as long as the shape is used.
+    /// leaf (options.max_leaf_size is not looked at), collapsed. Answers do not depend on it.
+    /// Throws Error as bvh::Tree::build(), and if a coordinate is beyond kMaxCoordinate.
+    /// Preconditions: those of MeshView; the mesh's arrays stay where they are as long as the shape
+    /// is used.
     static Shape build(const geometry::MeshView& mesh,
                        const bvh::BuildOptions& options = {},
                        Executor& executor = Executor::serial());

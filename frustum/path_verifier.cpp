@@ -298,7 +298,7 @@ bool PathVerifier::leg_is_free(const Vec3& from,
         passages.push_back({t, facet, id});
         return false;
     };
-    if (bvh::any_touching(scene_.tree, scene_.mesh, geometry::Segment{from, to}, blocks)) {
+    if (bvh::any_hit(scene_.tree, scene_.mesh, geometry::Segment{from, to}, blocks)) {
         return false;
     }
     unify(passages, length);

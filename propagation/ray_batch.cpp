@@ -154,8 +154,10 @@ void RayBatch<kBands>::find_hits(std::uint64_t bounce) {
     if (bounce == 0) {
         bvh::closest_hits(tracer_.wide_, scene_.mesh, rays_, hits_);
     } else {
-        bvh::closest_hits(
-            tracer_.wide_, scene_.mesh, bvh::LeavingRays{.rays = rays_, .left = left_}, hits_);
+        bvh::closest_hits(tracer_.wide_,
+                          scene_.mesh,
+                          bvh::SecondaryRays{.rays = rays_, .origin_triangles = left_},
+                          hits_);
     }
 }
 
@@ -408,7 +410,7 @@ void RayBatch<kBands>::let_it_rain() {
     blocked_.resize(ways_.size());
     bvh::occluded(tracer_.wide_,
                   scene_.mesh,
-                  bvh::LeavingSegments{.segments = ways_, .left = ways_left_},
+                  bvh::SecondarySegments{.segments = ways_, .origin_triangles = ways_left_},
                   blocked_);
     for (std::size_t j = 0; j < ways_.size(); ++j) {
         if (blocked_[j] != 0) {

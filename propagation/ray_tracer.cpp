@@ -67,7 +67,7 @@ RayTracer::RayTracer(const RayScene& scene,
       reach_(speed_of_sound(options.air) * options.length),
       bins_per_metre_(1.0 / (speed_of_sound(options.air) * options.bin)),
       bins_(static_cast<std::size_t>(std::ceil(options.length / options.bin))),
-      lift_(kLift * (wide_.reach() + glm::length(source.pose.position))) {
+      lift_(kLift * (wide_.max_abs_coordinate() + glm::length(source.pose.position))) {
     describe_surfaces();
     describe_walls();
     const double widest =

@@ -73,7 +73,8 @@ void CoherentLineOfSight::update(const MeshView& mesh, Executor& executor) {
 }
 
 bool CoherentLineOfSight::may_intersect_moved(const Segment& segment) const noexcept {
-    const geometry::Slabs slabs(segment.from, segment.to - segment.from, tree_.tree().reach());
+    const geometry::Slabs slabs(
+        segment.from, segment.to - segment.from, tree_.tree().max_abs_coordinate());
     return !moved_box_.is_empty() && !slabs.passage(moved_box_, 1.0).is_empty();
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/bvh/moving_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/visibility/line_of_sight.h"
 #include "earshot/visibility/visibility_matrix.h"
 
@@ -26,7 +26,7 @@ struct LineOfSightStatistics {
 /// answers are those of line_of_sight.h to the last bit; only the work differs.
 class CoherentLineOfSight {
 public:
-    /// Builds the tree; throws as bvh::MovingTree does.
+    /// Builds the tree; throws as bvh::DeformableBvh does.
     CoherentLineOfSight(const geometry::MeshView& mesh,
                         ExclusionMask excluded = {},
                         const bvh::UpdateOptions& options = {},
@@ -76,7 +76,7 @@ private:
                                   LineOfSightStatistics& statistics) const noexcept;
 
     ExclusionMask excluded_;
-    bvh::MovingTree tree_;
+    bvh::DeformableBvh tree_;
     std::vector<geometry::Vec3> positions_;     // of the mesh at the last call
     std::vector<std::uint8_t> moved_;           // per triangle
     geometry::Aabb moved_box_;                  // of the triangles that have moved

@@ -23,7 +23,7 @@ Objects Objects::groups(const geometry::MeshView& mesh,
                         Executor& executor) {
     EARSHOT_ASSERT(max_triangles > 0);
     const bvh::BuildOptions options = {
-        .leaf_size = static_cast<int>(std::min<std::size_t>(max_triangles, 4))};
+        .max_leaf_size = static_cast<int>(std::min<std::size_t>(max_triangles, 4))};
     const auto tree = bvh::Tree::build(bvh::triangle_boxes(mesh, executor), options, executor);
     std::vector<ObjectId> object_of_triangle(mesh.triangles.size(), 0);
     if (tree.nodes().empty()) {

@@ -29,26 +29,26 @@ void fetch_corners(std::span<const std::uint32_t> triangles,
                    const geometry::MeshView& mesh) noexcept;
 
 // A quantised leaf begins with its frame.
-inline constexpr std::size_t kFrameWords = 4;
+inline constexpr std::size_t kQuantisationFrameWords = 4;
 
 /// Words of a leaf of `count` triangles before their indices.
-constexpr std::size_t words_before_triangles(LeafForm form, std::size_t count) noexcept {
-    return form == LeafForm::single ? 9 * count : kFrameWords + (9 * count + 1) / 2;
+constexpr std::size_t triangle_ids_offset(LeafEncoding form, std::size_t count) noexcept {
+    return form == LeafEncoding::single ? 9 * count : kQuantisationFrameWords + (9 * count + 1) / 2;
 }
 
 /// Leaves begin at multiples of so many words, a place.
-constexpr std::size_t words_per_place(LeafForm form) noexcept {
-    return form == LeafForm::single ? 10 : 4;
+constexpr std::size_t words_per_block(LeafEncoding form) noexcept {
+    return form == LeafEncoding::single ? 10 : 4;
 }
 
 /// Places that a leaf of `count` triangles takes.
-constexpr std::size_t leaf_places(LeafForm form, std::size_t count) noexcept {
-    const std::size_t place = words_per_place(form);
-    return (words_before_triangles(form, count) + count + place - 1) / place;
+constexpr std::size_t leaf_blocks(LeafEncoding form, std::size_t count) noexcept {
+    const std::size_t place = words_per_block(form);
+    return (triangle_ids_offset(form, count) + count + place - 1) / place;
 }
 
 /// Fills a leaf whose triangle indices are set from the mesh, and returns its box.
-geometry::Aabb fill_leaf(LeafForm form,
+geometry::Aabb fill_leaf(LeafEncoding form,
                          std::uint32_t* words,
                          std::size_t count,
                          const geometry::MeshView& mesh) noexcept;

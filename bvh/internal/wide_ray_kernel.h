@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/bvh/internal/closest_search.h"
+#include "earshot/bvh/internal/closest_hit_search.h"
 #include "earshot/bvh/wide_tree.h"
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace earshot::bvh {
 bool find_closest(const WideTree& tree,
                   const geometry::Ray& ray,
                   double reach,
-                  ClosestSearch& search) noexcept;
+                  ClosestHitSearch& search) noexcept;
 
 /// Empty: the segment lies outside the range of FloatRay.
 std::optional<bool> find_any(const WideTree& tree,

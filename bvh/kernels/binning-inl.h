@@ -3,7 +3,7 @@
 // Binning, sweeping and parting of ranges of boxes; the steps of bin_cuts.h, compiled once per
 // instruction set.
 
-#include "earshot/bvh/internal/bin_cuts.h"
+#include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/kernels/box-inl.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace earshot::bvh::HWY_NAMESPACE {
 
 HWY_INLINE Binning make_binning(Box centres, std::size_t count) {
     // Most ranges are small, and their time is the sweep's.
-    const std::size_t bins = count < 16 * (kMostBins - 6) ? 6 + count / 16 : kMostBins;
+    const std::size_t bins = count < 16 * (kMaxBins - 6) ? 6 + count / 16 : kMaxBins;
     const Quad width = extent(centres);
     const Quad scale = divide(all_four(static_cast<float>(bins - 1)), width);
     // Of widths so small that the quotient overflows, and of none, there is nothing to cut.
@@ -54,7 +54,7 @@ HWY_INLINE Binning make_halves(Box box) {
 HWY_INLINE void clear(const Binning& binning, Bins& bins) {
     for (std::size_t i = 0; i < binning.bins; ++i) {
         Bin& bin = bins.at[i];
-        for (WideBox& box : bin.boxes) {
+        for (BuildBox& box : bin.boxes) {
             store_box(nothing(), box);
         }
         std::fill_n(bin.counts, 4, 0);
@@ -64,8 +64,8 @@ HWY_INLINE void clear(const Binning& binning, Bins& bins) {
 /// Makes references to boxes, given as six floats each, whose indices count from `first`, and joins
 /// their bounds and those of their centres.
 HWY_INLINE void refer_to(
-    const float* boxes, std::uint32_t first, std::size_t count, WideBox* refs, Bounds& bounds) {
-    const Quad farthest = all_four(kFarthest);
+    const float* boxes, std::uint32_t first, std::size_t count, PrimRef* refs, Bounds& bounds) {
+    const Quad farthest = all_four(kMaxCoordinate);
     const Quad zero = all_four(0.0F);
     const Quad nearest = subtract(zero, farthest);
     const auto clamp = [&](Quad quad) { return larger(smaller(quad, farthest), nearest); };
@@ -83,15 +83,15 @@ HWY_INLINE void refer_to(
         centres = join(centres, centre_box(ref));
     }
     store_box(box, bounds.box);
-    store_box(centres, bounds.centres);
+    store_box(centres, bounds.centroids);
 }
 
-HWY_INLINE void put(const WideBox& ref, Quad lower, Quad scale, Bins& bins) {
+HWY_INLINE void put(const PrimRef& ref, Quad lower, Quad scale, Bins& bins) {
     const Box box = load_box(ref);
     const Quad centre = subtract(load_quad(ref.high), load_quad(ref.low));
     const Quad place = add(multiply(subtract(centre, lower), scale), all_four(kRounder));
     std::uint32_t places[3];
-    store_bits(place, static_cast<std::int32_t>(kMostBins - 1), places);
+    store_bits(place, static_cast<std::int32_t>(kMaxBins - 1), places);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         Bin& bin = bins.at[places[axis]];
         store_box(join(load_box(bin.boxes[axis]), box), bin.boxes[axis]);
@@ -103,7 +103,7 @@ HWY_INLINE void put(const WideBox& ref, Quad lower, Quad scale, Bins& bins) {
 HWY_INLINE void add_bins(const Bins& more, const Binning& binning, Bins& bins) {
     for (std::size_t i = 0; i < binning.bins; ++i) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            WideBox& box = bins.at[i].boxes[axis];
+            BuildBox& box = bins.at[i].boxes[axis];
             store_box(join(load_box(box), load_box(more.at[i].boxes[axis])), box);
             bins.at[i].counts[axis] += more.at[i].counts[axis];
         }
@@ -112,7 +112,7 @@ HWY_INLINE void add_bins(const Bins& more, const Binning& binning, Bins& bins) {
 
 /// Counts and joins references into bins; `spare` is for its own use.
 HWY_INLINE void fill(
-    const WideBox* refs, std::size_t count, const Binning& binning, Bins& bins, Bins& spare) {
+    const PrimRef* refs, std::size_t count, const Binning& binning, Bins& bins, Bins& spare) {
     // Neighbours tend to share bins, and what was just stored loads late. So large ranges are
     // binned from two ends into two sets of bins.
     constexpr std::size_t kWorthTwoSets = 128;
@@ -174,7 +174,7 @@ HWY_INLINE void complete(const Bins& bins, const Binning& binning, Split& split)
 
 // Wald 2007, sections 3.1 to 3.3: bins over the centres, swept from both sides.
 HWY_INLINE Split best_split(const Bins& bins, const Binning& binning) {
-    alignas(16) float right_costs[kMostBins][4];
+    alignas(16) float right_costs[kMaxBins][4];
     Sweep right;
     for (std::size_t i = binning.bins; i-- > 1;) {
         right.include(bins.at[i]);
@@ -213,7 +213,9 @@ struct Centres {
     Box left, right;
 };
 
-HWY_INLINE Centres part_stably(const Parting& parting, const Binning& binning, const Split& split) {
+HWY_INLINE Centres part_stably(const PartitionTask& parting,
+                               const Binning& binning,
+                               const Split& split) {
     const std::size_t axis = split.axis;
     const float lower = binning.lower[axis];
     const float scale = binning.scale[axis];
@@ -222,9 +224,9 @@ HWY_INLINE Centres part_stably(const Parting& parting, const Binning& binning, c
     const std::ptrdiff_t gap = parting.right - parting.left;
     std::ptrdiff_t left = 0;
     for (std::size_t i = 0; i < parting.count; ++i) {
-        const WideBox& ref = parting.refs[i];
+        const PrimRef& ref = parting.refs[i];
         const Box box = load_box(ref);
-        const float place = (centre_of(ref, axis) - lower) * scale + kRounder;
+        const float place = (doubled_centroid(ref, axis) - lower) * scale + kRounder;
         // Which side comes next is hard to predict, so no branch depends on it.
         const std::ptrdiff_t goes_left = place < first_right ? 1 : 0;
         const std::ptrdiff_t right = gap + static_cast<std::ptrdiff_t>(i) - left;

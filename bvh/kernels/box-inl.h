@@ -3,7 +3,7 @@
 // Boxes in registers, for kernels that are compiled once per instruction set; see base/wide.h for
 // how such a file is included, and why this header has a guard per target.
 
-#include "earshot/bvh/internal/box_ref.h"
+#include "earshot/bvh/internal/build_box.h"
 #include "earshot/bvh/kernels/quad-inl.h"
 
 #include <limits>
@@ -21,16 +21,16 @@ namespace earshot::bvh::HWY_NAMESPACE {
 /// The largest float.
 constexpr float kHighest = std::numeric_limits<float>::max();
 
-/// A WideBox in one register, or in two where registers hold four floats.
+/// A BuildBox in one register, or in two where registers hold four floats.
 #if HWY_MAX_BYTES >= 32
 using BoxTag = hn::FixedTag<float, 8>;
 using Box = hn::Vec<BoxTag>;
 using Choice = hn::Mask<BoxTag>;
 
-HWY_INLINE Box load_box(const WideBox& box) {
+HWY_INLINE Box load_box(const BuildBox& box) {
     return hn::LoadU(BoxTag(), box.low);
 }
-HWY_INLINE void store_box(Box box, WideBox& to) {
+HWY_INLINE void store_box(Box box, BuildBox& to) {
     hn::StoreU(box, BoxTag(), to.low);
 }
 HWY_INLINE Box nothing() {
@@ -63,10 +63,10 @@ struct Box {
 };
 using Choice = QuadMask;
 
-HWY_INLINE Box load_box(const WideBox& box) {
+HWY_INLINE Box load_box(const BuildBox& box) {
     return {load_quad(box.low), load_quad(box.high)};
 }
-HWY_INLINE void store_box(Box box, WideBox& to) {
+HWY_INLINE void store_box(Box box, BuildBox& to) {
     store_quad(box.low, to.low);
     store_quad(box.high, to.high);
 }

@@ -27,7 +27,7 @@ constexpr std::size_t kRaysInFlight = 6;
 /// Fetches what will be visited next.
 HWY_INLINE void prefetch(const WideTree& tree, std::uint32_t child) {
     const char* address = is_leaf(child)
-                              ? reinterpret_cast<const char*>(tree.leaf_words(child))
+                              ? reinterpret_cast<const char*>(tree.packed_leaf(child))
                               : reinterpret_cast<const char*>(tree.nodes().data() + child);
     for (std::size_t line = 0; line < sizeof(WideNode); line += 64) {
         __builtin_prefetch(address + line);
@@ -80,7 +80,7 @@ public:
     }
 
     std::size_t index = 0;  ///< of the ray
-    std::optional<ClosestSearch> search;
+    std::optional<ClosestHitSearch> search;
 
 private:
     std::uint32_t excluded_ = kNoTriangle;
@@ -92,19 +92,19 @@ private:
 /// Searches for the closest hits of rays [begin, end); the queue decides the last candidates.
 HWY_INLINE void closest_interleaved(const WideTree& tree,
                                     const geometry::MeshView& mesh,
-                                    const LeavingRays& leaving,
+                                    const SecondaryRays& leaving,
                                     std::size_t begin,
                                     std::size_t end,
                                     std::span<std::optional<geometry::Hit>> hits,
                                     ExactTestQueue& queue) {
-    const double reach = tree.reach();
+    const double reach = tree.max_abs_coordinate();
     ClosestInFlight in_flight[kRaysInFlight];
     std::size_t next = begin;
     const auto start = [&](ClosestInFlight& slot) {
         for (; next < end; ++next) {
             if (slot.start(tree, mesh, leaving.rays[next], reach)) {
-                if (!leaving.left.empty()) {
-                    slot.exclude(mesh, leaving.left[next]);
+                if (!leaving.origin_triangles.empty()) {
+                    slot.exclude(mesh, leaving.origin_triangles[next]);
                 }
                 slot.index = next++;
                 return true;

@@ -3,7 +3,7 @@
 // Conservative tests of a ray against the nodes and leaves of a WideTree: included by kernels once
 // per instruction set, after base/wide_float.h.
 
-#include "earshot/bvh/internal/closest_search.h"
+#include "earshot/bvh/internal/closest_hit_search.h"
 #include "earshot/bvh/internal/float_ray.h"
 #include "earshot/bvh/internal/wide_node.h"
 #include "earshot/bvh/wide_tree.h"
@@ -127,23 +127,23 @@ struct LeafTriangles {
 /// Holds a leaf that has to be dequantised.
 struct DecodeBuffer {
     // The last run is written eight floats wide.
-    std::uint32_t words[10 * kMostInWideLeaf + 8];
+    std::uint32_t words[10 * kMaxLeafTriangles + 8];
 };
 
 HWY_INLINE LeafTriangles dequantise(const std::uint32_t* packed,
                                     std::size_t count,
                                     DecodeBuffer& buffer) {
-    float frame[kFrameWords];
+    float frame[kQuantisationFrameWords];
     std::memcpy(frame, packed, sizeof frame);
-    std::uint16_t steps[9 * kMostInWideLeaf];
-    std::memcpy(steps, packed + kFrameWords, sizeof steps);
+    std::uint16_t steps[9 * kMaxLeafTriangles];
+    std::memcpy(steps, packed + kQuantisationFrameWords, sizeof steps);
     const Float8 step = set8(frame[3]);
     for (std::size_t run = 0; run < 9; ++run) {
         const Float8 values =
             multiply_add(load8_halves(steps + run * count), step, set8(frame[run % 3]));
         store8_words(values, buffer.words + run * count);
     }
-    const std::uint32_t* triangles = packed + words_before_triangles(LeafForm::quantised, count);
+    const std::uint32_t* triangles = packed + triangle_ids_offset(LeafEncoding::quantised, count);
     std::memcpy(buffer.words + 9 * count, triangles, count * sizeof *triangles);
     // A coordinate is off by half a step and by the roundings of product and sum, 3 x 2^-24 of
     // FloatRay's R; sheared, by twice that.
@@ -153,10 +153,10 @@ HWY_INLINE LeafTriangles dequantise(const std::uint32_t* packed,
 HWY_INLINE LeafTriangles decode_leaf(const WideTree& tree,
                                      std::uint32_t child,
                                      DecodeBuffer& buffer) {
-    const std::uint32_t* words = tree.leaf_words(child);
+    const std::uint32_t* words = tree.packed_leaf(child);
     const std::size_t count = leaf_count(child);
-    return tree.leaf_form() == LeafForm::single ? LeafTriangles{words, count}
-                                                : dequantise(words, count, buffer);
+    return tree.leaf_encoding() == LeafEncoding::single ? LeafTriangles{words, count}
+                                                        : dequantise(words, count, buffer);
 }
 
 /// What single precision proves about the triangles of a leaf.
@@ -267,7 +267,7 @@ inline constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFU;
 /// Adds the triangles of a leaf that may be the closest hit to a search, but for the excluded one.
 HWY_INLINE void visit_leaf(const LeafTriangles& leaf,
                            const FloatRay& ray,
-                           ClosestSearch& search,
+                           ClosestHitSearch& search,
                            std::uint32_t excluded = kNoTriangle) {
     const ConservativeHits hits = intersect(ray, leaf);
     if (hits.possible == 0) {

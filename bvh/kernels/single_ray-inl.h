@@ -42,21 +42,22 @@ HWY_INLINE void traverse_single_ray(const WideTree& tree,
 /// Searches for the closest hits; the queue decides the last candidates.
 HWY_INLINE void closest_single_ray(const WideTree& tree,
                                    const geometry::MeshView& mesh,
-                                   const LeavingRays& leaving,
+                                   const SecondaryRays& leaving,
                                    std::span<std::optional<geometry::Hit>> hits,
                                    ExactTestQueue& queue) {
-    const double reach = tree.reach();
+    const double reach = tree.max_abs_coordinate();
     for (std::size_t i = 0; i < leaving.rays.size(); ++i) {
         FloatRay ray;
         if (!set_ray(ray, leaving.rays[i], static_cast<float>(reach))) {
             hits[i] = closest_hit(tree, mesh, leaving.rays[i]);
             continue;
         }
-        const SlabTestSkippingCoplanar slab_test(ray, ExcludedPlane(mesh, leaving.left[i]));
-        ClosestSearch search(mesh, leaving.rays[i], reach);
+        const SlabTestSkippingCoplanar slab_test(ray,
+                                                 ExcludedPlane(mesh, leaving.origin_triangles[i]));
+        ClosestHitSearch search(mesh, leaving.rays[i], reach);
         search.bound = ray.t_max;
         traverse_single_ray(tree, ray, slab_test, search.bound, [&](const LeafTriangles& leaf) {
-            visit_leaf(leaf, ray, search, leaving.left[i]);
+            visit_leaf(leaf, ray, search, leaving.origin_triangles[i]);
             return true;
         });
         hits[i] = search.best();
@@ -67,9 +68,9 @@ HWY_INLINE void closest_single_ray(const WideTree& tree,
 /// Sets whether each segment is blocked.
 HWY_INLINE void any_single_ray(const WideTree& tree,
                                const geometry::MeshView& mesh,
-                               const LeavingSegments& leaving,
+                               const SecondarySegments& leaving,
                                std::span<std::uint8_t> blocked) {
-    const auto reach = static_cast<float>(tree.reach());
+    const auto reach = static_cast<float>(tree.max_abs_coordinate());
     for (std::size_t i = 0; i < leaving.segments.size(); ++i) {
         const geometry::Segment& segment = leaving.segments[i];
         FloatRay ray;
@@ -77,10 +78,11 @@ HWY_INLINE void any_single_ray(const WideTree& tree,
             blocked[i] = occluded(tree, mesh, segment) ? 1 : 0;
             continue;
         }
-        const SlabTestSkippingCoplanar slab_test(ray, ExcludedPlane(mesh, leaving.left[i]));
+        const SlabTestSkippingCoplanar slab_test(ray,
+                                                 ExcludedPlane(mesh, leaving.origin_triangles[i]));
         bool is_blocked = false;
         traverse_single_ray(tree, ray, slab_test, ray.t_max, [&](const LeafTriangles& leaf) {
-            is_blocked = touches_leaf(leaf, ray, mesh, segment, leaving.left[i]);
+            is_blocked = touches_leaf(leaf, ray, mesh, segment, leaving.origin_triangles[i]);
             return !is_blocked;
         });
         blocked[i] = is_blocked ? 1 : 0;

@@ -247,10 +247,10 @@ class SmallMeshAny {
 public:
     SmallMeshAny(const WideTree& tree,
                  const geometry::MeshView& mesh,
-                 const LeavingSegments& leaving,
+                 const SecondarySegments& leaving,
                  std::span<std::uint8_t> blocked)
         : tree_(tree),
-          reach_(static_cast<float>(tree.reach())),
+          reach_(static_cast<float>(tree.max_abs_coordinate())),
           mesh_(mesh),
           triangles_(mesh),
           leaving_(leaving),
@@ -264,8 +264,10 @@ public:
             return;
         }
         SegmentLanes& group = groups_[ray.axis[2]];
-        group.add(
-            ray, leaving_.left.empty() ? kMaxSmallMeshTriangles : leaving_.left[segment], segment);
+        group.add(ray,
+                  leaving_.origin_triangles.empty() ? kMaxSmallMeshTriangles
+                                                    : leaving_.origin_triangles[segment],
+                  segment);
         if (group.count == SegmentLanes::kLanes) {
             decide_all(ray.axis[2]);
         }
@@ -346,7 +348,7 @@ private:
     float reach_;
     const geometry::MeshView& mesh_;
     SmallMesh triangles_;
-    const LeavingSegments& leaving_;
+    const SecondarySegments& leaving_;
     std::span<std::uint8_t> blocked_;
     SegmentLanes groups_[3] = {};
 };

@@ -3,7 +3,7 @@
 // The best trees over up to four boxes, compiled once per instruction set. Two thirds of all
 // nodes belong to such trees, and for so few boxes trying everything is faster than bins.
 
-#include "earshot/bvh/internal/bin_cuts.h"
+#include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/kernels/box-inl.h"
 
 #if defined(EARSHOT_BVH_KERNELS_SMALL_TREE_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -63,25 +63,25 @@ HWY_INLINE Quad cheaper(Quad split, Quad leaf, bool may_be_leaf, unsigned& leave
     return smaller(split, leaf);
 }
 
-HWY_INLINE SetCosts costs_of_sets(const SetAreas& areas, const CutRule& rule) {
+HWY_INLINE SetCosts costs_of_sets(const SetAreas& areas, const SplitRule& rule) {
     const Quad traversal = all_four(rule.traversal_cost);
     const auto split = [&](Quad area, Quad below) { return add(multiply(traversal, area), below); };
     const Quad one = areas.singles;
     SetCosts costs;
     const Quad pairs = cheaper(split(areas.pairs, add(one, next(one))),
                                multiply(all_four(2.0F), areas.pairs),
-                               rule.leaf_size >= 2,
+                               rule.max_leaf_size >= 2,
                                costs.pair_leaves);
     const Quad cross = cheaper(split(areas.cross, add(one, opposite(one))),
                                multiply(all_four(2.0F), areas.cross),
-                               rule.leaf_size >= 2,
+                               rule.max_leaf_size >= 2,
                                costs.cross_leaves);
     const Quad first = add(one, next(pairs));
     const Quad middle = add(next(one), cross);
     const Quad last = add(opposite(one), pairs);
     const Quad triples = cheaper(split(areas.triples, smaller(smaller(first, middle), last)),
                                  multiply(all_four(3.0F), areas.triples),
-                                 rule.leaf_size >= 3,
+                                 rule.max_leaf_size >= 3,
                                  costs.triple_leaves);
     store_quad(one, costs.singles);
     store_quad(pairs, costs.pairs);
@@ -106,9 +106,9 @@ struct Output {
 /// Writes the best tree over two to four references.
 class SmallTree {
 public:
-    HWY_INLINE SmallTree(const WideBox* refs,
+    HWY_INLINE SmallTree(const PrimRef* refs,
                          std::uint32_t count,
-                         const CutRule& rule,
+                         const SplitRule& rule,
                          Output& output)
         : refs_(refs), count_(count), rule_(rule), output_(output) {
         for (std::uint32_t i = 0; i < kSmallTree; ++i) {
@@ -132,7 +132,7 @@ private:
     HWY_INLINE void write_leaf(std::uint32_t node, Box box, std::initializer_list<unsigned> lanes) {
         const std::uint32_t first = output_.primitive_count;
         for (const unsigned lane : lanes) {
-            output_.primitives[output_.primitive_count++] = index_of(refs_[lane]);
+            output_.primitives[output_.primitive_count++] = primitive_index(refs_[lane]);
         }
         store_node(box, first, output_.primitive_count - first, output_.nodes[node]);
     }
@@ -195,7 +195,7 @@ private:
             best = halvings[i] < best ? halvings[i] : best;
         }
         const float area = half_area(box);
-        if (rule_.leaf_size >= 4 && !(rule_.traversal_cost * area + best < 4.0F * area)) {
+        if (rule_.max_leaf_size >= 4 && !(rule_.traversal_cost * area + best < 4.0F * area)) {
             write_leaf(node, box, {0, 1, 2, 3});
             return;
         }
@@ -214,9 +214,9 @@ private:
         }
     }
 
-    const WideBox* refs_;
+    const PrimRef* refs_;
     std::uint32_t count_;
-    const CutRule& rule_;
+    const SplitRule& rule_;
     Output& output_;
     Box boxes_[kSmallTree];
     SetCosts costs_;

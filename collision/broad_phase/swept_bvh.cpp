@@ -41,7 +41,7 @@ public:
         if (boxes.empty()) {
             return;
         }
-        top_ = bvh::Tree::build(boxes, {.leaf_size = 1});
+        top_ = bvh::Tree::build(boxes, {.max_leaf_size = 1});
         nodes_.resize(top_.nodes().size() + below_roots);
         tree_of_node_.resize(nodes_.size(), SweptBvh::kMixedMeshes);
         primitives_.reserve(primitives);

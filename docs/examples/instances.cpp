@@ -17,7 +17,7 @@ int main() {
     bvh::Instances scene;
     const bvh::PartId part = scene.add_part(screen.view());
     for (int i = 0; i < 5; ++i) {
-        scene.insert(part, glm::translate(glm::dmat4(1.0), {2.0 + i, 0.0, 0.0}));
+        scene.add_instance(part, glm::translate(glm::dmat4(1.0), {2.0 + i, 0.0, 0.0}));
     }
     scene.update();
 
@@ -30,8 +30,8 @@ int main() {
     };
     print();
 
-    scene.remove(0);
-    scene.move(3, glm::translate(glm::dmat4(1.0), {2.5, 0.0, 0.0}));
+    scene.remove_instance(0);
+    scene.set_transform(3, glm::translate(glm::dmat4(1.0), {2.5, 0.0, 0.0}));
     scene.update();
     print();
 

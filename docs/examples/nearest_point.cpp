@@ -28,7 +28,7 @@ int main() {
                   << ", " << near->weights.z << "\n";
     }
 
-    for (const auto& near : bvh::nearest_triangles(tree, roof.view(), lamp, 2)) {
+    for (const auto& near : bvh::closest_triangles(tree, roof.view(), lamp, 2)) {
         std::cout << "Triangle " << near.triangle << " is " << near.distance << " m away\n";
     }
 

@@ -44,22 +44,22 @@ double cheapest_tree(const std::vector<Aabb>& boxes, unsigned chosen, const Buil
                             cheapest_tree(boxes, left, options) +
                             cheapest_tree(boxes, chosen & ~left, options));
     }
-    return count <= options.leaf_size ? std::min(best, count * box.half_area()) : best;
+    return count <= options.max_leaf_size ? std::min(best, count * box.half_area()) : best;
 }
 
 TEST(BuildBinnedSah, FindsTheCheapestTreeOverUpToFourBoxes) {
     constexpr double kSingle = 1e-5;  // costs are compared in single precision
     for (std::uint64_t seed = 0; seed < 300; ++seed) {
         const auto boxes = triangle_boxes(test::triangle_soup(seed, 1 + seed % 4).view());
-        for (const int leaf_size : {1, 2, 3, 4}) {
-            const BuildOptions options{.leaf_size = leaf_size,
+        for (const int max_leaf_size : {1, 2, 3, 4}) {
+            const BuildOptions options{.max_leaf_size = max_leaf_size,
                                        .traversal_cost = static_cast<double>(seed % 3)};
             const Tree tree = Tree::build(boxes, options);
             const double cost = sah_cost(tree, options.traversal_cost);
             const unsigned all = (1U << boxes.size()) - 1;
             const double best =
                 cheapest_tree(boxes, all, options) / tree.nodes().front().box.half_area();
-            EXPECT_NEAR(cost, best, kSingle * best) << seed << ' ' << leaf_size;
+            EXPECT_NEAR(cost, best, kSingle * best) << seed << ' ' << max_leaf_size;
         }
     }
 }
@@ -74,8 +74,8 @@ TEST(BuildBinnedSah, HandlesNoBoxAndOneBox) {
 
 TEST(BuildOptions, OutOfRangeAreRefused) {
     const std::vector<Aabb> one = {Aabb{{0, 0, 0}, {1, 1, 1}}};
-    EXPECT_THROW(Tree::build(one, {.leaf_size = 0}), Error);
-    EXPECT_THROW(Tree::build(one, {.leaf_size = 16}), Error);
+    EXPECT_THROW(Tree::build(one, {.max_leaf_size = 0}), Error);
+    EXPECT_THROW(Tree::build(one, {.max_leaf_size = 16}), Error);
     EXPECT_THROW(Tree::build(one, {.traversal_cost = -1.0}), Error);
     EXPECT_THROW(Tree::build(one, {.traversal_cost = std::nan("")}), Error);
 }

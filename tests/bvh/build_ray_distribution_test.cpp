@@ -42,7 +42,7 @@ std::vector<Segment> rays_in_a_corner(std::uint64_t seed, std::size_t count) {
 std::size_t visits(const Tree& tree, const std::vector<Segment>& rays) {
     std::size_t count = 0;
     for (const Segment& ray : rays) {
-        const geometry::Slabs slabs(ray.from, ray.to - ray.from, reach_of(tree));
+        const geometry::Slabs slabs(ray.from, ray.to - ray.from, max_abs_coordinate(tree));
         traverse(
             tree,
             [&](const Node& node) {
@@ -54,18 +54,18 @@ std::size_t visits(const Tree& tree, const std::vector<Segment>& rays) {
     return count;
 }
 
-TEST(WeightOfRays, IsAsPublished) {
-    EXPECT_DOUBLE_EQ(weight_of_rays(0), 0.0);
-    EXPECT_DOUBLE_EQ(weight_of_rays(10), 0.45);
-    EXPECT_DOUBLE_EQ(weight_of_rays(90), 0.81);
+TEST(RayBlendWeight, IsAsPublished) {
+    EXPECT_DOUBLE_EQ(ray_blend_weight(0), 0.0);
+    EXPECT_DOUBLE_EQ(ray_blend_weight(10), 0.45);
+    EXPECT_DOUBLE_EQ(ray_blend_weight(90), 0.81);
 }
 
 TEST(BuildRayDistribution, MakesASoundTreeWithSmallLeaves) {
     const auto boxes = triangle_boxes(test::triangle_soup(1, 5000).view());
     const auto rays = rays_in_a_corner(1, 500);
-    for (const int leaf_size : {1, 4, 15}) {
-        const Tree tree = Tree::build(boxes, {.leaf_size = leaf_size, .rays = rays});
-        EXPECT_EQ(test::fault_of(tree, boxes, static_cast<std::size_t>(leaf_size)), "");
+    for (const int max_leaf_size : {1, 4, 15}) {
+        const Tree tree = Tree::build(boxes, {.max_leaf_size = max_leaf_size, .rays = rays});
+        EXPECT_EQ(test::fault_of(tree, boxes, static_cast<std::size_t>(max_leaf_size)), "");
     }
 }
 

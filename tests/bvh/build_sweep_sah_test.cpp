@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/sweep.h"
+#include "earshot/bvh/internal/builders.h"
 #include "earshot/bvh/tree.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST(SweepCosts, OfFiveCubesAreTheOnesByHand) {
     }
 }
 
-TEST(BuildSweepSah, CutsFiveCubesAfterTheThird) {
+TEST(BuildSweepSah, SplitsFiveCubesAfterTheThird) {
     const Tree tree =
         Tree::build(five_cubes(), {.builder = Builder::sweep_sah, .traversal_cost = 0.0});
     const Node& left = tree.nodes()[1];
@@ -73,7 +73,7 @@ std::size_t primitives_below(const Tree& tree, std::uint32_t index) {
                : primitives_below(tree, node.first) + primitives_below(tree, node.first + 1);
 }
 
-TEST(BuildSweepSah, CutsTheRootWhereItIsCheapest) {
+TEST(BuildSweepSah, SplitsTheRootWhereItIsCheapest) {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         const auto boxes = triangle_boxes(test::triangle_soup(seed, 5 + 3 * seed).view());
         const Tree tree = Tree::build(boxes, {.builder = Builder::sweep_sah});

@@ -41,13 +41,14 @@ class EveryBuilder : public testing::TestWithParam<Builder> {};
 
 TEST_P(EveryBuilder, MakesASoundTreeForEveryLeafSize) {
     const auto boxes = triangle_boxes(test::triangle_soup(1, 5000).view());
-    for (int leaf_size = 1; leaf_size <= 15; ++leaf_size) {
+    for (int max_leaf_size = 1; max_leaf_size <= 15; ++max_leaf_size) {
         for (const double traversal_cost : {0.0, 1.0, 1e6}) {
-            const Tree tree = Tree::build(
-                boxes,
-                {.builder = GetParam(), .leaf_size = leaf_size, .traversal_cost = traversal_cost});
-            EXPECT_EQ(test::fault_of(tree, boxes, static_cast<std::size_t>(leaf_size)), "")
-                << leaf_size << ' ' << traversal_cost;
+            const Tree tree = Tree::build(boxes,
+                                          {.builder = GetParam(),
+                                           .max_leaf_size = max_leaf_size,
+                                           .traversal_cost = traversal_cost});
+            EXPECT_EQ(test::fault_of(tree, boxes, static_cast<std::size_t>(max_leaf_size)), "")
+                << max_leaf_size << ' ' << traversal_cost;
         }
     }
 }
@@ -62,8 +63,8 @@ TEST_P(EveryBuilder, MakesASoundTreeOfFewBoxes) {
 
 TEST_P(EveryBuilder, DoesNotDependOnThreadsOrTheInstructionSet) {
     const auto boxes = triangle_boxes(test::triangle_soup(2, 40000).view());
-    for (const int leaf_size : {1, 4}) {
-        const BuildOptions options{.builder = GetParam(), .leaf_size = leaf_size};
+    for (const int max_leaf_size : {1, 4}) {
+        const BuildOptions options{.builder = GetParam(), .max_leaf_size = max_leaf_size};
         const Tree expected = Tree::build(boxes, options);
         for (const int threads : {2, 8}) {
             Executor executor(threads);

@@ -46,7 +46,7 @@ TEST(ClosestPoint, OfASphereLiesTowardsThePoint) {
 
 TEST(ClosestPoint, AtASharedVertexTheLowestTriangleWins) {
     const auto mesh = test::cube(4, 0.5);
-    const Tree tree = Tree::build(triangle_boxes(mesh.view()), {.leaf_size = 1});
+    const Tree tree = Tree::build(triangle_boxes(mesh.view()), {.max_leaf_size = 1});
     for (std::size_t vertex = 0; vertex < mesh.positions.size(); ++vertex) {
         const auto found = closest_point(tree, mesh.view(), mesh.positions[vertex]);
         const auto first = std::find_if(
@@ -74,7 +74,7 @@ TEST(ClosestPoint, QuestionsWithoutMeaningFindNothing) {
     EXPECT_FALSE(closest_point({}, {}, {1, 0, 0}));
 }
 
-TEST(NearestTriangles, EqualBruteForceForEveryTree) {
+TEST(ClosestTriangles, EqualBruteForceForEveryTree) {
     for (const test::QueryMesh& of : test::query_meshes(kSeed + 1)) {
         const auto trees = test::query_trees(of.mesh);
         for (std::uint64_t i = 0; i < 160; ++i) {
@@ -82,9 +82,9 @@ TEST(NearestTriangles, EqualBruteForceForEveryTree) {
             const double most = i % 3 == 0 ? 0.3 * of.size * random(kSeed, 9, i) : kInfinity;
             for (const std::size_t count : {0U, 1U, 7U, 5000U}) {
                 const auto expected =
-                    brute_force::nearest_triangles(of.mesh.view(), point, count, most);
+                    brute_force::closest_triangles(of.mesh.view(), point, count, most);
                 for (const Tree& tree : trees) {
-                    ASSERT_EQ(nearest_triangles(tree, of.mesh.view(), point, count, most), expected)
+                    ASSERT_EQ(closest_triangles(tree, of.mesh.view(), point, count, most), expected)
                         << of.name << ", seed " << kSeed << ", point " << i << ", " << count;
                 }
             }

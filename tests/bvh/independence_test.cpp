@@ -2,8 +2,8 @@
 #include "earshot/base/simd.h"
 #include "earshot/bvh/brute_force.h"
 #include "earshot/bvh/builder_names.h"
-#include "earshot/bvh/optimise.h"
 #include "earshot/bvh/ray.h"
+#include "earshot/bvh/reinsertion.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
 
@@ -141,11 +141,12 @@ void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::si
     constexpr std::array<int, 3> kThreads = {1, 2, 8};
     std::vector<Tree> refitted;
     std::vector<WideTree> refitted_wide, refitted_quantised;
-    for (const int leaf_size : kLeafSizes) {
-        refitted.push_back(Tree::build(triangle_boxes(rest.view()), {.leaf_size = leaf_size}));
+    for (const int max_leaf_size : kLeafSizes) {
+        refitted.push_back(
+            Tree::build(triangle_boxes(rest.view()), {.max_leaf_size = max_leaf_size}));
         refitted_wide.push_back(WideTree::build(refitted.back(), rest.view()));
-        refitted_quantised.push_back(
-            WideTree::build(refitted.back(), rest.view(), Executor::serial(), LeafForm::quantised));
+        refitted_quantised.push_back(WideTree::build(
+            refitted.back(), rest.view(), Executor::serial(), LeafEncoding::quantised));
     }
     Mesh mesh = rest;
     for (std::uint64_t frame = 0; frame < 3; ++frame) {
@@ -161,7 +162,8 @@ void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::si
         for (std::size_t k = 0; k < kThreads.size(); ++k) {
             Executor executor(kThreads[k]);
             for (const NamedBuilder& named : named_builders()) {
-                const BuildOptions options{.builder = named.builder, .leaf_size = kLeafSizes[k]};
+                const BuildOptions options{.builder = named.builder,
+                                           .max_leaf_size = kLeafSizes[k]};
                 const Tree rebuilt = Tree::build(boxes, options, executor);
                 ASSERT_EQ(ask(rebuilt, mesh.view(), questions), expected)
                     << frame << ' ' << k << ' ' << named.name;
@@ -178,7 +180,8 @@ void expect_one_answer(const Mesh& rest, double size, std::size_t count, std::si
                 expect_from_wide(*wide, mesh.view(), questions, expected, executor);
             }
             Tree repaired = refitted[k];
-            optimise(repaired, {.passes = 3, .share = 0.1}, executor);
+            optimise_by_reinsertion(
+                repaired, {.max_iterations = 3, .batch_size_ratio = 0.1}, executor);
             ASSERT_EQ(ask(repaired, mesh.view(), questions), expected) << frame << ' ' << k;
             const auto wide = WideTree::build(repaired, mesh.view(), executor);
             expect_from_wide(wide, mesh.view(), questions, expected, executor);
@@ -244,12 +247,13 @@ void expect_one_answer_to_many(const Mesh& rest, double step, std::size_t count)
         const NamedBuilder& named = named_builders()[k];
         const Tree fresh = Tree::build(boxes, {.builder = named.builder}, executor);
         trees[k].refit(boxes, executor);
-        optimise(trees[k], {.passes = 2, .share = 0.05}, executor);
+        optimise_by_reinsertion(
+            trees[k], {.max_iterations = 2, .batch_size_ratio = 0.05}, executor);
         const WideTree of_each[] = {
             refitted[k],
             WideTree::build(trees[k], mesh.view(), executor),
             WideTree::build(fresh, mesh.view(), executor),
-            WideTree::build(fresh, mesh.view(), executor, LeafForm::quantised)};
+            WideTree::build(fresh, mesh.view(), executor, LeafEncoding::quantised)};
         for (std::size_t i = 0; i < std::size(of_each); ++i) {
             const std::string& target = targets[(k + i) % targets.size()];
             use_simd_target(target);

@@ -40,7 +40,7 @@ protected:
         for (std::uint64_t i = 0; i < 60; ++i) {
             const Vec3 at = 6.0 * test::random_point(kSeed, i);
             matrices_.push_back(i % 5 == 4 ? matrices_.back() : placement(kSeed, i, at));
-            scene_.insert(parts_[(i - (i % 5 == 4 ? 1 : 0)) % 3], matrices_.back());
+            scene_.add_instance(parts_[(i - (i % 5 == 4 ? 1 : 0)) % 3], matrices_.back());
         }
         scene_.update();
     }
@@ -85,15 +85,16 @@ TEST_F(InstancesTest, EqualBruteForceWhenMovedInsertedRemoved) {
         for (InstanceId id = 0; id < 60; ++id) {
             if (id % 7 == frame % 7) {
                 matrices_[id] = placement(kSeed + frame, id, 6.0 * test::random_point(frame, id));
-                scene_.move(id, matrices_[id]);
+                scene_.set_transform(id, matrices_[id]);
             }
         }
         if (frame % 2 == 0) {
             const auto id = static_cast<InstanceId>(3 + frame);
-            scene_.remove(id);
-            scene_.remove(id + 20);
-            EXPECT_EQ(scene_.insert(parts_[1], matrices_[id]), id);  // the lowest that is free
-            scene_.insert(parts_[0], matrices_[id + 20]);
+            scene_.remove_instance(id);
+            scene_.remove_instance(id + 20);
+            EXPECT_EQ(scene_.add_instance(parts_[1], matrices_[id]),
+                      id);  // the lowest that is free
+            scene_.add_instance(parts_[0], matrices_[id + 20]);
         }
         EXPECT_FALSE(scene_.is_up_to_date());
         scene_.update();
@@ -120,8 +121,8 @@ TEST_F(InstancesTest, RefittedUpperLevelAnswersAsARebuiltOne) {
     for (InstanceId id = 0; id < 60; ++id) {
         const Vec3 at = Vec3(matrices_[id][3]) + 0.5 * test::random_point(kSeed + 9, id);
         matrices_[id] = placement(kSeed + 9, id, at);
-        scene_.move(id, matrices_[id]);
-        fresh.insert((id - (id % 5 == 4 ? 1 : 0)) % 3, matrices_[id]);
+        scene_.set_transform(id, matrices_[id]);
+        fresh.add_instance((id - (id % 5 == 4 ? 1 : 0)) % 3, matrices_[id]);
     }
     scene_.update();
     fresh.update();
@@ -152,7 +153,7 @@ TEST(Instances, InPlaceAnswerAsTheMeshItself) {
     const auto mesh = test::triangle_soup(kSeed, 500);
     const Tree tree = Tree::build(triangle_boxes(mesh.view()));
     Instances scene;
-    scene.insert(scene.add_part(mesh.view()));
+    scene.add_instance(scene.add_part(mesh.view()));
     scene.update();
     for (std::uint64_t i = 0; i < 4000; ++i) {
         const Vec3 from = 2.0 * test::random_point(kSeed, 2 * i);
@@ -173,7 +174,7 @@ TEST(Instances, AreHitWhereTheMovedMeshIs) {
     }
     const Tree tree = Tree::build(triangle_boxes(moved.view()));
     Instances scene;
-    scene.insert(scene.add_part(mesh.view()), matrix);
+    scene.add_instance(scene.add_part(mesh.view()), matrix);
     scene.update();
     for (std::uint64_t i = 0; i < 2000; ++i) {
         // From within, so that rounding at the outline does not matter.
@@ -191,9 +192,9 @@ TEST(Instances, OfHitsAtOneDistanceTheLowestWins) {
     Instances scene;
     const PartId part = scene.add_part(mesh.view());
     for (int i = 0; i < 9; ++i) {
-        scene.insert(part);
+        scene.add_instance(part);
     }
-    scene.remove(0);
+    scene.remove_instance(0);
     scene.update();
     const auto hit = closest_hit(scene, {{-2, 0, 0}, {1, 0, 0}});
     ASSERT_TRUE(hit);
@@ -207,7 +208,7 @@ TEST(Instances, QuestionsWithoutMeaningFindNothing) {
     Instances scene;
     EXPECT_FALSE(closest_hit(scene, {{-2, 0, 0}, {1, 0, 0}}));
     EXPECT_FALSE(occluded(scene, Segment{{-2, 0, 0}, {2, 0, 0}}));
-    scene.insert(scene.add_part(mesh.view()));
+    scene.add_instance(scene.add_part(mesh.view()));
     scene.update();
     EXPECT_TRUE(closest_hit(scene, {{-2, 0, 0}, {1, 0, 0}}));
     EXPECT_TRUE(occluded(scene, Segment{{-2, 0, 0}, {2, 0, 0}}));
@@ -225,10 +226,10 @@ TEST(Instances, RefusePlacementsWithoutInverse) {
     const PartId part = scene.add_part(mesh.view());
     const glm::dmat4 flat = glm::scale(glm::dmat4(1.0), Vec3(1, 0, 1));
     const glm::dmat4 nowhere = glm::translate(glm::dmat4(1.0), Vec3(std::nan(""), 0, 0));
-    EXPECT_THROW(scene.insert(part, flat), Error);
-    EXPECT_THROW(scene.insert(part, nowhere), Error);
-    const InstanceId id = scene.insert(part);
-    EXPECT_THROW(scene.move(id, flat), Error);
+    EXPECT_THROW(scene.add_instance(part, flat), Error);
+    EXPECT_THROW(scene.add_instance(part, nowhere), Error);
+    const InstanceId id = scene.add_instance(part);
+    EXPECT_THROW(scene.set_transform(id, flat), Error);
     scene.update();
     EXPECT_TRUE(closest_hit(scene, {{-2, 0, 0}, {1, 0, 0}}));  // where it was
 }
@@ -238,17 +239,17 @@ TEST(Instances, PartsComeAndGo) {
     const auto far = test::sphere(1, 0.5, {4, 0, 0});
     Instances scene;
     const PartId first = scene.add_part(near.view());
-    const InstanceId instance = scene.insert(first);
-    scene.insert(scene.add_part(far.view()));
+    const InstanceId instance = scene.add_instance(first);
+    scene.add_instance(scene.add_part(far.view()));
     scene.update();
     const Ray ray{{-2, 0.01, 0.02}, {1, 0, 0}};
     EXPECT_NEAR(closest_hit(scene, ray)->hit.t, 1.5, 0.1);
-    scene.remove(instance);
+    scene.remove_instance(instance);
     scene.remove_part(first);
     scene.update();
     EXPECT_NEAR(closest_hit(scene, ray)->hit.t, 5.5, 0.1);
     EXPECT_EQ(scene.add_part(near.view()), first);
-    EXPECT_EQ(scene.insert(first), instance);
+    EXPECT_EQ(scene.add_instance(first), instance);
     scene.update();
     EXPECT_NEAR(closest_hit(scene, ray)->hit.t, 1.5, 0.1);
 }

@@ -20,7 +20,7 @@ Aabb point(float x, float y, float z) {
 
 std::vector<std::uint32_t> order_of(const std::vector<Aabb>& boxes) {
     std::vector<std::uint32_t> order;
-    for (const MortonPlace& place : sorted_by_morton_code(boxes, Executor::serial())) {
+    for (const MortonPrimitive& place : sorted_by_morton_code(boxes, Executor::serial())) {
         order.push_back(place.index);
     }
     return order;
@@ -51,7 +51,7 @@ TEST(Morton, SortsAsComparingCodesDoes) {
     Executor two(2);
     const auto places = sorted_by_morton_code(boxes, two);
     EXPECT_TRUE(std::is_sorted(
-        places.begin(), places.end(), [](const MortonPlace& a, const MortonPlace& b) {
+        places.begin(), places.end(), [](const MortonPrimitive& a, const MortonPrimitive& b) {
             return a.code != b.code ? a.code < b.code : a.index < b.index;
         }));
     const auto again = sorted_by_morton_code(boxes, Executor::serial());
@@ -61,11 +61,11 @@ TEST(Morton, SortsAsComparingCodesDoes) {
         }));
 }
 
-TEST(Morton, CutsWhereTheHighestDifferingBitTurns) {
-    const std::vector<MortonPlace> places = {{0, 0}, {3, 1}, {4, 2}, {5, 3}, {5, 4}, {5, 5}};
-    EXPECT_EQ(morton_cut(places, 0, 6), 2U);
-    EXPECT_EQ(morton_cut(places, 2, 6), 3U);
-    EXPECT_EQ(morton_cut(places, 3, 6), 4U);  // equal: the middle
+TEST(Morton, SplitsWhereTheHighestDifferingBitTurns) {
+    const std::vector<MortonPrimitive> places = {{0, 0}, {3, 1}, {4, 2}, {5, 3}, {5, 4}, {5, 5}};
+    EXPECT_EQ(find_morton_split(places, 0, 6), 2U);
+    EXPECT_EQ(find_morton_split(places, 2, 6), 3U);
+    EXPECT_EQ(find_morton_split(places, 3, 6), 4U);  // equal: the middle
 }
 
 }  // namespace

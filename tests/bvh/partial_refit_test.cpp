@@ -15,7 +15,9 @@ using geometry::Mesh;
 bool have_same_bits(const WideTree& a, const WideTree& b) {
     return a.box() == b.box() &&
            std::memcmp(a.nodes().data(), b.nodes().data(), a.nodes().size_bytes()) == 0 &&
-           std::memcmp(a.words().data(), b.words().data(), a.words().size_bytes()) == 0;
+           std::memcmp(a.packed_leaves().data(),
+                       b.packed_leaves().data(),
+                       a.packed_leaves().size_bytes()) == 0;
 }
 
 Mesh with_moved(Mesh mesh, std::span<const TriangleRange> ranges, std::uint64_t seed) {

@@ -16,8 +16,8 @@ using geometry::Ray;
 using geometry::Segment;
 using geometry::Vec3;
 
-Tree tree_of(const geometry::Mesh& mesh, int leaf_size = 4) {
-    return Tree::build(triangle_boxes(mesh.view()), {.leaf_size = leaf_size});
+Tree tree_of(const geometry::Mesh& mesh, int max_leaf_size = 4) {
+    return Tree::build(triangle_boxes(mesh.view()), {.max_leaf_size = max_leaf_size});
 }
 
 /// Rays at random, at vertices, along axes and in the planes of triangles.
@@ -172,12 +172,12 @@ TEST(Occluded, TouchingIsBlocking) {
     EXPECT_FALSE(blocked({-1, -1e-300, 0}, {2, -1e-300, 0}));
 }
 
-TEST(AnyTouching, AsksTheCallerWithTheParameter) {
+TEST(AnyHit, AsksTheCallerWithTheParameter) {
     const auto mesh = test::sphere(3, 1.0, Vec3(0.0));
     const Tree tree = tree_of(mesh);
     const Segment segment{{-2, 0.01, 0.02}, {2, 0.01, 0.02}};
     const auto beyond = [&](double least) {
-        return any_touching(
+        return any_hit(
             tree, mesh.view(), segment, [&](geometry::TriangleId, double t) { return t > least; });
     };
     EXPECT_TRUE(beyond(0.2));

@@ -91,7 +91,7 @@ std::size_t leaks_of(const Mesh& mesh,
         leaks += static_cast<std::size_t>(std::count(hits.begin(), hits.end(), std::nullopt));
     };
     add_batch(wide);
-    add_batch(WideTree::build(tree, mesh.view(), Executor::serial(), LeafForm::quantised));
+    add_batch(WideTree::build(tree, mesh.view(), Executor::serial(), LeafEncoding::quantised));
     return leaks;
 }
 

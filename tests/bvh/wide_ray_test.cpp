@@ -22,9 +22,9 @@ using geometry::Vec3;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-WideTree wide_tree_of(const Mesh& mesh, int leaf_size = 4) {
-    return WideTree::build(Tree::build(triangle_boxes(mesh.view()), {.leaf_size = leaf_size}),
-                           mesh.view());
+WideTree wide_tree_of(const Mesh& mesh, int max_leaf_size = 4) {
+    return WideTree::build(
+        Tree::build(triangle_boxes(mesh.view()), {.max_leaf_size = max_leaf_size}), mesh.view());
 }
 
 /// Rays through the mesh, at its corners and edges, in the planes of triangles, along axes, from
@@ -151,7 +151,7 @@ TEST(WideRay, FindsNothingInAnEmptyScene) {
     const WideTree wide = wide_tree_of(mesh);
     EXPECT_FALSE(closest_hit(wide, mesh.view(), {}));
     EXPECT_FALSE(occluded(wide, mesh.view(), {Vec3(0.0), Vec3(1.0)}));
-    EXPECT_EQ(wide.reach(), 0.0);
+    EXPECT_EQ(wide.max_abs_coordinate(), 0.0);
 }
 
 TEST(WideRay, KeepsItsAnswersWhenRefitted) {

@@ -22,13 +22,13 @@ bool is_empty(const WideNode& node, std::size_t slot) {
 
 /// Coordinate `run` (x, y, z of the first corner, then of the others) of triangle k of a leaf.
 float coordinate(const WideTree& wide, std::uint32_t leaf, std::size_t run, std::size_t k) {
-    const std::uint32_t* words = wide.leaf_words(leaf);
+    const std::uint32_t* words = wide.packed_leaf(leaf);
     const std::size_t place = run * leaf_count(leaf) + k;
-    if (wide.leaf_form() == LeafForm::single) {
+    if (wide.leaf_encoding() == LeafEncoding::single) {
         return std::bit_cast<float>(words[place]);
     }
     const std::uint32_t steps =
-        words[kFrameWords + place / 2] >> (place % 2 == 0 ? 0 : 16) & 0xFFFFU;
+        words[kQuantisationFrameWords + place / 2] >> (place % 2 == 0 ? 0 : 16) & 0xFFFFU;
     return std::bit_cast<float>(words[run % 3]) +
            static_cast<float>(steps) * std::bit_cast<float>(words[3]);
 }
@@ -36,9 +36,10 @@ float coordinate(const WideTree& wide, std::uint32_t leaf, std::size_t run, std:
 /// How far a coordinate of a leaf may be from the mesh's.
 double slack_of(const WideTree& wide, std::uint32_t leaf, double value) {
     const double rounding = 0x1p-24 * std::abs(value);
-    return wide.leaf_form() == LeafForm::single
+    return wide.leaf_encoding() == LeafEncoding::single
                ? rounding
-               : 0.5 * std::bit_cast<float>(wide.leaf_words(leaf)[3]) + 0x1p-22 * wide.reach();
+               : 0.5 * std::bit_cast<float>(wide.packed_leaf(leaf)[3]) +
+                     0x1p-22 * wide.max_abs_coordinate();
 }
 
 /// What is wrong with a wide tree; empty if nothing is: every triangle stands in one leaf with its
@@ -107,13 +108,14 @@ std::string fault_of(const WideTree& wide, const Mesh& mesh) {
 TEST(WideTree, HoldsEveryTriangleOnceWhateverTheLeafSize) {
     for (const std::size_t count : {1U, 2U, 8U, 9U, 15U, 16U, 17U, 300U, 5000U}) {
         const Mesh mesh = test::triangle_soup(count, count);
-        for (const int leaf_size : {1, 4, 8, 9, 15}) {
-            const Tree tree = Tree::build(triangle_boxes(mesh.view()), {.leaf_size = leaf_size});
-            for (const LeafForm form : {LeafForm::single, LeafForm::quantised}) {
+        for (const int max_leaf_size : {1, 4, 8, 9, 15}) {
+            const Tree tree =
+                Tree::build(triangle_boxes(mesh.view()), {.max_leaf_size = max_leaf_size});
+            for (const LeafEncoding form : {LeafEncoding::single, LeafEncoding::quantised}) {
                 const WideTree wide = WideTree::build(tree, mesh.view(), Executor::serial(), form);
                 EXPECT_EQ(fault_of(wide, mesh), "")
-                    << count << " triangles, leaves of " << leaf_size;
-                EXPECT_EQ(wide.triangles(), count);
+                    << count << " triangles, leaves of " << max_leaf_size;
+                EXPECT_EQ(wide.triangle_count(), count);
             }
         }
     }
@@ -122,7 +124,7 @@ TEST(WideTree, HoldsEveryTriangleOnceWhateverTheLeafSize) {
 TEST(WideTree, HoldsTrianglesThatCoincide) {
     Mesh mesh = test::triangle_soup(3, 1);
     mesh.triangles.resize(1000, mesh.triangles.front());
-    const Tree tree = Tree::build(triangle_boxes(mesh.view()), {.leaf_size = 15});
+    const Tree tree = Tree::build(triangle_boxes(mesh.view()), {.max_leaf_size = 15});
     EXPECT_EQ(fault_of(WideTree::build(tree, mesh.view()), mesh), "");
 }
 
@@ -131,13 +133,13 @@ TEST(WideTree, IsTheSameForAnyNumberOfThreads) {
     const Tree tree = Tree::build(triangle_boxes(mesh.view()));
     const auto bytes_of = [](const WideTree& wide) {
         const auto nodes = std::as_bytes(wide.nodes());
-        const auto words = std::as_bytes(wide.words());
+        const auto words = std::as_bytes(wide.packed_leaves());
         std::vector<std::byte> all(nodes.begin(), nodes.end());
         all.insert(all.end(), words.begin(), words.end());
         return all;
     };
     Executor eight(8);
-    for (const LeafForm form : {LeafForm::single, LeafForm::quantised}) {
+    for (const LeafEncoding form : {LeafEncoding::single, LeafEncoding::quantised}) {
         WideTree first = WideTree::build(tree, mesh.view(), Executor::serial(), form);
         WideTree second = WideTree::build(tree, mesh.view(), eight, form);
         EXPECT_EQ(bytes_of(first), bytes_of(second));
@@ -155,12 +157,12 @@ TEST(WideTree, IsTheSameForAnyNumberOfThreads) {
 TEST(WideTree, FitsIntoFiftyBytesPerTriangleAndFortyIfQuantised) {
     const Mesh mesh = test::sphere(7, 1.0, geometry::Vec3(0.0));
     const Tree tree = Tree::build(triangle_boxes(mesh.view()));
-    const auto bytes_per_triangle = [&](LeafForm form) {
+    const auto bytes_per_triangle = [&](LeafEncoding form) {
         const WideTree wide = WideTree::build(tree, mesh.view(), Executor::serial(), form);
-        return static_cast<double>(wide.bytes()) / static_cast<double>(wide.triangles());
+        return static_cast<double>(wide.bytes()) / static_cast<double>(wide.triangle_count());
     };
-    EXPECT_LE(bytes_per_triangle(LeafForm::single), 50.0);
-    EXPECT_LE(bytes_per_triangle(LeafForm::quantised), 40.0);
+    EXPECT_LE(bytes_per_triangle(LeafEncoding::single), 50.0);
+    EXPECT_LE(bytes_per_triangle(LeafEncoding::quantised), 40.0);
 }
 
 }  // namespace

@@ -72,8 +72,8 @@ inline std::vector<bvh::Tree> query_trees(const geometry::Mesh& mesh) {
     }
     std::vector<bvh::Tree> trees = {
         bvh::Tree::build(bvh::triangle_boxes(mesh.view())),
-        bvh::Tree::build(bvh::triangle_boxes(mesh.view()), {.leaf_size = 1}),
-        bvh::Tree::build(bvh::triangle_boxes(moved.view()), {.leaf_size = 15})};
+        bvh::Tree::build(bvh::triangle_boxes(mesh.view()), {.max_leaf_size = 1}),
+        bvh::Tree::build(bvh::triangle_boxes(moved.view()), {.max_leaf_size = 15})};
     trees.back().refit(bvh::triangle_boxes(mesh.view()));
     return trees;
 }

@@ -24,7 +24,7 @@ inline bool contains(const geometry::Aabb& outer, const geometry::Aabb& inner) {
 /// order, no leaf is too deep or too large.
 inline std::string fault_of(const bvh::Tree& tree,
                             const std::vector<geometry::Aabb>& boxes,
-                            std::size_t leaf_size) {
+                            std::size_t max_leaf_size) {
     struct Visit {
         std::uint32_t node;
         std::size_t depth;
@@ -44,7 +44,7 @@ inline std::string fault_of(const bvh::Tree& tree,
         }
         geometry::Aabb box;
         if (node.is_leaf()) {
-            if (node.count > leaf_size) {
+            if (node.count > max_leaf_size) {
                 return "leaf too large";
             }
             for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {

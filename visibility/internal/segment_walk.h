@@ -66,7 +66,7 @@ std::size_t walk(const bvh::WideTree& tree,
         return 0;
     }
     const geometry::Vec3 direction = segment.to - segment.from;
-    const geometry::Slabs slabs(segment.from, direction, tree.reach());
+    const geometry::Slabs slabs(segment.from, direction, tree.max_abs_coordinate());
     const int shift =
         3 * ((std::signbit(direction.x) ? 1 : 0) + (std::signbit(direction.y) ? 2 : 0) +
              (std::signbit(direction.z) ? 4 : 0));

@@ -19,7 +19,7 @@ using geometry::Vec3;
 struct Reflections {
     std::vector<Ray> rays;
     std::vector<Segment> segments;
-    std::vector<geometry::TriangleId> left;
+    std::vector<geometry::TriangleId> origin_triangles;
 };
 
 /// From random points of random triangles to random sides, a little off the surface.
@@ -44,7 +44,7 @@ Reflections reflections(const Mesh& mesh, std::uint64_t seed, std::size_t count)
         const Vec3 from = p + u * ab + v * ac + 0x1p-32 * size * normal;
         made.rays.push_back({from, direction});
         made.segments.push_back({from, from + random_between(seed, 10, i, 0.1, 10.0) * direction});
-        made.left.push_back(id);
+        made.origin_triangles.push_back(id);
     }
     return made;
 }
@@ -56,11 +56,15 @@ void expect_equal_answers(const Mesh& mesh, std::uint64_t seed, std::size_t coun
         use_simd_target(target);
         std::vector<std::optional<geometry::Hit>> hits(count);
         std::vector<std::uint8_t> blocked(count);
-        closest_hits(wide, mesh.view(), LeavingRays{.rays = made.rays, .left = made.left}, hits);
-        occluded(wide,
-                 mesh.view(),
-                 LeavingSegments{.segments = made.segments, .left = made.left},
-                 blocked);
+        closest_hits(wide,
+                     mesh.view(),
+                     SecondaryRays{.rays = made.rays, .origin_triangles = made.origin_triangles},
+                     hits);
+        occluded(
+            wide,
+            mesh.view(),
+            SecondarySegments{.segments = made.segments, .origin_triangles = made.origin_triangles},
+            blocked);
         std::size_t found = 0;
         for (std::size_t i = 0; i < count; ++i) {
             ASSERT_EQ(hits[i], brute_force::closest_hit(mesh.view(), made.rays[i]))
@@ -81,7 +85,7 @@ Mesh turned(Mesh mesh) {
     return mesh;
 }
 
-TEST(LeavingRays, OfFewTrianglesAreDecidedAsOneByOne) {
+TEST(SecondaryRays, OfFewTrianglesAreDecidedAsOneByOne) {
     expect_equal_answers(test::cube(1, 4.0), 1);
     expect_equal_answers(test::cube(1, 2.7), 2);
     expect_equal_answers(turned(test::cube(1, 4.0)), 3);
@@ -89,7 +93,7 @@ TEST(LeavingRays, OfFewTrianglesAreDecidedAsOneByOne) {
     expect_equal_answers(test::sphere(0, 2.0, Vec3(1.0)), 5);
 }
 
-TEST(LeavingRays, AreDecidedAsOneByOneInTreesThatStayNear) {
+TEST(SecondaryRays, AreDecidedAsOneByOneInTreesThatStayNear) {
     expect_equal_answers(test::cube(6, 4.0), 6);
     expect_equal_answers(test::cube(6, 2.7), 7);
     expect_equal_answers(turned(test::cube(6, 4.0)), 8);
@@ -98,7 +102,7 @@ TEST(LeavingRays, AreDecidedAsOneByOneInTreesThatStayNear) {
 
 // Planes that coincide in single precision and not in double: a ray that leaves one meets the
 // other.
-TEST(LeavingRays, MeetAPlaneThatIsNearlyTheirOwn) {
+TEST(SecondaryRays, MeetAPlaneThatIsNearlyTheirOwn) {
     Mesh mesh = test::cube(4, 4.0);
     const auto count = static_cast<geometry::VertexId>(mesh.positions.size());
     const auto once = mesh.triangles;
@@ -111,12 +115,12 @@ TEST(LeavingRays, MeetAPlaneThatIsNearlyTheirOwn) {
     expect_equal_answers(mesh, 10);
 }
 
-TEST(LeavingRays, AreDecidedAsOneByOneInTreesThatDoNot) {
+TEST(SecondaryRays, AreDecidedAsOneByOneInTreesThatDoNot) {
     expect_equal_answers(test::triangle_soup(11, 26000), 11, 100);
     expect_equal_answers(test::cube(68, 4.0), 12, 100);
 }
 
-TEST(LeavingRays, FindNothingInAnEmptyScene) {
+TEST(SecondaryRays, FindNothingInAnEmptyScene) {
     const Mesh mesh;
     const WideTree wide;
     std::vector<std::optional<geometry::Hit>> hits(1, geometry::Hit{});
@@ -124,8 +128,11 @@ TEST(LeavingRays, FindNothingInAnEmptyScene) {
     const std::vector<Ray> rays(1);
     const std::vector<Segment> segments(1);
     const std::vector<geometry::TriangleId> left(1, 0);
-    closest_hits(wide, mesh.view(), LeavingRays{.rays = rays, .left = left}, hits);
-    occluded(wide, mesh.view(), LeavingSegments{.segments = segments, .left = left}, blocked);
+    closest_hits(wide, mesh.view(), SecondaryRays{.rays = rays, .origin_triangles = left}, hits);
+    occluded(wide,
+             mesh.view(),
+             SecondarySegments{.segments = segments, .origin_triangles = left},
+             blocked);
     EXPECT_FALSE(hits[0]);
     EXPECT_EQ(blocked[0], 0);
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/optimise.h"
+#include "earshot/bvh/reinsertion.h"
 
 #include "earshot/base/error.h"
-#include "earshot/bvh/internal/reinserter.h"
+#include "earshot/bvh/internal/reinsertion_optimiser.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/bvh/ray.h"
 
@@ -61,19 +61,20 @@ std::vector<Aabb> shuffled_boxes(std::uint64_t seed, std::size_t count) {
 
 // Bittner, Hapala and Havran 2013: cubes at x = 0, 10, 1, 11 paired (0, 10) and (1, 11), half areas
 // 25 + 23 + 23 = 71 of inner nodes; paired (0, 1) and (10, 11) they are 25 + 5 + 5 = 35.
-TEST(Optimise, UntanglesFourCubes) {
+TEST(Reinsertion, PairsFourCubesWithTheirNeighbours) {
     const std::vector<Aabb> boxes = {cube_at(0.0F), cube_at(10.0F), cube_at(1.0F), cube_at(11.0F)};
     const Tree tangled = balanced(boxes);
-    Reinserter reinserter(tangled.nodes());
-    EXPECT_DOUBLE_EQ(reinserter.inner_area(), 71.0);
-    while (reinserter.improve(7, Executor::serial()) > 0) {
+    ReinsertionOptimiser optimiser(tangled.nodes());
+    EXPECT_DOUBLE_EQ(optimiser.inner_area(), 71.0);
+    while (optimiser.reinsert_batch(7, Executor::serial()) > 0) {
     }
-    EXPECT_DOUBLE_EQ(reinserter.inner_area(), 35.0);
+    EXPECT_DOUBLE_EQ(optimiser.inner_area(), 35.0);
 }
 
-/// The least sum of inner areas that one move of one subtree can lead to, by trying every pair.
-double best_single_move(const Tree& tree) {
-    double best = Reinserter(tree.nodes()).inner_area();
+/// The least sum of inner areas that one reinsertion of one subtree can lead to, by trying every
+/// pair.
+double best_single_reinsertion(const Tree& tree) {
+    double best = ReinsertionOptimiser(tree.nodes()).inner_area();
     const auto nodes = tree.nodes();
     std::vector<std::uint32_t> parents(nodes.size(), 0);
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
@@ -128,74 +129,75 @@ double best_single_move(const Tree& tree) {
     return best;
 }
 
-TEST(Optimise, FindsTheBestSingleMove) {
+TEST(Reinsertion, FindsTheBestSingleReinsertion) {
     for (std::uint64_t seed = 1; seed <= 40; ++seed) {
         const auto boxes = shuffled_boxes(seed, 5 + seed % 9);
         const Tree tree = balanced(boxes);
-        const double best = best_single_move(tree);
-        const Reinserter reinserter(tree.nodes());
+        const double best = best_single_reinsertion(tree);
+        const ReinsertionOptimiser optimiser(tree.nodes());
         double gain = 0.0;
         for (std::uint32_t from = 3; from < tree.nodes().size(); ++from) {
             if (from != tree.nodes()[0].first && from != tree.nodes()[0].first + 1) {
-                gain = std::max(gain, reinserter.best_move(from).gain);
+                gain = std::max(gain, optimiser.find_reinsertion(from).area_diff);
             }
         }
-        EXPECT_NEAR(gain, reinserter.inner_area() - best, 1e-12 * best) << "seed " << seed;
+        EXPECT_NEAR(gain, optimiser.inner_area() - best, 1e-12 * best) << "seed " << seed;
     }
 }
 
-TEST(Optimise, KeepsTheTreeSoundAndNeverMakesItWorse) {
+TEST(Reinsertion, KeepsTheTreeSoundAndNeverMakesItWorse) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         const auto boxes = shuffled_boxes(seed, 3000);
         for (Tree tree :
-             {balanced(boxes), Tree::build(boxes), Tree::build(boxes, {.leaf_size = 1})}) {
+             {balanced(boxes), Tree::build(boxes), Tree::build(boxes, {.max_leaf_size = 1})}) {
             double cost = sah_cost(tree);
             for (int pass = 0; pass < 6; ++pass) {
-                const OptimiseReport report = optimise(tree, {.passes = 1, .share = 0.3});
+                const ReinsertionReport report =
+                    optimise_by_reinsertion(tree, {.max_iterations = 1, .batch_size_ratio = 0.3});
                 ASSERT_EQ(test::fault_of(tree, boxes, 4), "") << "pass " << pass;
-                EXPECT_DOUBLE_EQ(report.cost_before, cost);
-                EXPECT_LE(report.cost_after, report.cost_before);
+                EXPECT_DOUBLE_EQ(report.sah_cost_before, cost);
+                EXPECT_LE(report.sah_cost_after, report.sah_cost_before);
                 cost = sah_cost(tree);
-                EXPECT_DOUBLE_EQ(report.cost_after, cost);
+                EXPECT_DOUBLE_EQ(report.sah_cost_after, cost);
             }
         }
     }
 }
 
-TEST(Optimise, MendsATreeThatIsAsBadAsCanBe) {
+TEST(Reinsertion, ImprovesATreeThatIsAsBadAsCanBe) {
     const auto boxes = shuffled_boxes(9, 2000);
     Tree tree = balanced(boxes);
     const double before = sah_cost(tree);
-    optimise(tree, {.passes = 30, .share = 0.2});
+    optimise_by_reinsertion(tree, {.max_iterations = 30, .batch_size_ratio = 0.2});
     EXPECT_LT(sah_cost(tree), 0.7 * before);
 }
 
-TEST(Optimise, IsTheSameForAnyNumberOfThreads) {
+TEST(Reinsertion, IsTheSameForAnyNumberOfThreads) {
     const auto boxes = shuffled_boxes(5, 20000);
     Tree first = Tree::build(boxes);
     Tree second = first;
-    optimise(first);
+    optimise_by_reinsertion(first);
     Executor eight(8);
-    optimise(second, {}, eight);
+    optimise_by_reinsertion(second, {}, eight);
     ASSERT_EQ(first.nodes().size(), second.nodes().size());
     EXPECT_EQ(std::memcmp(first.nodes().data(), second.nodes().data(), first.nodes().size_bytes()),
               0);
     EXPECT_TRUE(std::ranges::equal(first.primitives(), second.primitives()));
 }
 
-TEST(Optimise, LeavesSmallTreesAlone) {
+TEST(Reinsertion, LeavesSmallTreesAlone) {
     for (std::size_t count = 0; count < 6; ++count) {
         const auto boxes = shuffled_boxes(7, count);
-        Tree tree = Tree::build(boxes, {.leaf_size = 1});
-        optimise(tree);
+        Tree tree = Tree::build(boxes, {.max_leaf_size = 1});
+        optimise_by_reinsertion(tree);
         EXPECT_EQ(test::fault_of(tree, boxes, 1), "") << count;
     }
 }
 
-TEST(Optimise, RefusesOptionsOutOfRange) {
+TEST(Reinsertion, RefusesOptionsOutOfRange) {
     Tree tree;
-    EXPECT_THROW(optimise(tree, {.passes = -1}), Error);
-    EXPECT_THROW(optimise(tree, {.share = 1.5}), Error);
+    EXPECT_THROW(optimise_by_reinsertion(tree, {.max_iterations = -1}), Error);
+    EXPECT_THROW(optimise_by_reinsertion(tree, {.batch_size_ratio = 1.5}), Error);
 }
 
 }  // namespace

@@ -13,9 +13,11 @@ namespace earshot::bvh {
 
 /// The triangles that may be a ray's closest hit, put off until the bounds of all are known, and
 /// then decided in double precision.
-class ClosestSearch {
+class ClosestHitSearch {
 public:
-    ClosestSearch(const geometry::MeshView& mesh, const geometry::Ray& ray, double reach) noexcept
+    ClosestHitSearch(const geometry::MeshView& mesh,
+                     const geometry::Ray& ray,
+                     double reach) noexcept
         : mesh_(&mesh), ray_(&ray), reach_(reach) {}
 
     /// A triangle that is hit, if at all, at `near` or later. Precondition: near <= bound.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/references.h"
+#include "earshot/bvh/internal/prim_refs.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,8 +12,8 @@ using geometry::Aabb;
 namespace {
 
 /// The box of a single point: twice the centre.
-WideBox centre_box(const WideBox& box) {
-    WideBox centre;
+BuildBox centroid_box(const BuildBox& box) {
+    BuildBox centre;
     for (std::size_t k = 0; k < 4; ++k) {
         centre.low[k] = box.low[k] - box.high[k];
         centre.high[k] = box.high[k] - box.low[k];
@@ -24,8 +24,8 @@ WideBox centre_box(const WideBox& box) {
 // When a subtree is built, its references are not needed any more, and there is room for all of its
 // nodes where they stood: first in one array, then in the other.
 
-void store(const Subtree& range, const RawNode* nodes, std::uint32_t count) {
-    static_assert(sizeof(RawNode) == sizeof(WideBox));
+void store_nodes(const BuildRange& range, const RawNode* nodes, std::uint32_t count) {
+    static_assert(sizeof(RawNode) == sizeof(BuildBox));
     const std::uint32_t size = range.end - range.begin;
     const std::uint32_t first = std::min(count, size);
     std::memcpy(static_cast<void*>(range.refs[0] + range.begin), nodes, first * sizeof(RawNode));
@@ -34,16 +34,16 @@ void store(const Subtree& range, const RawNode* nodes, std::uint32_t count) {
                 (count - first) * sizeof(RawNode));
 }
 
-RawNode stored(const Subtree& range, std::uint32_t index) {
+RawNode load_node(const BuildRange& range, std::uint32_t index) {
     const std::uint32_t size = range.end - range.begin;
-    const WideBox* const place = index < size ? range.refs[0] + range.begin + index
+    const PrimRef* const place = index < size ? range.refs[0] + range.begin + index
                                               : range.refs[1] + range.begin + (index - size);
     RawNode node;
     std::memcpy(&node, place, sizeof(node));
     return node;
 }
 
-Node finished(const RawNode& raw) {
+Node to_node(const RawNode& raw) {
     Node node;
     node.first = raw.first;
     node.count = raw.count;
@@ -54,8 +54,8 @@ Node finished(const RawNode& raw) {
 
 }  // namespace
 
-WideBox joined(const WideBox& a, const WideBox& b) noexcept {
-    WideBox result;
+BuildBox united(const BuildBox& a, const BuildBox& b) noexcept {
+    BuildBox result;
     for (std::size_t k = 0; k < 4; ++k) {
         result.low[k] = std::max(a.low[k], b.low[k]);
         result.high[k] = std::max(a.high[k], b.high[k]);
@@ -63,26 +63,26 @@ WideBox joined(const WideBox& a, const WideBox& b) noexcept {
     return result;
 }
 
-Bounds joined(const Bounds& a, const Bounds& b) noexcept {
-    return {joined(a.box, b.box), joined(a.centres, b.centres)};
+Bounds united(const Bounds& a, const Bounds& b) noexcept {
+    return {united(a.box, b.box), united(a.centroids, b.centroids)};
 }
 
-Bounds no_bounds() noexcept {
+Bounds empty_bounds() noexcept {
     constexpr float kLowest = -std::numeric_limits<float>::max();
-    constexpr WideBox kNothing = {{kLowest, kLowest, kLowest, kLowest},
-                                  {kLowest, kLowest, kLowest, kLowest}};
+    constexpr BuildBox kNothing = {{kLowest, kLowest, kLowest, kLowest},
+                                   {kLowest, kLowest, kLowest, kLowest}};
     return {kNothing, kNothing};
 }
 
-Bounds bounds_of(std::span<const WideBox> refs) noexcept {
-    Bounds bounds = no_bounds();
-    for (const WideBox& ref : refs) {
-        bounds = joined(bounds, {ref, centre_box(ref)});
+Bounds bounds_of(std::span<const PrimRef> refs) noexcept {
+    Bounds bounds = empty_bounds();
+    for (const PrimRef& ref : refs) {
+        bounds = united(bounds, {ref, centroid_box(ref)});
     }
     return bounds;
 }
 
-Aabb finished(const WideBox& box) noexcept {
+Aabb to_aabb(const BuildBox& box) noexcept {
     Aabb result;
     for (std::size_t k = 0; k < 3; ++k) {
         result.lower[k] = 0.0F - box.low[k];
@@ -91,25 +91,25 @@ Aabb finished(const WideBox& box) noexcept {
     return result;
 }
 
-References::References(std::span<const Aabb> boxes, Executor& executor)
+PrimRefs::PrimRefs(std::span<const Aabb> boxes, Executor& executor)
     : boxes_(boxes),
-      arrays_{LargeArray<WideBox>(boxes.size()), LargeArray<WideBox>(boxes.size())},
-      bounds_(no_bounds()) {
+      arrays_{LargeArray<PrimRef>(boxes.size()), LargeArray<PrimRef>(boxes.size())},
+      bounds_(empty_bounds()) {
     constexpr std::size_t kGrain = 16384;
     std::vector<Bounds> chunks(chunk_count(boxes.size(), kGrain));
     executor.for_each(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        refer(boxes[begin].lower.data(),
-              static_cast<std::uint32_t>(begin),
-              end - begin,
-              arrays_[0].data() + begin,
-              chunks[begin / kGrain]);
+        make_prim_refs(boxes[begin].lower.data(),
+                       static_cast<std::uint32_t>(begin),
+                       end - begin,
+                       arrays_[0].data() + begin,
+                       chunks[begin / kGrain]);
     });
     for (const Bounds& chunk : chunks) {
-        bounds_ = joined(bounds_, chunk);
+        bounds_ = united(bounds_, chunk);
     }
 }
 
-Subtree References::all() noexcept {
+BuildRange PrimRefs::root_range() noexcept {
     return {.refs = {arrays_[0].data(), arrays_[1].data()},
             .begin = 0,
             .end = static_cast<std::uint32_t>(boxes_.size()),
@@ -118,26 +118,26 @@ Subtree References::all() noexcept {
             .bounds = bounds_};
 }
 
-bool References::are_clamped() const noexcept {
-    const WideBox& box = bounds_.box;
+bool PrimRefs::are_clamped() const noexcept {
+    const BuildBox& box = bounds_.box;
     return std::max(*std::max_element(box.low, box.low + 3),
-                    *std::max_element(box.high, box.high + 3)) >= kFarthest;
+                    *std::max_element(box.high, box.high + 3)) >= kMaxCoordinate;
 }
 
-Tree References::build(std::span<const TopNode> top,
-                       std::span<const Subtree> tasks,
-                       const CutRule& rule,
-                       Executor& executor) const {
+Tree PrimRefs::build_tree(std::span<const TopNode> top,
+                          std::span<const BuildRange> tasks,
+                          const SplitRule& rule,
+                          Executor& executor) const {
     std::vector<std::uint32_t> primitives(boxes_.size());
     std::vector<std::uint32_t> counts(tasks.size());
     executor.for_each(counts.size(), 1, [&](std::size_t task, std::size_t) {
-        const Subtree& range = tasks[task];
+        const BuildRange& range = tasks[task];
         LargeArray<RawNode> nodes(2 * static_cast<std::size_t>(range.end - range.begin));
         counts[task] = build_subtree(range, rule, nodes.data(), primitives.data());
-        store(range, nodes.data(), counts[task]);
+        store_nodes(range, nodes.data(), counts[task]);
     });
     const auto node_of = [&](std::uint32_t task, std::uint32_t index) {
-        return finished(stored(tasks[task], index));
+        return to_node(load_node(tasks[task], index));
     };
     Tree tree =
         Tree::from_nodes(Assembly(top, counts, node_of).nodes(executor), std::move(primitives));
@@ -147,7 +147,7 @@ Tree References::build(std::span<const TopNode> top,
     return tree;
 }
 
-std::size_t halve(WideBox* refs, std::size_t count, const WideBox& box) {
+std::size_t split_at_median(PrimRef* refs, std::size_t count, const BuildBox& box) {
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k) {
         if (box.low[k] + box.high[k] > box.low[axis] + box.high[axis]) {
@@ -155,10 +155,10 @@ std::size_t halve(WideBox* refs, std::size_t count, const WideBox& box) {
         }
     }
     const std::size_t middle = count / 2;
-    std::nth_element(refs, refs + middle, refs + count, [&](const WideBox& a, const WideBox& b) {
-        const float ca = centre_of(a, axis);
-        const float cb = centre_of(b, axis);
-        return ca != cb ? ca < cb : index_of(a) < index_of(b);
+    std::nth_element(refs, refs + middle, refs + count, [&](const BuildBox& a, const BuildBox& b) {
+        const float ca = doubled_centroid(a, axis);
+        const float cb = doubled_centroid(b, axis);
+        return ca != cb ? ca < cb : primitive_index(a) < primitive_index(b);
     });
     return middle;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/internal/references.h"
+#include "earshot/bvh/internal/prim_refs.h"
 
 #include <algorithm>
 
@@ -30,7 +30,7 @@ struct Cut {
 /// ranges of a level are binned and parted together, in pieces.
 class Top {
 public:
-    Top(const Subtree& all, const CutRule& rule, Executor& executor)
+    Top(const BuildRange& all, const SplitRule& rule, Executor& executor)
         : rule_(rule), executor_(executor), ranges_{all} {
         std::uint32_t begin = 0;
         while (begin < ranges_.size()) {
@@ -42,14 +42,14 @@ public:
     }
 
     std::span<const TopNode> nodes() const { return nodes_; }
-    std::span<const Subtree> tasks() const { return tasks_; }
+    std::span<const BuildRange> tasks() const { return tasks_; }
 
 private:
     void cut_level(std::uint32_t begin, std::uint32_t end) {
         pieces_.clear();
         cuts_.assign(end - begin, {});
         for (std::uint32_t i = begin; i < end; ++i) {
-            const Subtree& range = ranges_[i];
+            const BuildRange& range = ranges_[i];
             if (range.end - range.begin <= kTaskSize) {
                 nodes_[i].task = static_cast<std::uint32_t>(tasks_.size());
                 tasks_.push_back(range);
@@ -74,15 +74,15 @@ private:
 
     std::uint32_t count_of(const Piece& piece) const { return piece.end - piece.begin; }
 
-    const WideBox* refs_of(const Piece& piece) const {
-        const Subtree& range = ranges_[piece.node];
+    const PrimRef* refs_of(const Piece& piece) const {
+        const BuildRange& range = ranges_[piece.node];
         return range.refs[range.side] + piece.begin;
     }
 
     void find_splits(std::uint32_t begin) {
         for (std::size_t i = 0; i < cuts_.size(); ++i) {
-            const Subtree& range = ranges_[begin + i];
-            cuts_[i].binning = binning_of(rule_, range.bounds, range.end - range.begin);
+            const BuildRange& range = ranges_[begin + i];
+            cuts_[i].binning = choose_binning(rule_, range.bounds, range.end - range.begin);
         }
         executor_.for_each(pieces_.size(), 1, [&](std::size_t first, std::size_t) {
             const Piece& piece = pieces_[first];
@@ -92,12 +92,12 @@ private:
         executor_.for_each(cuts_.size(), 1, [&](std::size_t first, std::size_t) {
             Cut& cut = cuts_[first];
             if (cut.first_piece == cut.last_piece ||
-                ranges_[begin + first].depth >= kHalvingDepth) {
+                ranges_[begin + first].depth >= kMedianSplitDepth) {
                 return;
             }
             Bins all = bins_[cut.first_piece];
             for (std::uint32_t i = cut.first_piece + 1; i < cut.last_piece; ++i) {
-                join_bins(bins_[i], cut.binning, all);
+                merge_bins(bins_[i], cut.binning, all);
             }
             cut.split = find_split(all, cut.binning);
         });
@@ -123,63 +123,65 @@ private:
             if (cut.split.first_right_bin == 0) {
                 return;
             }
-            const Subtree& range = ranges_[piece.node];
-            WideBox* const target = range.refs[1 - range.side];
+            const BuildRange& range = ranges_[piece.node];
+            PrimRef* const target = range.refs[1 - range.side];
             const std::uint32_t middle = range.begin + cut.split.left_count;
             // As many as stand before the piece and did not go to the left went to the right.
             const std::uint32_t right = middle + (piece.begin - lefts_[first]);
-            part({refs_of(piece), count_of(piece), target + lefts_[first], target + right},
-                 cut.binning,
-                 cut.split,
-                 &centres_[2 * first]);
+            partition({refs_of(piece), count_of(piece), target + lefts_[first], target + right},
+                      cut.binning,
+                      cut.split,
+                      &centres_[2 * first]);
         });
     }
 
     void add_children(std::uint32_t index, const Cut& cut) {
-        Subtree range = ranges_[index];
-        nodes_[index] = {.box = finished(range.bounds.box),
+        BuildRange range = ranges_[index];
+        nodes_[index] = {.box = to_aabb(range.bounds.box),
                          .left = static_cast<std::uint32_t>(ranges_.size())};
-        Subtree left = range, right = range;
+        BuildRange left = range, right = range;
         left.depth = right.depth = range.depth + 1;
         if (cut.split.first_right_bin == 0) {
-            WideBox* const refs = range.refs[range.side];
+            PrimRef* const refs = range.refs[range.side];
             const std::size_t count =
-                halve(refs + range.begin, range.end - range.begin, range.bounds.box);
+                split_at_median(refs + range.begin, range.end - range.begin, range.bounds.box);
             left.end = right.begin = range.begin + static_cast<std::uint32_t>(count);
             left.bounds = bounds_of({refs + left.begin, left.end - left.begin});
             right.bounds = bounds_of({refs + right.begin, right.end - right.begin});
         } else {
             left.end = right.begin = range.begin + cut.split.left_count;
             left.side = right.side = 1 - range.side;
-            left.bounds = {cut.split.box[0], no_bounds().centres};
-            right.bounds = {cut.split.box[1], no_bounds().centres};
+            left.bounds = {cut.split.box[0], empty_bounds().centroids};
+            right.bounds = {cut.split.box[1], empty_bounds().centroids};
             for (std::uint32_t i = cut.first_piece; i < cut.last_piece; ++i) {
-                left.bounds.centres = joined(left.bounds.centres, centres_[2 * i]);
-                right.bounds.centres = joined(right.bounds.centres, centres_[2 * i + 1]);
+                left.bounds.centroids = united(left.bounds.centroids, centres_[2 * i]);
+                right.bounds.centroids = united(right.bounds.centroids, centres_[2 * i + 1]);
             }
         }
         ranges_.push_back(left);
         ranges_.push_back(right);
     }
 
-    CutRule rule_;
+    SplitRule rule_;
     Executor& executor_;
-    std::vector<Subtree> ranges_;
+    std::vector<BuildRange> ranges_;
     std::vector<TopNode> nodes_;  // per range
-    std::vector<Subtree> tasks_;
+    std::vector<BuildRange> tasks_;
     std::vector<Piece> pieces_;
     std::vector<Cut> cuts_;
     std::vector<Bins> bins_;            // per piece
     std::vector<std::uint32_t> lefts_;  // per piece
-    std::vector<WideBox> centres_;      // two per piece
+    std::vector<BuildBox> centres_;     // two per piece
 };
 
 }  // namespace
 
-Tree build_by_bins(std::span<const geometry::Aabb> boxes, const CutRule& rule, Executor& executor) {
-    References references(boxes, executor);
-    const Top top(references.all(), rule, executor);
-    return references.build(top.nodes(), top.tasks(), rule, executor);
+Tree build_binned(std::span<const geometry::Aabb> boxes,
+                  const SplitRule& rule,
+                  Executor& executor) {
+    PrimRefs refs(boxes, executor);
+    const Top top(refs.root_range(), rule, executor);
+    return refs.build_tree(top.nodes(), top.tasks(), rule, executor);
 }
 
 }  // namespace earshot::bvh

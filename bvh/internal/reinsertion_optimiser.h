@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/parallel.h"
+#include "earshot/bvh/tree.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace earshot::bvh {
+
+/// The nodes of a tree while subtrees are reinserted. Siblings stay side by side, but parents may
+/// come to stand behind their children until depth_first_nodes() restores the order.
+class ReinsertionOptimiser {
+public:
+    explicit ReinsertionOptimiser(std::span<const Node> nodes);
+
+    /// The subtree of `from` becomes the sibling of `to`; `to` is 0 if it stays where it is.
+    struct Reinsertion {
+        std::uint32_t from = 0, to = 0;
+        double area_diff = 0.0;  ///< by how much the sum of half areas shrinks
+    };
+
+    /// The reinsertion of a subtree that lowers the cost most. Precondition: the node is neither
+    /// the root nor a child of the root.
+    Reinsertion find_reinsertion(std::uint32_t from) const;
+
+    /// One batch: the `batch_size` largest nodes search for their best reinsertion in the unchanged
+    /// tree; the reinsertions that gain most are made first, and those that conflict with an
+    /// earlier one are dropped. Returns how many were made.
+    std::size_t reinsert_batch(std::size_t batch_size, Executor& executor);
+
+    /// The nodes in depth-first order. Empty if a leaf lies deeper than kMaxDepth.
+    std::vector<Node> depth_first_nodes() const;
+
+    /// The sum of the half areas of inner nodes: the SAH cost but for a factor and the leaves,
+    /// whose sum does not change.
+    double inner_area() const noexcept;
+
+private:
+    std::uint32_t sibling(std::uint32_t index) const noexcept {
+        // The root has no sibling, so a pair of siblings begins at an odd index.
+        return index % 2 == 1 ? index + 1 : index - 1;
+    }
+    double area(std::uint32_t index) const noexcept { return nodes_[index].box.half_area(); }
+    std::vector<std::uint32_t> find_candidates(std::size_t count, Executor& executor) const;
+    std::array<std::uint32_t, 6> get_conflicts(const Reinsertion& reinsertion) const noexcept;
+    void reinsert_node(const Reinsertion& reinsertion);
+    void set_parent_of_children(std::uint32_t index);
+    void refit_from(std::uint32_t index);
+
+    std::vector<Node> nodes_;
+    std::vector<std::uint32_t> parents_;
+    std::vector<std::uint8_t> is_touched_;  // by a reinsertion of the present batch
+};
+
+}  // namespace earshot::bvh

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/bvh/internal/reinsertion_optimiser.h"
+
+#include <algorithm>
+
+namespace earshot::bvh {
+
+using geometry::Aabb;
+
+namespace {
+
+constexpr std::uint32_t kRoot = 0;
+
+Aabb united(Aabb a, const Aabb& b) noexcept {
+    a.include(b);
+    return a;
+}
+
+}  // namespace
+
+ReinsertionOptimiser::ReinsertionOptimiser(std::span<const Node> nodes)
+    : nodes_(nodes.begin(), nodes.end()), parents_(nodes.size(), kRoot) {
+    for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
+        set_parent_of_children(i);
+    }
+}
+
+void ReinsertionOptimiser::set_parent_of_children(std::uint32_t index) {
+    if (!nodes_[index].is_leaf()) {
+        parents_[nodes_[index].first] = index;
+        parents_[nodes_[index].first + 1] = index;
+    }
+}
+
+// Bittner, Hapala and Havran 2013, section 3.3, rank nodes by their area and how badly they fill
+// it. Area alone finds as good candidates here and costs one pass over the nodes.
+std::vector<std::uint32_t> ReinsertionOptimiser::find_candidates(std::size_t count,
+                                                                 Executor& executor) const {
+    struct Candidate {
+        double area;  // below 0: the root and its children, which cannot be reinserted
+        std::uint32_t index;
+    };
+    std::vector<Candidate> all(nodes_.size());
+    constexpr std::size_t kGrain = 16384;
+    executor.for_each(nodes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto index = static_cast<std::uint32_t>(i);
+            all[i] = {index == kRoot || parents_[i] == kRoot ? -1.0 : area(index), index};
+        }
+    });
+    const auto is_larger = [](const Candidate& a, const Candidate& b) {
+        return a.area != b.area ? a.area > b.area : a.index < b.index;
+    };
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
+    std::nth_element(all.begin(), end, all.end(), is_larger);
+    std::vector<std::uint32_t> candidates;
+    for (auto candidate = all.begin(); candidate != end; ++candidate) {
+        if (candidate->area > 0.0) {
+            candidates.push_back(candidate->index);
+        }
+    }
+    std::sort(candidates.begin(), candidates.end());
+    return candidates;
+}
+
+// Meister and Bittner 2018, section 4.1. The search climbs from the removed node to the root; at
+// every ancestor (the pivot) it descends into the subtree on the other side:
+//
+//          root                     Removing `from` saves the area of its parent, whose place the
+//         /    \                    sibling takes, and shrinks the pivots above:
+//     pivot     side (2nd)              area_diff = area(parent) + sum of area(pivot) - area(rest)
+//     /    \                        where `rest` is the pivot's box without `from`. Inserting it as
+//  parent   side (1st)              the sibling of a node below `side` costs the new parent's area
+//   /  \       / \                  and what the nodes between `side` and there grow by.
+// from sibling a  b
+//
+// Subtrees that cannot gain more than the best reinsertion so far are pruned: a new parent is never
+// smaller than the node inserted.
+ReinsertionOptimiser::Reinsertion ReinsertionOptimiser::find_reinsertion(std::uint32_t from) const {
+    const double own_area = area(from);
+    const Aabb& box = nodes_[from].box;
+    const std::uint32_t parent = parents_[from];
+    Reinsertion best = {from, kRoot, 0.0};
+    struct StackEntry {
+        double area_diff;  // if the subtree were inserted above the node for nothing
+        std::uint32_t node;
+    };
+    std::vector<StackEntry> stack;
+    std::uint32_t pivot = parent;
+    std::uint32_t side = sibling(from);
+    Aabb rest = nodes_[side].box;
+    double area_diff = area(parent);
+    while (true) {
+        // Descend on the other side of the pivot.
+        stack.push_back({area_diff, side});
+        while (!stack.empty()) {
+            const StackEntry top = stack.back();
+            stack.pop_back();
+            if (!(top.area_diff - own_area > best.area_diff)) {
+                continue;
+            }
+            const Node& node = nodes_[top.node];
+            const double diff_here = top.area_diff - united(node.box, box).half_area();
+            if (diff_here > best.area_diff) {
+                best.to = top.node;
+                best.area_diff = diff_here;
+            }
+            if (!node.is_leaf()) {
+                // Deeper, this node stays and only grows to hold the inserted one.
+                const double diff_below = diff_here + node.box.half_area();
+                stack.push_back({diff_below, node.first});
+                stack.push_back({diff_below, node.first + 1});
+            }
+        }
+        // The pivot shrinks to the rest, and may itself become the sibling.
+        if (pivot != parent) {
+            rest.include(nodes_[side].box);
+            area_diff += area(pivot) - rest.half_area();
+            const double diff_here = area_diff - united(rest, box).half_area();
+            if (pivot != kRoot && diff_here > best.area_diff) {
+                best.to = pivot;
+                best.area_diff = diff_here;
+            }
+        }
+        if (pivot == kRoot) {
+            break;
+        }
+        side = sibling(pivot);
+        pivot = parents_[pivot];
+    }
+    const bool stays = best.to == kRoot || best.to == sibling(from) || best.to == parent;
+    return stays ? Reinsertion{from, kRoot, 0.0} : best;
+}
+
+/// The nodes whose links a reinsertion reads or changes: two that share one cannot be made in the
+/// same batch.
+std::array<std::uint32_t, 6> ReinsertionOptimiser::get_conflicts(
+    const Reinsertion& reinsertion) const noexcept {
+    const std::uint32_t parent = parents_[reinsertion.from];
+    return {reinsertion.to,
+            parents_[reinsertion.to],
+            reinsertion.from,
+            sibling(reinsertion.from),
+            parent,
+            parents_[parent]};
+}
+
+// Nodes keep their slots in the array but for three: the sibling's content moves into the slot of
+// the parent; the pair of slots that becomes free takes the inserted node and the content of `to`;
+// and the slot of `to` becomes the new parent of that pair.
+//
+//        |           |                        |           |
+//      parent       to                     sibling    new parent
+//      /    \      /  \          =>        /     \     /      \            .
+//   from  sibling  .  .                   c       d  from     to
+//         /    \                                             /  \          .
+//        c      d
+void ReinsertionOptimiser::reinsert_node(const Reinsertion& reinsertion) {
+    const std::uint32_t parent = parents_[reinsertion.from];
+    const std::uint32_t beside = sibling(reinsertion.from);
+    const Node moved = nodes_[reinsertion.from];
+    nodes_[parent] = nodes_[beside];
+    set_parent_of_children(parent);
+    nodes_[beside] = nodes_[reinsertion.to];
+    set_parent_of_children(beside);
+    nodes_[reinsertion.from] = moved;
+    nodes_[reinsertion.to] = {.box = united(nodes_[beside].box, moved.box),
+                              .first = std::min(reinsertion.from, beside)};
+    set_parent_of_children(reinsertion.to);
+    refit_from(parents_[parent]);
+    refit_from(parents_[reinsertion.to]);
+}
+
+void ReinsertionOptimiser::refit_from(std::uint32_t index) {
+    while (true) {
+        Node& node = nodes_[index];
+        if (!node.is_leaf()) {
+            const Aabb box = united(nodes_[node.first].box, nodes_[node.first + 1].box);
+            if (box == node.box) {
+                return;
+            }
+            node.box = box;
+        }
+        if (index == kRoot) {
+            return;
+        }
+        index = parents_[index];
+    }
+}
+
+std::size_t ReinsertionOptimiser::reinsert_batch(std::size_t batch_size, Executor& executor) {
+    // Below five nodes every node is the root, a child of the root, or the only one below it.
+    if (nodes_.size() < 5) {
+        return 0;
+    }
+    // Search in parallel; the tree does not change meanwhile.
+    const std::vector<std::uint32_t> candidates = find_candidates(batch_size, executor);
+    std::vector<Reinsertion> reinsertions(candidates.size());
+    constexpr std::size_t kGrain = 256;
+    executor.for_each(reinsertions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            reinsertions[i] = find_reinsertion(candidates[i]);
+        }
+    });
+    // Make those that gain most first, one by one.
+    std::erase_if(reinsertions, [](const Reinsertion& found) { return found.to == kRoot; });
+    std::sort(
+        reinsertions.begin(), reinsertions.end(), [](const Reinsertion& a, const Reinsertion& b) {
+            return a.area_diff != b.area_diff ? a.area_diff > b.area_diff : a.from < b.from;
+        });
+    is_touched_.assign(nodes_.size(), 0);
+    std::size_t count = 0;
+    for (const Reinsertion& reinsertion : reinsertions) {
+        const auto conflicts = get_conflicts(reinsertion);
+        if (std::any_of(conflicts.begin(), conflicts.end(), [&](std::uint32_t index) {
+                return is_touched_[index] != 0;
+            })) {
+            continue;
+        }
+        for (const std::uint32_t index : conflicts) {
+            is_touched_[index] = 1;
+        }
+        reinsert_node(reinsertion);
+        ++count;
+    }
+    return count;
+}
+
+double ReinsertionOptimiser::inner_area() const noexcept {
+    double sum = 0.0;
+    for (const Node& node : nodes_) {
+        sum += node.is_leaf() ? 0.0 : node.box.half_area();
+    }
+    return sum;
+}
+
+std::vector<Node> ReinsertionOptimiser::depth_first_nodes() const {
+    struct StackEntry {
+        std::uint32_t source, target;
+        std::size_t depth;
+    };
+    std::vector<Node> result;
+    result.reserve(nodes_.size());
+    result.push_back(nodes_[kRoot]);
+    std::vector<StackEntry> stack = {{kRoot, 0, 0}};
+    while (!stack.empty()) {
+        const StackEntry top = stack.back();
+        stack.pop_back();
+        if (top.depth > kMaxDepth) {
+            return {};
+        }
+        const Node& node = nodes_[top.source];
+        if (node.is_leaf()) {
+            continue;
+        }
+        const auto left = static_cast<std::uint32_t>(result.size());
+        result[top.target].first = left;
+        result.push_back(nodes_[node.first]);
+        result.push_back(nodes_[node.first + 1]);
+        stack.push_back({node.first + 1, left + 1, top.depth + 1});
+        stack.push_back({node.first, left, top.depth + 1});
+    }
+    return result;
+}
+
+}  // namespace earshot::bvh
