@@ -14,7 +14,7 @@ using namespace earshot::HWY_NAMESPACE;
 
 bool box_lies_outside(const HalfSpaces& half_spaces, const float* lower, const float* upper) {
     const std::size_t step = lanes();
-    for (std::size_t i = 0; i < kMostHalfSpaces; i += step) {
+    for (std::size_t i = 0; i < kMaxHalfSpaces; i += step) {
         Doubles farthest = broadcast(0.0);  // of the box's corners along each normal
         for (std::size_t axis = 0; axis < 3; ++axis) {
             const Doubles high = broadcast(static_cast<double>(upper[axis]));

@@ -53,7 +53,7 @@ TraceResult find_specular_paths_brute_force(const SceneView& scene,
         scene, PathVerifier(scene), listeners, static_cast<std::size_t>(max_order)};
     search.images.push_back(source);
     search.visit();
-    sort_and_unify(search.result.paths, scene.facets, search.verifier.scale());
+    sort_and_deduplicate(search.result.paths, scene.facets, search.verifier.extent());
     search.result.statistics.paths = search.result.paths.size();
     return std::move(search.result);
 }

@@ -17,102 +17,107 @@ using geometry::Vec3;
 
 namespace {
 
-/// Polygons are cut off this far outside the grid, in cells, and by as much as their points may be
-/// off; the cut must not mark a cell.
+/// Polygons are clipped this far outside the grid, in cells, beyond the position error of their
+/// vertices, so that the new edges mark no cell.
 constexpr double kClipMargin = 1.0;
 
-/// Polygons that reach no farther outside the grid than this need not be cut off at all, in cells:
-/// what rounds in crossing the grid's lines (2^-50 of it) is far below kCellSlack.
-constexpr double kMostOutside = 0x1p16;
+/// Polygons that extend no farther outside the grid than this, in cells, need not be clipped: the
+/// rounding of where they cross the grid's lines (2^-50 of it) is far below kCellSlack.
+constexpr double kMaxOutside = 0x1p16;
 
-/// What is narrower than this, in cells, fills none.
+/// A polygon narrower than this, in cells, covers no cell wholly.
 constexpr double kAlmostACell = 0.99;
 
 }  // namespace
 
-// Draws a facet that lies wholly in the half-space of the frustum's depths, as most do: it need not
-// be clipped. Where it can meet a few cells only, and cannot fill one, its bounds speak for it.
-VisibleFacets::Drawing VisibleFacets::draw_whole(const Frustum& frustum,
-                                                 CellRaster& raster,
-                                                 FacetId facet,
-                                                 double moved,
-                                                 bool only_samples,
-                                                 Projected& out) {
+// Draws a facet that lies wholly in the half-space of the frustum's depths, as most do, without
+// clipping. If its bounds overlap a few cells only and it is too narrow to cover one, all of these
+// are its outer cells and it has no inner one.
+VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
+                                                    CoverageRaster& raster,
+                                                    FacetId facet,
+                                                    double position_error,
+                                                    bool only_samples,
+                                                    Projected& out) {
     const auto loops = index_.loops(facet);
     const std::uint32_t begin = loops.front().begin;
     const std::uint32_t end = loops.back().end;
     const double start_slack =
         frustum.starts_at_facet
-            ? moved / std::abs(index_.plane(frustum.facet).distance(frustum.apex))
+            ? position_error / std::abs(index_.plane(frustum.facet).distance(frustum.apex))
             : 0.0;
-    const double nearest = std::max(frustum.least_depth, 2.0 * kSpread * moved);
+    const double min_z = std::max(frustum.min_depth, 2.0 * kSpread * position_error);
     glm::dvec2 lower(std::numeric_limits<double>::infinity());
     glm::dvec2 upper(-std::numeric_limits<double>::infinity());
-    double least_depth = std::numeric_limits<double>::infinity();
+    double min_depth = std::numeric_limits<double>::infinity();
     outline_.clear();
     for (std::uint32_t v = begin; v < end; ++v) {
         const Vec3 p = frustum.local(index_.vertices()[v]);
         const InverseDepth& start = frustum.start;
-        if (!(p.z >= nearest) ||
+        if (!(p.z >= min_z) ||
             (frustum.starts_at_facet && !(start.constant * p.z + start.slope.x * p.x +
                                               start.slope.y * p.y - 1.0 + start_slack >=
                                           0.0))) {
-            return Drawing::needs_clipping;
+            return DrawResult::needs_clipping;
         }
         const double inverse = 1.0 / p.z;
         const glm::dvec2 uv = {p.x * inverse, p.y * inverse};
         lower = glm::min(lower, uv);
         upper = glm::max(upper, uv);
-        least_depth = std::min(least_depth, p.z);
+        min_depth = std::min(min_depth, p.z);
         outline_.push_back(uv);
     }
     const glm::dvec2 cell = raster.cell_size();
-    const double slack = kCellSlack + kSpread * moved / least_depth / std::min(cell.x, cell.y);
+    const double slack =
+        kCellSlack + kSpread * position_error / min_depth / std::min(cell.x, cell.y);
     out.bounds = {.lower = lower - slack * cell, .upper = upper + slack * cell};
-    const CellMask near = raster.cells_of({.lower = lower, .upper = upper}, slack);
-    const bool meets_a_sample =
-        !only_samples || raster.cells_centred_in({.lower = lower, .upper = upper}) != 0;
-    if (near == 0 || !meets_a_sample) {
-        return Drawing::outside;
+    const CellMask near = raster.cells_overlapping({.lower = lower, .upper = upper}, slack);
+    const bool overlaps_a_sample =
+        !only_samples || raster.cells_with_centre_in({.lower = lower, .upper = upper}) != 0;
+    if (near == 0 || !overlaps_a_sample) {
+        return DrawResult::outside;
     }
     constexpr int kFewCells = 4;
     const glm::dvec2 size = (upper - lower) / cell;
     if (std::popcount(near) <= kFewCells && (size.x < kAlmostACell || size.y < kAlmostACell)) {
-        out.coverage = {.touched = near, .filled = 0, .centred = near};
+        out.coverage = {.outer = near, .inner = 0, .centre_sampled = near};
         if (!only_samples) {
-            return Drawing::done;
+            return DrawResult::done;
         }
     }
-    // Farther outside, the rounding of where an edge enters the grid would count.
-    const glm::dvec2 far = kMostOutside * cell;
+    // Farther outside, the rounding of where an edge enters the grid would matter.
+    const glm::dvec2 far = kMaxOutside * cell;
     if (glm::any(glm::lessThan(lower, frustum.rect.lower - far)) ||
         glm::any(glm::greaterThan(upper, frustum.rect.upper + far))) {
-        return Drawing::needs_clipping;
+        return DrawResult::needs_clipping;
     }
     raster.start(slack, only_samples);
     for (const FacetIndex::LoopRange& loop : loops) {
         raster.add_loop(std::span(outline_).subspan(loop.begin - begin, loop.end - loop.begin));
     }
     out.coverage = raster.finish();
-    return Drawing::done;
+    return DrawResult::done;
 }
 
-// Draws a facet as seen from the frustum's apex, beyond the facet where the frustum starts.
+// Draws a facet in perspective from the frustum's apex, beyond the facet where the frustum starts.
 // Returns false if nothing of it is inside or, with `only_samples`, no centre of a cell.
-bool VisibleFacets::draw(
-    const Frustum& frustum, CellRaster& raster, FacetId facet, bool only_samples, Projected& out) {
+bool VisibleFacets::draw(const Frustum& frustum,
+                         CoverageRaster& raster,
+                         FacetId facet,
+                         bool only_samples,
+                         Projected& out) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const double moved = moved_ + index_.flatness(facet);
-    switch (draw_whole(frustum, raster, facet, moved, only_samples, out)) {
-        case Drawing::outside:
+    const double position_error = position_error_ + index_.flatness(facet);
+    switch (draw_whole(frustum, raster, facet, position_error, only_samples, out)) {
+        case DrawResult::outside:
             return false;
-        case Drawing::done:
+        case DrawResult::done:
             return true;
-        case Drawing::needs_clipping:
+        case DrawResult::needs_clipping:
             break;
     }
     out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};
-    double least_depth = kInfinity;
+    double min_depth = kInfinity;
     outline_.clear();
     std::array<std::size_t, 16> few_ends{};
     std::vector<std::size_t> many_ends;
@@ -127,9 +132,9 @@ bool VisibleFacets::draw(
         for (std::uint32_t v = loops[i].begin; v < loops[i].end; ++v) {
             polygon_.push_back(frustum.local(index_.vertices()[v]));
         }
-        if (clip(frustum, raster, moved)) {
+        if (clip(frustum, raster, position_error)) {
             for (const Vec3& p : polygon_) {
-                least_depth = std::min(least_depth, p.z);
+                min_depth = std::min(min_depth, p.z);
                 outline_.emplace_back(p.x / p.z, p.y / p.z);
                 out.bounds.lower = glm::min(out.bounds.lower, outline_.back());
                 out.bounds.upper = glm::max(out.bounds.upper, outline_.back());
@@ -141,14 +146,14 @@ bool VisibleFacets::draw(
         return false;
     }
     const glm::dvec2 cell = raster.cell_size();
-    if (least_depth < kSpread * moved) {
-        // Closer to the apex than its points are known: it may be seen in any direction.
-        const CellMask all = raster.cells_of(frustum.rect, 0.0);
-        out.coverage = {.touched = all, .filled = 0, .centred = all};
+    if (min_depth < kSpread * position_error) {
+        // Closer to the apex than its position error: it may be visible in any direction.
+        const CellMask all = raster.cells_overlapping(frustum.rect, 0.0);
+        out.coverage = {.outer = all, .inner = 0, .centre_sampled = all};
         out.bounds = {.lower = frustum.rect.lower - cell, .upper = frustum.rect.upper + cell};
         return true;
     }
-    const double slack_uv = kSpread * moved / least_depth;
+    const double slack_uv = kSpread * position_error / min_depth;
     const double slack = kCellSlack + slack_uv / std::min(cell.x, cell.y);
     raster.start(slack, only_samples);
     std::size_t begin = 0;
@@ -165,9 +170,11 @@ bool VisibleFacets::draw(
 }
 
 // Sutherland and Hodgman 1974, against the start plane and the four sides of the grid grown by a
-// margin, all moved outward by what the polygon's points may be off (`moved`, metres).
-bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster, double moved) {
-    const double reach = kSpread * moved;
+// margin, all moved outward by the `position_error` of the polygon's points, metres.
+bool VisibleFacets::clip(const Frustum& frustum,
+                         const CoverageRaster& raster,
+                         double position_error) {
+    const double side_error = kSpread * position_error;
     const glm::dvec2 margin = kClipMargin * raster.cell_size();
     const glm::dvec2 lower = frustum.rect.lower - margin;
     const glm::dvec2 upper = frustum.rect.upper + margin;
@@ -203,7 +210,8 @@ bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster, doubl
         // 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its
         // distance from the apex: points on the plane stay.
         const InverseDepth& start = frustum.start;
-        const double slack = moved / std::abs(index_.plane(frustum.facet).distance(frustum.apex));
+        const double slack =
+            position_error / std::abs(index_.plane(frustum.facet).distance(frustum.apex));
         if (!keep([&](const Vec3& p) {
                 return start.constant * p.z + start.slope.x * p.x + start.slope.y * p.y - 1.0 +
                        slack;
@@ -211,11 +219,11 @@ bool VisibleFacets::clip(const Frustum& frustum, const CellRaster& raster, doubl
             return false;
         }
     }
-    return keep([&](const Vec3& p) { return p.z - frustum.least_depth + moved; }) &&
-           keep([&](const Vec3& p) { return p.x - lower.x * p.z + reach; }) &&
-           keep([&](const Vec3& p) { return upper.x * p.z - p.x + reach; }) &&
-           keep([&](const Vec3& p) { return p.y - lower.y * p.z + reach; }) &&
-           keep([&](const Vec3& p) { return upper.y * p.z - p.y + reach; });
+    return keep([&](const Vec3& p) { return p.z - frustum.min_depth + position_error; }) &&
+           keep([&](const Vec3& p) { return p.x - lower.x * p.z + side_error; }) &&
+           keep([&](const Vec3& p) { return upper.x * p.z - p.x + side_error; }) &&
+           keep([&](const Vec3& p) { return p.y - lower.y * p.z + side_error; }) &&
+           keep([&](const Vec3& p) { return upper.y * p.z - p.y + side_error; });
 }
 
 }  // namespace earshot::frustum

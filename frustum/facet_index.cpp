@@ -31,7 +31,7 @@ FacetIndex::FacetIndex(const SceneView& scene)
     for (const geometry::Triangle& triangle : scene.mesh.triangles) {
         for (const geometry::VertexId vertex : triangle) {
             const Vec3& p = scene.mesh.positions[vertex];
-            scale_ = std::max({scale_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+            extent_ = std::max({extent_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         }
     }
     boxes_.resize(facets_->size());
@@ -45,8 +45,8 @@ FacetIndex::FacetIndex(const SceneView& scene)
             const auto begin = static_cast<std::uint32_t>(vertices_.size());
             for (const Vec3& vertex : loop) {
                 vertices_.push_back(snap_to_plane(facet.plane, vertex, axis));
-                // Reflection points lie in the triangles moved into the plane along the axis, at
-                // most sqrt(3) flatnesses from the outline.
+                // Reflection points lie in the triangles moved into the plane along the
+                // axis, at most sqrt(3) flatnesses from the outline.
                 boxes_[i].include(vertices_.back() - margin);
                 boxes_[i].include(vertices_.back() + margin);
             }

@@ -27,13 +27,13 @@ InverseDepth Frustum::inverse_depth(const Plane& plane) const noexcept {
             .slope = {scale * glm::dot(plane.normal, right), scale * glm::dot(plane.normal, up)}};
 }
 
-std::vector<Frustum> frusta_around(const Vec3& source, int pieces, int cells, double least_depth) {
+std::vector<Frustum> frusta_around(const Vec3& source, int pieces, int cells, double min_depth) {
     std::vector<Frustum> frusta;
     for (int face = 0; face < 6; ++face) {
         Frustum frustum;
         frustum.apex = source;
         frustum.cells = cells;
-        frustum.least_depth = least_depth;
+        frustum.min_depth = min_depth;
         frustum.forward = frustum.right = frustum.up = Vec3(0.0);
         frustum.forward[face / 2] = face % 2 == 0 ? 1.0 : -1.0;
         frustum.right[(face / 2 + 1) % 3] = 1.0;
@@ -41,8 +41,8 @@ std::vector<Frustum> frusta_around(const Vec3& source, int pieces, int cells, do
         for (int row = 0; row < pieces; ++row) {
             for (int column = 0; column < pieces; ++column) {
                 const glm::dvec2 lower = {-1.0 + 2.0 * column / pieces, -1.0 + 2.0 * row / pieces};
-                frustum.rect.lower = lower - kWindowSlack;
-                frustum.rect.upper = lower + 2.0 / pieces + kWindowSlack;
+                frustum.rect.lower = lower - kApertureSlack;
+                frustum.rect.upper = lower + 2.0 / pieces + kApertureSlack;
                 frusta.push_back(frustum);
             }
         }
@@ -53,20 +53,21 @@ std::vector<Frustum> frusta_around(const Vec3& source, int pieces, int cells, do
 Frustum mirrored(const Frustum& parent,
                  const Plane& plane,
                  geometry::FacetId facet,
-                 const Rect& window) {
+                 const Rect& aperture) {
     Frustum child;
     child.apex = plane.mirror(parent.apex);
     child.right = mirrored_direction(plane, parent.right);
     child.up = mirrored_direction(plane, parent.up);
     child.forward = mirrored_direction(plane, parent.forward);
-    child.rect = {.lower = window.lower - kWindowSlack, .upper = window.upper + kWindowSlack};
+    child.rect = {.lower = aperture.lower - kApertureSlack,
+                  .upper = aperture.upper + kApertureSlack};
     child.cells = parent.cells;
     child.starts_at_facet = true;
     child.facet = facet;
     child.side = plane.distance(parent.apex) > 0.0 ? 1.0 : -1.0;
     child.start = child.inverse_depth(plane);
-    // The window lies on the facet: its nearest point starts the frustum.
-    child.least_depth = std::max(parent.least_depth, 0.5 / child.start.greatest(child.rect));
+    // The aperture lies on the facet, whose closest point starts the frustum.
+    child.min_depth = std::max(parent.min_depth, 0.5 / child.start.max(child.rect));
     return child;
 }
 

@@ -3,9 +3,10 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
+#include "earshot/frustum/internal/beam_tree.h"
+#include "earshot/frustum/internal/candidate_sequences.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/path_order.h"
-#include "earshot/frustum/internal/proposer.h"
 
 #include <glm/geometric.hpp>
 
@@ -17,23 +18,19 @@
 
 namespace earshot::frustum {
 
+using geometry::FacetId;
 using geometry::Vec3;
 
 namespace {
 
-// Complete mode: one frustum per cube face was fastest in scenes of 6 to 3,000 facets, by a tenth
-// to a third over 32 sub-frusta and more.
-constexpr int kCompleteResolution = 8;
-constexpr int kSampledResolution = 32;
 constexpr int kMaxResolution = 1024;
 constexpr int kMaxOrder = 64;
 
-// Of so many listeners at most it is known which facets they see; more are looked for by place.
-constexpr std::size_t kFewListeners = 64;
+// Forward-only tracing in complete mode: beams are traced from up to so many listeners; more are
+// looked up by position.
+constexpr std::size_t kMaxListenersWithBeams = 64;
 
-constexpr std::size_t kGrain = 4;
-
-void check_options(const TraceOptions& options) {
+void validate(const TraceOptions& options) {
     if (options.max_order < 0 || options.max_order > kMaxOrder) {
         throw Error("order",
                     "must be 0 to " + std::to_string(kMaxOrder) + ", not " +
@@ -52,39 +49,52 @@ void check_options(const TraceOptions& options) {
     }
 }
 
-/// A frustum that was traced, and what it saw.
-struct Look {
-    Frustum frustum;
-    std::size_t order = 0;
-    std::size_t seen_begin = 0, seen_end = 0;
-};
+/// Frusta of this order and above are not traced: bidirectional tracing joins the beam trees of the
+/// listeners two reflections before the end, forward-only tracing looks for listeners in the
+/// reflections of the last frusta.
+int orders_traced(int max_order, bool bidirectional) {
+    return bidirectional ? std::max(max_order - 1, std::min(max_order, 1)) : max_order;
+}
 
-/// Looks in the order in which they were made: a frustum stands before those that it leads to.
-struct Looks {
-    std::vector<Look> looks;
-    std::vector<VisibleFacet> seen;
-
-    void append(const Looks& others) {
-        for (Look look : others.looks) {
-            look.seen_begin += seen.size();
-            look.seen_end += seen.size();
-            looks.push_back(look);
-        }
-        seen.insert(seen.end(), others.seen.begin(), others.seen.end());
+/// A task of BeamTracer::trace that generates candidates without recording the tree.
+class CandidateTask {
+public:
+    explicit CandidateTask(CandidateGenerator generator) : generator_(std::move(generator)) {}
+    void push(FacetId facet) { generator_.push(facet); }
+    void pop() { generator_.pop(); }
+    std::size_t order() const { return generator_.order(); }
+    void visit(const VisibleFacets& search) {
+        ++frusta_;
+        generator_.generate_from(search, search.found());
     }
+    TaskResult take_result() {
+        TaskResult result = generator_.take_result();
+        result.statistics.frusta += frusta_;
+        return result;
+    }
+
+private:
+    CandidateGenerator generator_;
+    std::uint64_t frusta_ = 0;
 };
 
 }  // namespace
 
 struct SourceBeamTree::Kept {
     Vec3 source{0.0};
-    std::vector<Looks> parts;  // of a few subtrees each, for a task each
+    std::vector<BeamTree> parts;  // one per task of the trace
 };
 
 struct ListenerBeamTree::Kept {
     std::vector<Vec3> listeners;
-    std::optional<ListenerSide> side;
+    std::optional<ListenerBeams> beams;
     std::optional<ListenerPoints> points;
+
+    ListenerSet set() const {
+        return {.positions = listeners,
+                .beams = beams ? &*beams : nullptr,
+                .points = points ? &*points : nullptr};
+    }
 };
 
 struct PathFinder::State {
@@ -93,198 +103,38 @@ struct PathFinder::State {
           index(the_scene),
           verifier(the_scene),
           trace(options.trace),
-          is_half_way(options.trace.mode == Mode::complete && !options.forward_only),
-          max_radius(options.max_radius > 0.0 ? options.max_radius : 16.0 * index.scale()) {}
+          bidirectional(options.trace.mode == Mode::complete && !options.forward_only),
+          max_radius(options.max_radius > 0.0 ? options.max_radius : 16.0 * index.extent()),
+          tracer(index,
+                 trace,
+                 verifier.contact_radius(),
+                 max_radius,
+                 orders_traced(trace.max_order, bidirectional)) {}
 
     SceneView scene;
     FacetIndex index;
     PathVerifier verifier;
     TraceOptions trace;
-    bool is_half_way;
+    bool bidirectional;
     double max_radius;
+    BeamTracer tracer;
 
-    /// Frusta of this order and above are not traced: listeners are met before.
-    int orders_traced() const {
-        return is_half_way ? std::max(trace.max_order - 1, std::min(trace.max_order, 1))
-                           : trace.max_order;
+    CandidateGenerator generator(const Vec3& source, const ListenerSet& listeners) const {
+        return {index, verifier, listeners, trace, max_radius, source};
     }
 
-    std::vector<Frustum> roots(const Vec3& source) const {
-        const int default_resolution =
-            trace.mode == Mode::complete ? kCompleteResolution : kSampledResolution;
-        const int resolution = trace.resolution > 0 ? trace.resolution : default_resolution;
-        const int cells = std::min(resolution, kGridSide);
-        const int pieces = (resolution + cells - 1) / cells;
-        const double least_depth = 0.5 * kRounding * index.scale();
-        return frusta_around(source, pieces, cells, least_depth);
+    TaskResult find_direct(const Vec3& source, const ListenerSet& listeners) const {
+        CandidateGenerator direct = generator(source, listeners);
+        direct.generate_direct();
+        return direct.take_result();
     }
 
-    VisibleFacets new_search() const {
-        return {index, trace.mode, verifier.contact_reach(), max_radius};
-    }
-
-    /// Calls use(task, search, frustum) for every frustum from the source, depth first within a
-    /// task, and enter(task, frustum), leave(task) around those of higher order. Returns the tasks.
-    template <typename Task, typename MakeTask>
-    std::vector<Task> walk(const Vec3& source,
-                           FirstFacets first,
-                           MakeTask&& make_task,
-                           Executor& executor) const;
-
-    template <typename Task>
-    void follow(const Frustum& frustum, std::vector<VisibleFacets>& searches, Task& task) const;
-
-    /// Whether a path over the facet can be within the limits: it is at least as long as the way
-    /// from the image source to the facet's box.
-    bool leads_on(const Frustum& frustum, const VisibleFacet& visible) const {
-        constexpr double kRoom = 1.0 - 0x1p-30;  // for the rounding of this bound
-        const geometry::Aabb& box = index.box(visible.facet);
-        Vec3 nearest;
-        for (int k = 0; k < 3; ++k) {
-            const auto axis = static_cast<std::size_t>(k);
-            nearest[k] = std::clamp(frustum.apex[k],
-                                    static_cast<double>(box.lower[axis]),
-                                    static_cast<double>(box.upper[axis]));
-        }
-        const double length = kRoom * glm::distance(frustum.apex, nearest);
-        const double factor =
-            frustum.max_pressure_factor * index.max_pressure_factor(visible.facet);
-        return length <= trace.max_length && !(factor < kRoom * trace.min_pressure * length);
-    }
-
-    Proposer proposer(const Vec3& source, const Audience& audience) const {
-        return {index, verifier, audience, trace, max_radius, source};
-    }
-
-    TraceResult finish(Harvest harvest) const {
-        sort_and_unify(harvest.paths, scene.facets, verifier.scale());
-        harvest.statistics.paths = harvest.paths.size();
-        return {.paths = std::move(harvest.paths), .statistics = harvest.statistics};
+    TraceResult finish(TaskResult result) const {
+        sort_and_deduplicate(result.paths, scene.facets, verifier.extent());
+        result.statistics.paths = result.paths.size();
+        return {.paths = std::move(result.paths), .statistics = result.statistics};
     }
 };
-
-namespace {
-
-Audience audience_of(std::span<const Vec3> listeners,
-                     const std::optional<ListenerSide>& side,
-                     const std::optional<ListenerPoints>& points) {
-    return {.listeners = listeners,
-            .side = side ? &*side : nullptr,
-            .points = points ? &*points : nullptr};
-}
-
-/// Proposes paths as it goes.
-class Finding {
-public:
-    explicit Finding(Proposer proposer) : proposer_(std::move(proposer)) {}
-    void enter(const Frustum& frustum) { proposer_.push(frustum.facet); }
-    void leave() { proposer_.pop(); }
-    std::size_t order() const { return proposer_.order(); }
-    void see(const VisibleFacets& search) {
-        ++frusta_;
-        proposer_.propose_from(search, search.found());
-    }
-    Harvest take_harvest() {
-        Harvest harvest = proposer_.take_harvest();
-        harvest.statistics.frusta += frusta_;
-        return harvest;
-    }
-
-private:
-    Proposer proposer_;
-    std::uint64_t frusta_ = 0;
-};
-
-/// Writes down what was seen.
-class Keeping {
-public:
-    void enter(const Frustum&) { ++order_; }
-    void leave() { --order_; }
-    std::size_t order() const { return order_; }
-    void see(const VisibleFacets& search) {
-        const std::size_t begin = looks.seen.size();
-        looks.seen.insert(looks.seen.end(), search.found().begin(), search.found().end());
-        looks.looks.push_back({search.frustum(), order_, begin, looks.seen.size()});
-    }
-
-    Looks looks;
-
-private:
-    std::size_t order_ = 0;
-};
-
-}  // namespace
-
-template <typename Task>
-void PathFinder::State::follow(const Frustum& frustum,
-                               std::vector<VisibleFacets>& searches,
-                               Task& task) const {
-    VisibleFacets& search = searches[task.order()];
-    search.search(frustum);
-    task.see(search);
-    if (static_cast<int>(task.order()) + 1 >= orders_traced()) {
-        return;
-    }
-    for (const VisibleFacet& visible : search.found()) {
-        if (leads_on(search.frustum(), visible)) {
-            const Frustum child = search.reflect(visible);
-            task.enter(child);
-            follow(child, searches, task);
-            task.leave();
-        }
-    }
-}
-
-template <typename Task, typename MakeTask>
-std::vector<Task> PathFinder::State::walk(const Vec3& source,
-                                          FirstFacets first,
-                                          MakeTask&& make_task,
-                                          Executor& executor) const {
-    EARSHOT_ASSERT(first.empty() || first.size() == scene.facets.facets.size());
-    const auto around = roots(source);
-    std::vector<std::vector<Frustum>> reflections(around.size());
-    std::vector<std::optional<Task>> of_roots(chunk_count(around.size(), kGrain));
-    executor.for_each(around.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        VisibleFacets search = new_search();
-        Task& task = of_roots[begin / kGrain].emplace(make_task());
-        for (std::size_t i = begin; i < end; ++i) {
-            search.search(around[i]);
-            if (!first.empty()) {
-                search.leave_out(first);
-            }
-            task.see(search);
-            for (const VisibleFacet& visible : search.found()) {
-                if (orders_traced() > 1 && leads_on(search.frustum(), visible)) {
-                    reflections[i].push_back(search.reflect(visible));
-                }
-            }
-        }
-    });
-    std::vector<Frustum> second;
-    for (const auto& of_root : reflections) {
-        second.insert(second.end(), of_root.begin(), of_root.end());
-    }
-    std::vector<std::optional<Task>> of_second(chunk_count(second.size(), kGrain));
-    executor.for_each(second.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        std::vector<VisibleFacets> searches;
-        for (int order = 0; order < orders_traced(); ++order) {
-            searches.push_back(new_search());
-        }
-        Task& task = of_second[begin / kGrain].emplace(make_task());
-        for (std::size_t i = begin; i < end; ++i) {
-            task.enter(second[i]);
-            follow(second[i], searches, task);
-            task.leave();
-        }
-    });
-    std::vector<Task> tasks;
-    for (auto* some : {&of_roots, &of_second}) {
-        for (auto& task : *some) {
-            tasks.push_back(std::move(*task));
-        }
-    }
-    return tasks;
-}
 
 SourceBeamTree::SourceBeamTree(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
 SourceBeamTree::SourceBeamTree(SourceBeamTree&&) noexcept = default;
@@ -297,16 +147,16 @@ const Vec3& SourceBeamTree::source() const noexcept {
 
 std::size_t SourceBeamTree::frusta() const noexcept {
     std::size_t count = 0;
-    for (const Looks& part : kept_->parts) {
-        count += part.looks.size();
+    for (const BeamTree& part : kept_->parts) {
+        count += part.nodes.size();
     }
     return count;
 }
 
 std::size_t SourceBeamTree::bytes() const noexcept {
     std::size_t bytes = 0;
-    for (const Looks& part : kept_->parts) {
-        bytes += part.looks.size() * sizeof(Look) + part.seen.size() * sizeof(VisibleFacet);
+    for (const BeamTree& part : kept_->parts) {
+        bytes += part.nodes.size() * sizeof(BeamNode) + part.visible.size() * sizeof(VisibleFacet);
     }
     return bytes;
 }
@@ -321,22 +171,22 @@ std::span<const Vec3> ListenerBeamTree::listeners() const noexcept {
 }
 
 std::size_t ListenerBeamTree::frusta() const noexcept {
-    return kept_->side ? kept_->side->frusta() : 0;
+    return kept_->beams ? kept_->beams->frusta() : 0;
 }
 
 // In a concert hall of 3,754 facets both ways took equally long for 1, 12 and 50 listeners at
 // orders 2, 3 and 4.
-bool prefer_forward(std::size_t listeners, int max_order) noexcept {
-    constexpr std::size_t kMost = 768;
+bool prefer_forward(std::size_t listener_count, int max_order) noexcept {
+    constexpr std::size_t kMaxThreshold = 768;
     if (max_order <= 2) {
-        return listeners > 1;
+        return listener_count > 1;
     }
     const int steps = std::min(max_order - 3, 3);
-    return listeners > std::min(kMost, std::size_t{12} << (2 * steps));
+    return listener_count > std::min(kMaxThreshold, std::size_t{12} << (2 * steps));
 }
 
 PathFinder::PathFinder(const SceneView& scene, const FinderOptions& options) {
-    check_options(options.trace);
+    validate(options.trace);
     state_ = std::make_unique<State>(scene, options);
 }
 
@@ -355,9 +205,9 @@ SourceBeamTree PathFinder::trace_source(const Vec3& source,
     auto kept = std::make_unique<SourceBeamTree::Kept>();
     kept->source = source;
     if (state_->trace.max_order > 0) {
-        for (Keeping& task : state_->walk<Keeping>(
-                 source, first, [] { return Keeping(); }, executor)) {
-            kept->parts.push_back(std::move(task.looks));
+        for (BeamRecorder& task : state_->tracer.trace<BeamRecorder>(
+                 source, first, [] { return BeamRecorder(); }, executor)) {
+            kept->parts.push_back(task.take_tree());
         }
     }
     return SourceBeamTree(std::move(kept));
@@ -368,19 +218,20 @@ ListenerBeamTree PathFinder::trace_listeners(std::span<const Vec3> listeners,
     const State& state = *state_;
     auto kept = std::make_unique<ListenerBeamTree::Kept>();
     kept->listeners.assign(listeners.begin(), listeners.end());
-    const bool are_few = state.trace.mode == Mode::complete && listeners.size() <= kFewListeners;
     if (state.trace.max_order == 0) {
         return ListenerBeamTree(std::move(kept));
     }
-    if (!state.is_half_way && !are_few) {
+    const bool are_few =
+        state.trace.mode == Mode::complete && listeners.size() <= kMaxListenersWithBeams;
+    if (!state.bidirectional && !are_few) {
         kept->points.emplace(listeners);
     } else {
-        kept->side.emplace(state.index,
-                           state.verifier.contact_reach(),
-                           state.max_radius,
-                           kept->listeners,
-                           state.is_half_way && state.trace.max_order > 1,
-                           executor);
+        kept->beams.emplace(state.index,
+                            state.verifier.contact_radius(),
+                            state.max_radius,
+                            kept->listeners,
+                            state.bidirectional && state.trace.max_order > 1,
+                            executor);
     }
     return ListenerBeamTree(std::move(kept));
 }
@@ -389,37 +240,32 @@ TraceResult PathFinder::connect(const SourceBeamTree& source,
                                 const ListenerBeamTree& listeners,
                                 Executor& executor) const {
     const State& state = *state_;
-    const ListenerBeamTree::Kept& to = *listeners.kept_;
-    const Audience audience = audience_of(to.listeners, to.side, to.points);
+    const ListenerSet set = listeners.kept_->set();
     const auto& parts = source.kept_->parts;
-    Proposer direct = state.proposer(source.source(), audience);
-    direct.propose_direct();
-    Harvest harvest = direct.take_harvest();
-    std::vector<Harvest> harvests(parts.size());
+    TaskResult result = state.find_direct(source.source(), set);
+    std::vector<TaskResult> results(parts.size());
     executor.for_each(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-        VisibleFacets search = state.new_search();
+        VisibleFacets search = state.tracer.make_search();
         for (std::size_t i = begin; i < end; ++i) {
-            Proposer proposer = state.proposer(source.source(), audience);
-            for (const Look& look : parts[i].looks) {
-                while (proposer.order() >= std::max<std::size_t>(look.order, 1)) {
-                    proposer.pop();
+            CandidateGenerator generator = state.generator(source.source(), set);
+            for (const BeamNode& node : parts[i].nodes) {
+                // The nodes are in depth-first order: back up to the node's parent, then down.
+                while (generator.order() >= std::max<std::size_t>(node.order, 1)) {
+                    generator.pop();
                 }
-                if (look.order > 0) {
-                    proposer.push(look.frustum.facet);
+                if (node.order > 0) {
+                    generator.push(node.frustum.facet);
                 }
-                search.enter(look.frustum);
-                proposer.propose_from(
-                    search,
-                    std::span(parts[i].seen)
-                        .subspan(look.seen_begin, look.seen_end - look.seen_begin));
+                search.set_frustum(node.frustum);
+                generator.generate_from(search, parts[i].visible_in(node));
             }
-            harvests[i] = proposer.take_harvest();
+            results[i] = generator.take_result();
         }
     });
-    for (Harvest& part : harvests) {
-        harvest.append(std::move(part));
+    for (TaskResult& part : results) {
+        result.append(std::move(part));
     }
-    return state.finish(std::move(harvest));
+    return state.finish(std::move(result));
 }
 
 void PathFinder::for_each_listener(const SourceBeamTree& source,
@@ -447,18 +293,16 @@ TraceResult PathFinder::find(const Vec3& source,
                              Executor& executor) const {
     EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
     const State& state = *state_;
-    const ListenerBeamTree::Kept& to = *listeners.kept_;
-    const Audience audience = audience_of(to.listeners, to.side, to.points);
-    Proposer direct = state.proposer(source, audience);
-    direct.propose_direct();
-    Harvest harvest = direct.take_harvest();
+    const ListenerSet set = listeners.kept_->set();
+    TaskResult result = state.find_direct(source, set);
     if (state.trace.max_order > 0) {
-        const auto make_task = [&] { return Finding(state.proposer(source, audience)); };
-        for (Finding& task : state.walk<Finding>(source, first, make_task, executor)) {
-            harvest.append(task.take_harvest());
+        const auto make_task = [&] { return CandidateTask(state.generator(source, set)); };
+        for (CandidateTask& task :
+             state.tracer.trace<CandidateTask>(source, first, make_task, executor)) {
+            result.append(task.take_result());
         }
     }
-    return state.finish(std::move(harvest));
+    return state.finish(std::move(result));
 }
 
 }  // namespace earshot::frustum

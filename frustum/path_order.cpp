@@ -23,28 +23,28 @@ bool comes_first(const SpecularPath& a, const SpecularPath& b) {
     return key(a) != key(b) ? key(a) < key(b) : a.triangles < b.triangles;
 }
 
-/// Surfaces that coat each other are told apart by rounding only: their images of a source lie
+/// Coincident layers are told apart by rounding only: their images of a source lie
 /// within twice the tolerance for their distance and as much for the tilt that it gives the planes
 /// of walls a fraction of the scene wide, per reflection.
-constexpr double kLayerReach = 16.0;
+constexpr double kLayerDistance = 16.0;
 
 /// Planes this close to parallel, as the sine of their angle, may be one surface in two layers.
 constexpr double kLayerTilt = 0x1p-10;
 
-/// Which paths are the same way through space as one of them.
-class Likeness {
+/// Which paths are the same polyline in space as a given one.
+class DuplicateTest {
 public:
-    Likeness(const SpecularPath& path, const geometry::Facets& facets, double scale)
+    DuplicateTest(const SpecularPath& path, const geometry::Facets& facets, double extent)
         : path_(path),
           facets_(facets),
-          // Reflection points of one way found twice differ by the verifier's slack at a corner.
-          slack_(64.0 * kRounding * (scale + path.length)),
-          layer_reach_(kLayerReach * facets.tolerance *
-                       static_cast<double>(path.triangles.size())) {}
+          // Reflection points of one path found twice differ by the verifier's slack at a corner.
+          slack_(64.0 * kRounding * (extent + path.length)),
+          layer_distance_(kLayerDistance * facets.tolerance *
+                          static_cast<double>(path.triangles.size())) {}
 
-    double most_longer() const noexcept { return std::max(slack_, layer_reach_); }
+    double max_length_difference() const noexcept { return std::max(slack_, layer_distance_); }
 
-    /// A bounce on the edge of two facets, or a corner met exactly.
+    /// A reflection in the edge of two facets, or in a corner.
     bool same_points(const SpecularPath& other) const {
         return std::equal(
             path_.points.begin(),
@@ -54,10 +54,10 @@ public:
             [&](const Vec3& a, const Vec3& b) { return glm::distance(a, b) <= slack_; });
     }
 
-    /// Each bounce on the same facet or on one that coats it (a carpet, a poster).
+    /// Each reflection on the same facet or on a layer coincident with it (a carpet, a poster).
     bool same_layers(const SpecularPath& other) const {
         if (other.triangles.size() != path_.triangles.size() || path_.triangles.empty() ||
-            glm::distance(image_of(path_), image_of(other)) > layer_reach_) {
+            glm::distance(image_of(path_), image_of(other)) > layer_distance_) {
             return false;
         }
         for (std::size_t i = 0; i < path_.triangles.size(); ++i) {
@@ -78,7 +78,7 @@ private:
         return facets_.facets[facets_.of_triangle[triangle]];
     }
 
-    /// Where the sound seems to come from: back along the last leg that has a length.
+    /// The image source: back along the last leg that has a length.
     static Vec3 image_of(const SpecularPath& path) {
         const Vec3& listener = path.points.back();
         Vec3 direction(0.0);
@@ -92,25 +92,25 @@ private:
     const SpecularPath& path_;
     const geometry::Facets& facets_;
     double slack_;
-    double layer_reach_;
+    double layer_distance_;
 };
 
 }  // namespace
 
-void sort_and_unify(std::vector<SpecularPath>& paths,
-                    const geometry::Facets& facets,
-                    double scale) {
+void sort_and_deduplicate(std::vector<SpecularPath>& paths,
+                          const geometry::Facets& facets,
+                          double extent) {
     std::sort(paths.begin(), paths.end(), comes_first);
     std::vector<bool> repeated(paths.size(), false);
     for (std::size_t i = 0; i < paths.size(); ++i) {
-        const Likeness likeness(paths[i], facets, scale);
+        const DuplicateTest duplicate(paths[i], facets, extent);
         for (std::size_t j = i + 1; j < paths.size() && !repeated[i]; ++j) {
             if (paths[j].listener != paths[i].listener ||
-                paths[j].length - paths[i].length > likeness.most_longer()) {
+                paths[j].length - paths[i].length > duplicate.max_length_difference()) {
                 break;
             }
             if (!repeated[j] &&
-                (likeness.same_points(paths[j]) || likeness.same_layers(paths[j]))) {
+                (duplicate.same_points(paths[j]) || duplicate.same_layers(paths[j]))) {
                 repeated[paths[j].triangles < paths[i].triangles ? i : j] = true;
             }
         }

@@ -24,7 +24,7 @@ namespace {
 
 /// A leg that meets a second surface at its reflection point does so within flatness / sin(angle)
 /// of it. Angles below a thousandth of a radian are left to the plane distance alone.
-constexpr double kContactReach = 1024.0;
+constexpr double kContactRadius = 1024.0;
 
 /// The two coordinates that remain when the plane's dominant axis is dropped.
 glm::dvec2 project(const Vec3& point, int axis) noexcept {
@@ -44,7 +44,7 @@ enum class Containment { outside, near, inside };
 /// A source or image less than this many rounding slacks from a facet's plane is not reflected:
 /// with less, the slack allowed to the other end of the leg would move the reflection point by a
 /// good part of the leg.
-constexpr double kGrazing = 8.0;
+constexpr double kGrazingSlacks = 8.0;
 
 bool lies_in_box(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner) noexcept {
     const glm::dvec2 lower = glm::min(glm::min(corner[0], corner[1]), corner[2]);
@@ -75,19 +75,19 @@ PathVerifier::PathVerifier(const SceneView& scene) : scene_(scene) {
     if (!scene.tree.nodes().empty()) {
         const geometry::Aabb& box = scene.tree.nodes().front().box;
         for (std::size_t k = 0; k < 3; ++k) {
-            scale_ = std::max({scale_,
-                               std::abs(static_cast<double>(box.lower[k])),
-                               std::abs(static_cast<double>(box.upper[k]))});
+            extent_ = std::max({extent_,
+                                std::abs(static_cast<double>(box.lower[k])),
+                                std::abs(static_cast<double>(box.upper[k]))});
         }
     }
 }
 
-double PathVerifier::grazing_distance(double reach) const noexcept {
-    return kRounding * (scale_ + reach);
+double PathVerifier::rounding_slack(double distance) const noexcept {
+    return kRounding * (extent_ + distance);
 }
 
-double PathVerifier::contact_reach() const noexcept {
-    return kContactReach * scene_.facets.tolerance;
+double PathVerifier::contact_radius() const noexcept {
+    return kContactRadius * scene_.facets.tolerance;
 }
 
 std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,
@@ -96,7 +96,7 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
     const std::size_t order = sequence.size();
     SpecularPath path;
     path.length = glm::distance(images[order], listener);
-    const double slack = grazing_distance(path.length);
+    const double slack = rounding_slack(path.length);
 
     // From the listener back to the source: the leg towards image i meets facet i.
     path.points.resize(order + 2);
@@ -106,11 +106,12 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         const FacetId facet = sequence[i - 1];
         const Plane& plane = scene_.facets.facets[facet].plane;
         const Vec3& target = path.points[i + 1];
-        const double before = plane.distance(images[i - 1]);  // of the side that reflects
+        const double before = plane.distance(images[i - 1]);  // its sign: the reflecting side
         const double behind = plane.distance(images[i]);
         const bool front = before > 0.0;
         double ahead = plane.distance(target);
-        if (std::abs(before) <= kGrazing * slack || (front ? ahead < -slack : ahead > slack)) {
+        if (std::abs(before) <= kGrazingSlacks * slack ||
+            (front ? ahead < -slack : ahead > slack)) {
             return std::nullopt;
         }
         ahead = front ? std::max(ahead, 0.0) : std::min(ahead, 0.0);
@@ -125,20 +126,21 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         path.triangles[i - 1] = *triangle;
     }
     path.points[0] = images[0];
-    if (turns_on_an_outer_edge(sequence, images, path.points, slack)) {
+    if (turns_at_outer_edge(sequence, images, path.points, slack)) {
         return std::nullopt;
     }
 
     // From the last leg to the first, so that what is inserted moves none that is still to come.
-    std::vector<Passage> passages;
+    std::vector<Transmission> transmissions;
     for (std::size_t i = order + 1; i-- > 0;) {
         const FacetId* from_facet = i > 0 ? &sequence[i - 1] : nullptr;
         const FacetId* to_facet = i < order ? &sequence[i] : nullptr;
-        passages.clear();
-        if (!leg_is_free(path.points[i], path.points[i + 1], from_facet, to_facet, passages)) {
+        transmissions.clear();
+        if (!leg_is_unobstructed(
+                path.points[i], path.points[i + 1], from_facet, to_facet, transmissions)) {
             return std::nullopt;
         }
-        insert(path, i, passages);
+        insert(path, i, transmissions);
     }
     return path;
 }
@@ -153,14 +155,14 @@ void PathVerifier::visit_triangles_at(FacetId facet,
     const glm::dvec2 p = project(point, axis);
     // The point lies in the plane, the triangles within the facet's deviation of it, measured along
     // the dominant axis at most sqrt(3) times as far.
-    const double reach = 2.0 * surface.deviation + slack;
+    const double margin = 2.0 * surface.deviation + slack;
     bvh::traverse(
         scene_.tree,
         [&](const bvh::Node& node) {
             for (int k = 0; k < 3; ++k) {
                 const auto index = static_cast<std::size_t>(k);
-                if (point[k] < static_cast<double>(node.box.lower[index]) - reach ||
-                    point[k] > static_cast<double>(node.box.upper[index]) + reach) {
+                if (point[k] < static_cast<double>(node.box.lower[index]) - margin ||
+                    point[k] > static_cast<double>(node.box.upper[index]) + margin) {
                     return false;
                 }
             }
@@ -193,28 +195,29 @@ std::optional<TriangleId> PathVerifier::triangle_at(FacetId facet,
     return inside ? inside : near;
 }
 
-// Whether the facet at this point of its border has a part over another's plane, on the given side.
-bool PathVerifier::rises_over(
+// Whether the facet has a part above another's plane, on the given side, at this point of its
+// border.
+bool PathVerifier::extends_above(
     FacetId other, double side, FacetId facet, const Vec3& point, double slack) const {
-    const geometry::Facet& ground = scene_.facets.facets[other];
-    const double flatness = ground.deviation + scene_.facets.tolerance;
-    bool rises = false;
+    const geometry::Facet& base = scene_.facets.facets[other];
+    const double flatness = base.deviation + scene_.facets.tolerance;
+    bool extends = false;
     visit_triangles_at(facet, point, slack, [&](TriangleId id, Containment where) {
         for (const geometry::VertexId vertex : scene_.mesh.triangles[id]) {
-            const double height = side * ground.plane.distance(scene_.mesh.positions[vertex]);
-            rises = rises || (where != Containment::outside && height > flatness);
+            const double height = side * base.plane.distance(scene_.mesh.positions[vertex]);
+            extends = extends || (where != Containment::outside && height > flatness);
         }
     });
-    return rises;
+    return extends;
 }
 
-// From one facet to the next sound can only go where each stands on the sounding side of the other.
-// Where a leg ends in both planes, in the edge that they share, that is not a matter of its ends: a
-// listener at the source would hear every outer edge of a box reflect like an inner one.
-bool PathVerifier::turns_on_an_outer_edge(std::span<const FacetId> sequence,
-                                          std::span<const Vec3> images,
-                                          std::span<const Vec3> points,
-                                          double slack) const {
+// Sound goes from one facet to the next only if each lies on the reflecting side of the other. For
+// a leg that ends in both planes, in the edge that they share, its ends do not decide that: without
+// this test a listener at the source would receive a reflection from every outer edge of a box.
+bool PathVerifier::turns_at_outer_edge(std::span<const FacetId> sequence,
+                                       std::span<const Vec3> images,
+                                       std::span<const Vec3> points,
+                                       double slack) const {
     for (std::size_t i = 0; i + 1 < sequence.size(); ++i) {
         const FacetId first = sequence[i];
         const FacetId second = sequence[i + 1];
@@ -227,9 +230,9 @@ bool PathVerifier::turns_on_an_outer_edge(std::span<const FacetId> sequence,
         const Vec3& from = points[i + 1];
         const Vec3& to = points[i + 2];
         if ((lies_in(first, to) &&
-             !rises_over(first, side_of(first, images[i]), second, to, slack)) ||
+             !extends_above(first, side_of(first, images[i]), second, to, slack)) ||
             (lies_in(second, from) &&
-             !rises_over(second, side_of(second, images[i + 1]), first, from, slack))) {
+             !extends_above(second, side_of(second, images[i + 1]), first, from, slack))) {
             return true;
         }
     }
@@ -241,16 +244,17 @@ PathVerifier::LegEnd PathVerifier::end_of_leg(const FacetId* facet, const Vec3& 
         return {};
     }
     const Plane& plane = scene_.facets.facets[*facet].plane;
-    return {.facet = facet, .rise = std::abs(plane.distance(other_end))};
+    return {.facet = facet, .height = std::abs(plane.distance(other_end))};
 }
 
-// Whether a triangle met a share `t` of the leg from its end, at most `reach`, belongs to the
-// surface there: it is of the facet itself; it meets the facet in the reflection point, which is
-// known up to rounding and up to the facet's deviation from its plane; or it coats the facet.
-bool PathVerifier::reflects_at(const LegEnd& end,
-                               TriangleId triangle,
-                               double t,
-                               double reach) const {
+// Whether a triangle that the leg meets at parameter `t` from its end, at most `max_t`, belongs to
+// the surface that reflects there: it is of the facet itself; it meets the facet in the reflection
+// point, which is known up to rounding and up to the facet's deviation from its plane; or it is a
+// layer coincident with the facet.
+bool PathVerifier::belongs_to_reflection(const LegEnd& end,
+                                         TriangleId triangle,
+                                         double t,
+                                         double max_t) const {
     if (end.facet == nullptr) {
         return false;
     }
@@ -259,14 +263,15 @@ bool PathVerifier::reflects_at(const LegEnd& end,
         return true;
     }
     const geometry::Facet& surface = facets.facets[*end.facet];
-    const double height = t * end.rise;
-    const double joint = surface.deviation + grazing_distance(end.rise);
-    return t <= reach &&
-           (height <= joint || (height <= joint + facets.tolerance && coats(surface, triangle)));
+    const double height = t * end.height;
+    const double joint = surface.deviation + rounding_slack(end.height);
+    return t <= max_t && (height <= joint || (height <= joint + facets.tolerance &&
+                                              is_coincident_layer(surface, triangle)));
 }
 
-// A layer on the facet: all of the triangle lies in the facet's plane, as far as files can tell.
-bool PathVerifier::coats(const geometry::Facet& surface, TriangleId triangle) const {
+// A coincident layer: all of the triangle lies in the facet's plane, as far as the single-precision
+// coordinates of files can tell.
+bool PathVerifier::is_coincident_layer(const geometry::Facet& surface, TriangleId triangle) const {
     const geometry::Facets& facets = scene_.facets;
     const double deviation =
         surface.deviation + facets.facets[facets.of_triangle[triangle]].deviation;
@@ -277,69 +282,78 @@ bool PathVerifier::coats(const geometry::Facet& surface, TriangleId triangle) co
     });
 }
 
-bool PathVerifier::leg_is_free(const Vec3& from,
-                               const Vec3& to,
-                               const FacetId* from_facet,
-                               const FacetId* to_facet,
-                               std::vector<Passage>& passages) const {
+bool PathVerifier::leg_is_unobstructed(const Vec3& from,
+                                       const Vec3& to,
+                                       const FacetId* from_facet,
+                                       const FacetId* to_facet,
+                                       std::vector<Transmission>& transmissions) const {
     const LegEnd start = end_of_leg(from_facet, to);
     const LegEnd finish = end_of_leg(to_facet, from);
     const double length = glm::distance(from, to);
-    const double reach = contact_reach() / length;  // in parameters of the leg
+    const double max_t = contact_radius() / length;
     const auto blocks = [&](TriangleId id, double t) {
-        if (reflects_at(start, id, t, reach) || reflects_at(finish, id, 1.0 - t, reach)) {
+        if (belongs_to_reflection(start, id, t, max_t) ||
+            belongs_to_reflection(finish, id, 1.0 - t, max_t)) {
             return false;
         }
         const FacetId facet = scene_.facets.of_triangle[id];
         if (scene_.transmissive.empty() || scene_.transmissive[facet] == 0 ||
-            runs_along(facet, from, to)) {
+            leg_lies_in_plane(facet, from, to)) {
             return true;
         }
-        passages.push_back({t, facet, id});
+        transmissions.push_back({t, facet, id});
         return false;
     };
     if (bvh::any_hit(scene_.tree, scene_.mesh, geometry::Segment{from, to}, blocks)) {
         return false;
     }
-    unify(passages, length);
+    deduplicate(transmissions, length);
     return true;
 }
 
-bool PathVerifier::runs_along(FacetId facet, const Vec3& from, const Vec3& to) const {
+bool PathVerifier::leg_lies_in_plane(FacetId facet, const Vec3& from, const Vec3& to) const {
     const Plane& plane = scene_.facets.facets[facet].plane;
-    const double slack = grazing_distance(glm::distance(from, to));
+    const double slack = rounding_slack(glm::distance(from, to));
     return std::abs(plane.distance(from)) <= slack && std::abs(plane.distance(to)) <= slack;
 }
 
-// A facet is passed once, whichever of its triangles are touched, and so is an edge of two facets.
-void PathVerifier::unify(std::vector<Passage>& passages, double length) const {
-    std::sort(passages.begin(), passages.end(), [](const Passage& a, const Passage& b) {
-        return std::tie(a.facet, a.triangle) < std::tie(b.facet, b.triangle);
-    });
-    const auto of_one_facet = [](const Passage& a, const Passage& b) { return a.facet == b.facet; };
-    passages.erase(std::unique(passages.begin(), passages.end(), of_one_facet), passages.end());
-    std::stable_sort(passages.begin(), passages.end(), [](const Passage& a, const Passage& b) {
-        return a.t < b.t;
-    });
-    const double slack = grazing_distance(length);
-    const auto at_one_point = [&](const Passage& a, const Passage& b) {
+// Sound passes a facet once, whichever of its triangles are touched, and so an edge of two facets.
+void PathVerifier::deduplicate(std::vector<Transmission>& transmissions, double length) const {
+    std::sort(transmissions.begin(),
+              transmissions.end(),
+              [](const Transmission& a, const Transmission& b) {
+                  return std::tie(a.facet, a.triangle) < std::tie(b.facet, b.triangle);
+              });
+    const auto of_one_facet = [](const Transmission& a, const Transmission& b) {
+        return a.facet == b.facet;
+    };
+    transmissions.erase(std::unique(transmissions.begin(), transmissions.end(), of_one_facet),
+                        transmissions.end());
+    std::stable_sort(transmissions.begin(),
+                     transmissions.end(),
+                     [](const Transmission& a, const Transmission& b) { return a.t < b.t; });
+    const double slack = rounding_slack(length);
+    const auto at_one_point = [&](const Transmission& a, const Transmission& b) {
         return (b.t - a.t) * length <= slack;
     };
-    passages.erase(std::unique(passages.begin(), passages.end(), at_one_point), passages.end());
+    transmissions.erase(std::unique(transmissions.begin(), transmissions.end(), at_one_point),
+                        transmissions.end());
 }
 
-void PathVerifier::insert(SpecularPath& path, std::size_t leg, std::span<const Passage> passages) {
-    if (path.transmitted.empty() && !passages.empty()) {
+void PathVerifier::insert(SpecularPath& path,
+                          std::size_t leg,
+                          std::span<const Transmission> transmissions) {
+    if (path.transmitted.empty() && !transmissions.empty()) {
         path.transmitted.assign(path.triangles.size(), 0);
     }
     const Vec3 from = path.points[leg];
     const Vec3 way = path.points[leg + 1] - from;
-    auto place = static_cast<std::ptrdiff_t>(leg);
-    for (const Passage& passage : passages) {
-        path.triangles.insert(path.triangles.begin() + place, passage.triangle);
-        path.transmitted.insert(path.transmitted.begin() + place, 1);
-        path.points.insert(path.points.begin() + place + 1, from + passage.t * way);
-        ++place;
+    auto position = static_cast<std::ptrdiff_t>(leg);
+    for (const Transmission& transmission : transmissions) {
+        path.triangles.insert(path.triangles.begin() + position, transmission.triangle);
+        path.transmitted.insert(path.transmitted.begin() + position, 1);
+        path.points.insert(path.points.begin() + position + 1, from + transmission.t * way);
+        ++position;
     }
 }
 

@@ -11,15 +11,15 @@
 namespace earshot::frustum {
 
 /// Decides, in double precision and independently of how a sequence was found, whether the facets
-/// `sequence` reflect sound from source to listener, and constructs the path. This is the only
-/// place where a specular path comes into being.
+/// `sequence` reflect sound from source to listener, and constructs the path. Every specular path
+/// that is reported is made here.
 ///
 /// The path is built backwards from the listener towards the image sources (Allen and Berkley 1979;
 /// Borish 1984). It is valid if every reflection point lies in its facet (borders included, within
 /// rounding), both neighbours of a reflection point are on one side of its facet (the front, if the
-/// facet is one-sided), and no leg touches a triangle on the way. Facets that follow each other
-/// stand on each other's sounding side, also where the path turns in the edge that they share. A
-/// leg may go through facets that let sound through; they are added to the path where it does.
+/// facet is one-sided), and no leg touches a triangle on the way. Consecutive facets lie on each
+/// other's reflecting side, also where the path turns in the edge that they share. A leg may pass
+/// through transmissive facets, which are then added to the path.
 class PathVerifier {
 public:
     explicit PathVerifier(const SceneView& scene);
@@ -31,29 +31,30 @@ public:
                                        std::span<const geometry::Vec3> images,
                                        const geometry::Vec3& listener) const;
 
-    /// Metres: a point this close to a plane counts as in it. Sources and images within eight times
-    /// as much of a facet's plane are not reflected there (the sound would graze the facet).
-    double grazing_distance(double reach) const noexcept;
+    /// Metres: a point this close to a plane counts as in it, on a path of length `distance`.
+    /// Sources and images within eight times as much of a facet's plane are not reflected there
+    /// (the sound would graze the facet).
+    double rounding_slack(double distance) const noexcept;
 
     /// Metres: only triangles that a leg meets this close to a reflection point can belong to the
-    /// surface that reflects: neighbours across a corner, or a coplanar layer (see kContactReach).
-    double contact_reach() const noexcept;
+    /// surface that reflects: neighbours across a corner, or a coincident layer.
+    double contact_radius() const noexcept;
 
     /// Largest absolute coordinate of the scene, metres.
-    double scale() const noexcept { return scale_; }
+    double extent() const noexcept { return extent_; }
 
 private:
     /// One end of a leg, for telling obstacles from the surface that reflects there.
     struct LegEnd {
         const geometry::FacetId* facet = nullptr;  // null: a source or listener
-        double rise = 0.0;                         // metres of the other end over the facet's plane
+        double height = 0.0;  // metres of the other end above the facet's plane
     };
 
-    bool reflects_at(const LegEnd& end,
-                     geometry::TriangleId triangle,
-                     double t,
-                     double reach) const;
-    bool coats(const geometry::Facet& surface, geometry::TriangleId triangle) const;
+    bool belongs_to_reflection(const LegEnd& end,
+                               geometry::TriangleId triangle,
+                               double t,
+                               double max_t) const;
+    bool is_coincident_layer(const geometry::Facet& surface, geometry::TriangleId triangle) const;
     LegEnd end_of_leg(const geometry::FacetId* facet, const geometry::Vec3& other_end) const;
     std::optional<geometry::TriangleId> triangle_at(geometry::FacetId facet,
                                                     const geometry::Vec3& point,
@@ -63,35 +64,37 @@ private:
                             const geometry::Vec3& point,
                             double slack,
                             Visit&& visit) const;
-    bool rises_over(geometry::FacetId other,
-                    double side,
-                    geometry::FacetId facet,
-                    const geometry::Vec3& point,
-                    double slack) const;
-    bool turns_on_an_outer_edge(std::span<const geometry::FacetId> sequence,
-                                std::span<const geometry::Vec3> images,
-                                std::span<const geometry::Vec3> points,
-                                double slack) const;
-    /// Where a leg goes through a facet.
-    struct Passage {
+    bool extends_above(geometry::FacetId other,
+                       double side,
+                       geometry::FacetId facet,
+                       const geometry::Vec3& point,
+                       double slack) const;
+    bool turns_at_outer_edge(std::span<const geometry::FacetId> sequence,
+                             std::span<const geometry::Vec3> images,
+                             std::span<const geometry::Vec3> points,
+                             double slack) const;
+    /// Where a leg passes through a transmissive facet.
+    struct Transmission {
         double t = 0.0;  // along the leg, 0 ... 1
         geometry::FacetId facet = 0;
         geometry::TriangleId triangle = 0;
     };
 
-    bool leg_is_free(const geometry::Vec3& from,
-                     const geometry::Vec3& to,
-                     const geometry::FacetId* from_facet,
-                     const geometry::FacetId* to_facet,
-                     std::vector<Passage>& passages) const;
-    bool runs_along(geometry::FacetId facet,
-                    const geometry::Vec3& from,
-                    const geometry::Vec3& to) const;
-    void unify(std::vector<Passage>& passages, double length) const;
-    static void insert(SpecularPath& path, std::size_t leg, std::span<const Passage> passages);
+    bool leg_is_unobstructed(const geometry::Vec3& from,
+                             const geometry::Vec3& to,
+                             const geometry::FacetId* from_facet,
+                             const geometry::FacetId* to_facet,
+                             std::vector<Transmission>& transmissions) const;
+    bool leg_lies_in_plane(geometry::FacetId facet,
+                           const geometry::Vec3& from,
+                           const geometry::Vec3& to) const;
+    void deduplicate(std::vector<Transmission>& transmissions, double length) const;
+    static void insert(SpecularPath& path,
+                       std::size_t leg,
+                       std::span<const Transmission> transmissions);
 
     SceneView scene_;
-    double scale_ = 0.0;
+    double extent_ = 0.0;
 };
 
 }  // namespace earshot::frustum

@@ -9,6 +9,20 @@
 #include <bit>
 #include <cmath>
 
+// A frustum in (u, v), seen from its apex, and the visible part of a facet in it:
+//
+//     v ^
+//       |  +----+----+----+----+   cells: sub-frusta
+//       |  |    |    |    |    |   ...    outline of a facet
+//       |  +----+----+----+----+   inner  covered wholly: the facet may occlude what is behind
+//       |  |    |.outer...|outer   outer  all cells that the facet may touch: it may be visible
+//       |  +----+:---+----+-:--+
+//       |  |    |:   |inner:   |   The aperture is the bounding rectangle of the outer cells in
+//       |  +----+:---+----+-:--+   which the facet is not occluded, cut to the facet's bounds. It
+//       |  |    |:..outer...:  |   is the (u, v) rectangle of the frustum that the facet reflects.
+//       |  +----+----+----+----+
+//       +-----------------------> u
+
 namespace earshot::frustum {
 
 using geometry::FacetId;
@@ -17,105 +31,94 @@ using geometry::Vec3;
 
 namespace {
 
-/// Relative room for rounding in inverse depths, which are sums of three products.
-constexpr double kDepthSlack = 0x1p-40;
-
-/// A facet whose depth is known worse than this is not trusted to hide anything.
-constexpr double kGrazingCover = 0x1p-6;
+/// A facet whose relative depth error exceeds this is not used as an occluder.
+constexpr double kMaxOccluderError = 0x1p-6;
 
 InverseDepth scaled(const InverseDepth& depth, double factor) noexcept {
     return {.constant = factor * depth.constant, .slope = factor * depth.slope};
 }
 
-double size_of(const InverseDepth& depth) noexcept {
-    return std::abs(depth.constant) + std::abs(depth.slope.x) + std::abs(depth.slope.y);
-}
-
-/// The inverse depth of points `reach` metres (of depth) behind a plane, or less: 1 / (1/q + reach)
-/// >= q / (1 + reach q_max).
-InverseDepth pushed_back(const InverseDepth& depth, double reach, const Rect& rect) noexcept {
-    return scaled(depth, 1.0 / (1.0 + reach * std::max(0.0, depth.greatest(rect))));
-}
-
-template <typename Visit>
-void for_each_cell(CellMask mask, Visit&& visit) {
-    for (; mask != 0; mask &= mask - 1) {
-        visit(std::countr_zero(mask));
-    }
+/// The inverse depth of points `distance` metres (of depth) behind a plane, or less: 1 / (1/q +
+/// distance) >= q / (1 + distance q_max).
+InverseDepth pushed_back(const InverseDepth& depth, double distance, const Rect& rect) noexcept {
+    return scaled(depth, 1.0 / (1.0 + distance * std::max(0.0, depth.max(rect))));
 }
 
 }  // namespace
 
-bool may_pass_window(const Frustum& frustum,
-                     const Rect& window,
-                     const Vec3& unfolded,
-                     double moved) noexcept {
+bool may_pass_aperture(const Frustum& frustum,
+                       const Rect& aperture,
+                       const Vec3& unfolded,
+                       double position_error) noexcept {
     const Vec3 p = frustum.local(unfolded);
-    if (!(p.z > frustum.least_depth)) {
+    if (!(p.z > frustum.min_depth)) {
         return false;
     }
     const glm::dvec2 size = frustum.rect.upper - frustum.rect.lower;
-    const double slack = kCellSlack * std::max(size.x, size.y) + kSpread * moved / p.z;
+    const double slack = kCellSlack * std::max(size.x, size.y) + kSpread * position_error / p.z;
     const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
-    return uv.x >= window.lower.x - slack && uv.x <= window.upper.x + slack &&
-           uv.y >= window.lower.y - slack && uv.y <= window.upper.y + slack;
+    return uv.x >= aperture.lower.x - slack && uv.x <= aperture.upper.x + slack &&
+           uv.y >= aperture.lower.y - slack && uv.y <= aperture.upper.y + slack;
 }
 
-VisibleFacets::VisibleFacets(
-    const FacetIndex& index, Mode mode, double contact_reach, double reach, Grazing grazing)
+VisibleFacets::VisibleFacets(const FacetIndex& index,
+                             Mode mode,
+                             double contact_radius,
+                             double max_radius,
+                             GrazingFacets grazing_facets)
     : index_(index),
       mode_(mode),
-      contact_reach_(contact_reach),
-      reach_(reach),
-      grazing_(grazing),
+      contact_radius_(contact_radius),
+      max_radius_(max_radius),
+      grazing_facets_(grazing_facets),
       raster_(Rect{}, 1) {}
 
-void VisibleFacets::enter(const Frustum& frustum) {
+void VisibleFacets::set_frustum(const Frustum& frustum) {
     frustum_ = frustum;
-    raster_ = CellRaster(frustum.rect, frustum.cells);
-    first_centre_ = frustum.rect.lower + 0.5 * raster_.cell_size();
-    moved_ = kRounding * (index_.scale() + reach_ + glm::length(frustum.apex));
-    covered_ = 0;
+    raster_ = CoverageRaster(frustum.rect, frustum.cells);
+    occlusion_.reset(frustum.rect.lower + 0.5 * raster_.cell_size(), raster_.cell_size());
+    position_error_ = kRounding * (index_.extent() + max_radius_ + glm::length(frustum.apex));
     candidates_.clear();
     found_.clear();
 }
 
-void VisibleFacets::leave_out(std::span<const std::uint8_t> is_wanted) {
-    std::erase_if(found_, [&](const VisibleFacet& seen) { return is_wanted[seen.facet] == 0; });
+void VisibleFacets::filter(std::span<const std::uint8_t> mask) {
+    std::erase_if(found_, [&](const VisibleFacet& visible) { return mask[visible.facet] == 0; });
 }
 
 void VisibleFacets::search(const Frustum& frustum) {
-    enter(frustum);
+    set_frustum(frustum);
     if (frustum.starts_at_facet) {
-        start_limit_ = pushed_back(
-            scaled(frustum.start, 1.0 - depth_error(frustum.facet)), contact_reach_, frustum.rect);
+        start_depth_limit_ = pushed_back(
+            scaled(frustum.start, 1.0 - depth_error(frustum.facet)), contact_radius_, frustum.rect);
     }
     visit_nodes();
     collect_found();
 }
 
-// In the plane of its apex a facet neither reflects (PathVerifier::grazing_distance is at least the
-// first of these) nor fills a sub-frustum. Verification does not ask how high a listener or its
-// image lies: from there a facet counts only where the height is known well.
-double VisibleFacets::grazing_height() const noexcept {
+// From an apex in its plane a facet neither reflects (PathVerifier refuses sources within at least
+// the first of these heights) nor covers a sub-frustum. Verification does not ask how high a
+// listener or its image lies: from there a facet counts only where the height is well known.
+double VisibleFacets::max_grazing_height() const noexcept {
     constexpr double kWellKnown = 64.0;
-    return grazing_ == Grazing::drop ? kRounding * index_.scale() : kWellKnown * moved_;
+    return grazing_facets_ == GrazingFacets::skip ? kRounding * index_.extent()
+                                                  : kWellKnown * position_error_;
 }
 
-// An apex known to moved_ metres has a height over a plane that is off by that much; the inverse
-// depth is off by the same share.
+// The height of the apex over a plane is off by its position error; the inverse depth is off by the
+// same share.
 double VisibleFacets::depth_error(FacetId facet) const noexcept {
-    return kSpread * moved_ / std::abs(index_.plane(facet).distance(frustum_.apex));
+    return kSpread * position_error_ / std::abs(index_.plane(facet).distance(frustum_.apex));
 }
 
-// Nearer children first, so that covers are known before what they hide.
+// Depth first, the closer child first, so that occluders are known before what they hide.
 void VisibleFacets::visit_nodes() {
     const auto nodes = index_.tree().nodes();
     if (nodes.empty()) {
         return;
     }
     const Plane* start_plane = frustum_.starts_at_facet ? &index_.plane(frustum_.facet) : nullptr;
-    const BoxCull cull(frustum_, start_plane, moved_);
+    const BoxCull cull(frustum_, start_plane, position_error_);
     const auto depth_of = [&](const geometry::Aabb& box) {
         double depth = 0.0;
         for (int k = 0; k < 3; ++k) {
@@ -129,7 +132,7 @@ void VisibleFacets::visit_nodes() {
     while (!stack_.empty()) {
         const bvh::Node& node = nodes[stack_.back()];
         stack_.pop_back();
-        if (!cull.may_meet(node.box) || box_is_hidden(node.box)) {
+        if (!cull.may_overlap(node.box) || box_is_occluded(node.box)) {
             continue;
         }
         if (node.is_leaf()) {
@@ -150,9 +153,9 @@ void VisibleFacets::visit_facet(FacetId facet) {
         return;
     }
     const double height = index_.plane(facet).distance(frustum_.apex);
-    if (std::abs(height) <= grazing_height()) {
-        if (grazing_ == Grazing::keep) {
-            found_.push_back({facet, frustum_.rect, frustum_.alive, true});
+    if (std::abs(height) <= max_grazing_height()) {
+        if (grazing_facets_ == GrazingFacets::keep) {
+            found_.push_back({facet, frustum_.rect, frustum_.active, true});
         }
         return;
     }
@@ -162,69 +165,44 @@ void VisibleFacets::visit_facet(FacetId facet) {
     }
     const InverseDepth depth = frustum_.inverse_depth(index_.plane(facet));
     const bool reflects = height > 0.0 || !index_.is_one_sided(facet);
-    const CellMask touched = projected.coverage.touched & frustum_.alive;
-    if (mode_ == Mode::sampled) {
-        add_sample(facet, depth, projected.coverage.centred & frustum_.alive);
-    } else {
-        add_cover(facet, depth, projected.coverage.filled & frustum_.alive);
+    const CellMask outer = projected.coverage.outer & frustum_.active;
+    if (!index_.is_transmissive(facet)) {
+        if (mode_ == Mode::sampled) {
+            occlusion_.add(facet, depth, projected.coverage.centre_sampled & frustum_.active);
+        } else {
+            add_occluder(facet, depth, projected.coverage.inner & frustum_.active);
+        }
     }
-    if (reflects && touched != 0) {
-        const InverseDepth nearest = scaled(depth, 1.0 + depth_error(facet));
-        candidates_.push_back({facet, nearest, touched, projected.bounds});
+    if (reflects && outer != 0) {
+        const InverseDepth closest = scaled(depth, 1.0 + depth_error(facet));
+        candidates_.push_back({facet, closest, outer, projected.bounds});
     }
 }
 
-void VisibleFacets::add_cover(FacetId facet, const InverseDepth& depth, CellMask filled) {
-    if (filled == 0 || index_.transmissive(facet)) {
+void VisibleFacets::add_occluder(FacetId facet, const InverseDepth& depth, CellMask inner) {
+    if (inner == 0) {
         return;
     }
-    // Its triangles hide, which may lie beside its plane.
-    const double error = kSpread * (moved_ + index_.deviation(facet)) /
+    // Its triangles occlude, and they may deviate from the facet's plane.
+    const double error = kSpread * (position_error_ + index_.deviation(facet)) /
                          std::abs(index_.plane(facet).distance(frustum_.apex));
-    if (error > kGrazingCover) {
+    if (error > kMaxOccluderError) {
         return;
+    }
+    // Only where it lies beyond the start of the frustum by more than the contact radius.
+    if (frustum_.starts_at_facet) {
+        inner =
+            occlusion_.cells_where_closer(start_depth_limit_, scaled(depth, 1.0 + error), inner);
     }
     const InverseDepth back =
-        pushed_back(scaled(depth, 1.0 - error), contact_reach_, frustum_.rect);
-    const InverseDepth near = scaled(depth, 1.0 + error);
-    const double back_size = size_of(back);
-    const double start_margin =
-        kDepthSlack * (size_of(start_limit_) + size_of(near)) + half_change(start_limit_, near);
-    for_each_cell(filled, [&](int cell) {
-        const glm::dvec2 middle = centre_of(cell);
-        if (frustum_.starts_at_facet &&
-            !(start_limit_.at(middle) - near.at(middle) > start_margin)) {
-            return;
-        }
-        Cover& cover = covers_[static_cast<std::size_t>(cell)];
-        const double centre = back.at(middle);
-        const CellMask bit = CellMask{1} << cell;
-        if ((covered_ & bit) == 0 || centre > cover.centre) {
-            cover = {facet, back, centre, back_size};
-            covered_ |= bit;
-        }
-    });
+        pushed_back(scaled(depth, 1.0 - error), contact_radius_, frustum_.rect);
+    occlusion_.add(facet, back, inner);
 }
 
-void VisibleFacets::add_sample(FacetId facet, const InverseDepth& depth, CellMask centred) {
-    if (index_.transmissive(facet)) {
-        return;
-    }
-    for_each_cell(centred, [&](int cell) {
-        Cover& cover = covers_[static_cast<std::size_t>(cell)];
-        const double centre = depth.at(centre_of(cell));
-        const CellMask bit = CellMask{1} << cell;
-        if ((covered_ & bit) == 0 || centre > cover.centre) {
-            cover = {facet, depth, centre, size_of(depth)};
-            covered_ |= bit;
-        }
-    });
-}
-
-// A box is hidden if every sub-frustum it may meet is filled by something nearer than its nearest
-// corner.
-bool VisibleFacets::box_is_hidden(const geometry::Aabb& box) const noexcept {
-    if (covered_ == 0 && mode_ == Mode::complete) {
+// A box is occluded if every sub-frustum that it may overlap has an occluder in front of the box's
+// closest corner.
+bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
+    if (occlusion_.occluded() == 0 && mode_ == Mode::complete) {
         return false;
     }
     // The box's extent along the frustum's axes; quotients of its ends bound the quotients of its
@@ -242,7 +220,7 @@ bool VisibleFacets::box_is_hidden(const geometry::Aabb& box) const noexcept {
                          glm::dot(glm::abs(frustum_.up), half),
                          glm::dot(glm::abs(frustum_.forward), half)};
     const double nearest = centre.z - extent.z;
-    if (!(nearest > frustum_.least_depth)) {
+    if (!(nearest > frustum_.min_depth)) {
         return false;
     }
     const double near_scale = 1.0 / nearest;
@@ -255,85 +233,29 @@ bool VisibleFacets::box_is_hidden(const geometry::Aabb& box) const noexcept {
         bounds.upper[k] = high * (high < 0.0 ? far_scale : near_scale);
     }
     if (mode_ == Mode::sampled) {
-        return samples_pass(bounds, nearest);
+        const CellMask cells = raster_.cells_with_centre_in(bounds) & frustum_.active;
+        return occlusion_.all_centres_hide(1.0 / nearest, cells);
     }
-    const CellMask cells = cells_near(bounds, nearest);
-    return (cells & ~covered_) == 0 && everything_hides(nearest, cells);
-}
-
-// Whether no sample meets a box before it has met a facet.
-bool VisibleFacets::samples_pass(const Rect& bounds, double nearest) const noexcept {
-    const CellMask cells = raster_.cells_centred_in(bounds) & frustum_.alive;
-    if ((cells & ~covered_) != 0) {
-        return false;
-    }
-    const double front = 1.0 / nearest;
-    CellMask behind = 0;
-    for_each_cell(cells, [&](int cell) {
-        const Cover& cover = covers_[static_cast<std::size_t>(cell)];
-        behind |= static_cast<CellMask>(cover.centre > front) << cell;
-    });
-    return behind == cells;
-}
-
-// Whether a cover is nearer than a plane everywhere in a cell, by more than rounding.
-bool VisibleFacets::is_nearer(const Cover& cover,
-                              const InverseDepth& depth,
-                              double size,
-                              int cell) const noexcept {
-    return cover.centre - depth.at(centre_of(cell)) >
-           half_change(cover.depth, depth) + kDepthSlack * (cover.size + size);
-}
-
-glm::dvec2 VisibleFacets::centre_of(int cell) const noexcept {
-    return {first_centre_.x + cell % kGridSide * raster_.cell_size().x,
-            first_centre_.y + cell / kGridSide * raster_.cell_size().y};
-}
-
-// By how much the difference of two inverse depths changes from a cell's centre to its corners, at
-// most.
-double VisibleFacets::half_change(const InverseDepth& a, const InverseDepth& b) const noexcept {
-    return 0.5 * (std::abs(a.slope.x - b.slope.x) * raster_.cell_size().x +
-                  std::abs(a.slope.y - b.slope.y) * raster_.cell_size().y);
-}
-
-CellMask VisibleFacets::hidden_cells(FacetId facet,
-                                     const InverseDepth& depth,
-                                     CellMask cells) const noexcept {
-    CellMask hidden = 0;
-    const double size = size_of(depth);
-    for_each_cell(cells & covered_, [&](int cell) {
-        const Cover& cover = covers_[static_cast<std::size_t>(cell)];
-        if (cover.facet != facet && is_nearer(cover, depth, size, cell)) {
-            hidden |= CellMask{1} << cell;
-        }
-    });
-    return hidden;
+    return all_hide_depth(nearest, cells_near(bounds, nearest));
 }
 
 void VisibleFacets::collect_found() {
     for (const Candidate& candidate : candidates_) {
-        CellMask cells = candidate.touched;
-        if (mode_ == Mode::sampled && !index_.transmissive(candidate.facet)) {
-            CellMask won = 0;
-            for_each_cell(covered_ & cells, [&](int cell) {
-                won |= static_cast<CellMask>(covers_[static_cast<std::size_t>(cell)].facet ==
-                                             candidate.facet)
-                       << cell;
-            });
-            cells = won;
-        } else if (mode_ == Mode::complete) {
-            cells &= ~hidden_cells(candidate.facet, candidate.depth, cells);
+        CellMask cells = candidate.outer;
+        if (mode_ == Mode::complete) {
+            cells &= ~occlusion_.cells_hiding(candidate.facet, candidate.depth, cells);
+        } else if (!index_.is_transmissive(candidate.facet)) {
+            cells = occlusion_.cells_owned_by(candidate.facet, cells);
         }
         if (cells == 0) {
             continue;
         }
-        Rect window = bounds_of_cells(cells);
+        Rect aperture = bounds_of_cells(cells);
         if (mode_ == Mode::complete) {
-            window.lower = glm::max(window.lower, candidate.bounds.lower);
-            window.upper = glm::min(window.upper, candidate.bounds.upper);
+            aperture.lower = glm::max(aperture.lower, candidate.bounds.lower);
+            aperture.upper = glm::min(aperture.upper, candidate.bounds.upper);
         }
-        found_.push_back({candidate.facet, window, cells});
+        found_.push_back({candidate.facet, aperture, cells});
     }
 }
 
@@ -351,35 +273,30 @@ Rect VisibleFacets::bounds_of_cells(CellMask cells) const noexcept {
             .upper = raster_.cell_rect(last_row, last_column).upper};
 }
 
-// The live sub-frusta that points within `bounds`, `depth` metres away or more, may lie in.
+// The active sub-frusta that may contain points within `bounds`, `depth` metres away or more.
 CellMask VisibleFacets::cells_near(const Rect& bounds, double depth) const noexcept {
     const glm::dvec2 cell = raster_.cell_size();
-    const double slack = kCellSlack + kSpread * moved_ / depth / std::min(cell.x, cell.y);
-    return raster_.cells_of(bounds, slack) & frustum_.alive;
+    const double slack = kCellSlack + kSpread * position_error_ / depth / std::min(cell.x, cell.y);
+    return raster_.cells_overlapping(bounds, slack) & frustum_.active;
 }
 
-bool VisibleFacets::everything_hides(double depth, CellMask cells) const noexcept {
-    if (!(depth > 2.0 * moved_)) {
+// Whether every one of the cells has an occluder in front of `depth` metres.
+bool VisibleFacets::all_hide_depth(double depth, CellMask cells) const noexcept {
+    if (!(depth > 2.0 * position_error_)) {
         return false;
     }
-    const InverseDepth front = {.constant = 1.0 / (depth - moved_), .slope = glm::dvec2(0.0)};
-    for (; cells != 0; cells &= cells - 1) {
-        const int cell = std::countr_zero(cells);
-        if ((covered_ >> cell & 1) == 0 ||
-            !is_nearer(covers_[static_cast<std::size_t>(cell)], front, front.constant, cell)) {
-            return false;
-        }
-    }
-    return true;
+    const InverseDepth front = {.constant = 1.0 / (depth - position_error_),
+                                .slope = glm::dvec2(0.0)};
+    return occlusion_.all_hide(front, cells);
 }
 
-bool VisibleFacets::may_reach(const Vec3& point) const noexcept {
+bool VisibleFacets::may_arrive_at(const Vec3& point) const noexcept {
     if (frustum_.starts_at_facet &&
-        frustum_.side * index_.plane(frustum_.facet).distance(point) < -moved_) {
+        frustum_.side * index_.plane(frustum_.facet).distance(point) < -position_error_) {
         return false;
     }
     const Vec3 p = frustum_.local(point);
-    if (!(p.z > frustum_.least_depth)) {
+    if (!(p.z > frustum_.min_depth)) {
         return false;
     }
     const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
@@ -387,39 +304,38 @@ bool VisibleFacets::may_reach(const Vec3& point) const noexcept {
     if (cells == 0 || mode_ == Mode::sampled) {
         return cells != 0;
     }
-    return !everything_hides(p.z, cells);
+    return !all_hide_depth(p.z, cells);
 }
 
-bool VisibleFacets::may_reach_mirrored(const VisibleFacet& visible,
-                                       const Vec3& point) const noexcept {
+bool VisibleFacets::may_reflect_to(const VisibleFacet& visible, const Vec3& point) const noexcept {
     const Plane& plane = index_.plane(visible.facet);
     const double side = plane.distance(frustum_.apex) > 0.0 ? 1.0 : -1.0;
-    if (side * plane.distance(point) < -moved_) {
+    if (side * plane.distance(point) < -position_error_) {
         return false;
     }
     return may_pass(visible, plane.mirror(point));
 }
 
-WindowSight VisibleFacets::sight() const noexcept {
+ApertureTest VisibleFacets::aperture_test() const noexcept {
     const Vec3* axes[] = {&frustum_.right, &frustum_.up, &frustum_.forward};
-    WindowSight sight;
+    ApertureTest test;
     for (int k = 0; k < 3; ++k) {
-        sight.apex[k] = frustum_.apex[k];
+        test.apex[k] = frustum_.apex[k];
         for (int axis = 0; axis < 3; ++axis) {
-            sight.axes[axis][k] = (*axes[axis])[k];
+            test.axes[axis][k] = (*axes[axis])[k];
         }
     }
     for (int k = 0; k < 2; ++k) {
-        sight.share[k] = 0.5 * raster_.cell_size()[k];
+        test.margin_per_depth[k] = 0.5 * raster_.cell_size()[k];
     }
-    sight.reach = kSpread * moved_;
-    sight.least_depth = frustum_.least_depth;
-    return sight;
+    test.margin = kSpread * position_error_;
+    test.min_depth = frustum_.min_depth;
+    return test;
 }
 
 bool VisibleFacets::may_pass(const VisibleFacet& visible, const Vec3& unfolded) const noexcept {
     const Vec3 p = frustum_.local(unfolded);
-    if (!(p.z > frustum_.least_depth)) {
+    if (!(p.z > frustum_.min_depth)) {
         return false;
     }
     const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
@@ -427,18 +343,19 @@ bool VisibleFacets::may_pass(const VisibleFacet& visible, const Vec3& unfolded) 
 }
 
 Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
-    Frustum child = mirrored(frustum_, index_.plane(visible.facet), visible.facet, visible.window);
+    Frustum child =
+        mirrored(frustum_, index_.plane(visible.facet), visible.facet, visible.aperture);
     child.max_pressure_factor =
         frustum_.max_pressure_factor * index_.max_pressure_factor(visible.facet);
-    CellRaster raster(child.rect, child.cells);
+    CoverageRaster raster(child.rect, child.cells);
     Projected own;
     // The facet itself, drawn from the parent's side: (u, v) is the same for both.
     Frustum aperture = frustum_;
     aperture.rect = child.rect;
-    child.alive = draw(aperture, raster, visible.facet, false, own) ? own.coverage.touched : 0;
+    child.active = draw(aperture, raster, visible.facet, false, own) ? own.coverage.outer : 0;
     const glm::dvec2 size = raster_.cell_size();
-    const double slack = kCellSlack + kWindowSlack / std::min(size.x, size.y);
-    child.alive &= raster.cells_meeting(raster_, visible.cells, slack);
+    const double slack = kCellSlack + kApertureSlack / std::min(size.x, size.y);
+    child.active &= raster.cells_overlapping_grid(raster_, visible.cells, slack);
     return child;
 }
 

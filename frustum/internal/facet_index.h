@@ -25,7 +25,7 @@ public:
     bool is_one_sided(geometry::FacetId facet) const noexcept {
         return !one_sided_.empty() && one_sided_[facet] != 0;
     }
-    bool transmissive(geometry::FacetId facet) const noexcept {
+    bool is_transmissive(geometry::FacetId facet) const noexcept {
         return !transmissive_.empty() && transmissive_[facet] != 0;
     }
     /// The largest factor by which meeting the facet multiplies the pressure of a path.
@@ -50,7 +50,7 @@ public:
     const geometry::Aabb& box(geometry::FacetId facet) const noexcept { return boxes_[facet]; }
 
     /// Largest absolute coordinate of the scene, metres.
-    double scale() const noexcept { return scale_; }
+    double extent() const noexcept { return extent_; }
 
 private:
     const std::vector<geometry::Facet>* facets_;
@@ -61,7 +61,7 @@ private:
     std::vector<geometry::Vec3> vertices_;
     std::vector<geometry::Aabb> boxes_;
     bvh::Tree tree_;
-    double scale_ = 0.0;
+    double extent_ = 0.0;
     double tolerance_ = 0.0;
 };
 

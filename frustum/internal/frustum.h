@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/frustum/internal/box_cull.h"
-#include "earshot/frustum/internal/cell_grid.h"
+#include "earshot/frustum/internal/coverage_raster.h"
 #include "earshot/geometry/aabb.h"
 #include "earshot/geometry/facets.h"
 
@@ -13,12 +13,12 @@
 
 namespace earshot::frustum {
 
-/// Share of a window's reach in (u, v) by which it grows on every side, so that rounding in its
-/// corners (a few 2^-53 of coordinates below 2) loses nothing.
-inline constexpr double kWindowSlack = 0x1p-44;
+/// In (u, v): an aperture grows by this on every side, so that rounding in its corners (a few 2^-53
+/// of coordinates below 2) loses nothing.
+inline constexpr double kApertureSlack = 0x1p-44;
 
 /// A linear function of (u, v): the inverse depth at which a frustum's rays meet a plane. Larger is
-/// nearer; negative is behind the apex.
+/// closer; negative is behind the apex.
 struct InverseDepth {
     double constant = 0.0;
     glm::dvec2 slope{0.0};
@@ -26,38 +26,38 @@ struct InverseDepth {
     double at(const glm::dvec2& uv) const noexcept {
         return constant + slope.x * uv.x + slope.y * uv.y;
     }
-    double least(const Rect& rect) const noexcept {
-        return at(0.5 * (rect.lower + rect.upper)) - spread(rect);
+    double min(const Rect& rect) const noexcept {
+        return at(0.5 * (rect.lower + rect.upper)) - half_range(rect);
     }
-    double greatest(const Rect& rect) const noexcept {
-        return at(0.5 * (rect.lower + rect.upper)) + spread(rect);
+    double max(const Rect& rect) const noexcept {
+        return at(0.5 * (rect.lower + rect.upper)) + half_range(rect);
     }
     /// Half the variation over a rectangle.
-    double spread(const Rect& rect) const noexcept {
+    double half_range(const Rect& rect) const noexcept {
         const glm::dvec2 half = 0.5 * (rect.upper - rect.lower);
         return std::abs(slope.x) * half.x + std::abs(slope.y) * half.y;
     }
 };
 
-/// A four-sided pyramid of sound from a source or an image source, from the facet it was mirrored
-/// in onwards. Directions are w + u * right + v * up with (u, v) in `rect`, divided into
-/// cells x cells sub-frusta of which those in `alive` carry sound.
+/// A beam: a four-sided pyramid with its apex in a source or an image source, truncated at the
+/// facet that it was last mirrored in. Directions are w + u * right + v * up with (u, v) in `rect`,
+/// divided into cells x cells sub-frusta of which those in `active` are traced.
 ///
 /// Mirroring a frustum mirrors apex and axes, so (u, v) of a direction never changes along a
-/// sequence of reflections: a window cut from the parent's rectangle is the child's rectangle.
+/// sequence of reflections: an aperture cut from the parent's rectangle is the child's rectangle.
 struct Frustum {
     geometry::Vec3 apex{0.0};
     geometry::Vec3 right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0}, forward{0.0, 0.0, 1.0};
     Rect rect;
     int cells = kGridSide;
-    CellMask alive = kAllCells;
+    CellMask active = kAllCells;
 
     bool starts_at_facet = false;
     geometry::FacetId facet = 0;       ///< where it starts, if it does
-    double side = 1.0;                 ///< +1: sound leaves the facet's front, -1: its back
+    double side = 1.0;                 ///< +1: the facet's front reflects, -1: its back
     InverseDepth start{};              ///< of the facet's plane
     double max_pressure_factor = 1.0;  ///< of the reflections so far
-    double least_depth = 0.0;          ///< along `forward`: nothing nearer belongs to the frustum
+    double min_depth = 0.0;            ///< along `forward`: nothing closer belongs to the frustum
 
     /// Coordinates along (right, up, forward) relative to the apex.
     geometry::Vec3 local(const geometry::Vec3& point) const noexcept {
@@ -68,25 +68,26 @@ struct Frustum {
 };
 
 /// The frusta that together cover every direction from a point: six faces of a cube, each cut into
-/// `pieces` x `pieces` with a grid of `cells` x `cells`. `least_depth` in metres.
+/// `pieces` x `pieces` with a grid of `cells` x `cells`. `min_depth` in metres.
 std::vector<Frustum> frusta_around(const geometry::Vec3& source,
                                    int pieces,
                                    int cells,
-                                   double least_depth);
+                                   double min_depth);
 
-/// The frustum mirrored in a plane, restricted to a window of the parent's (u, v) rectangle. The
-/// new grid is all alive. Precondition: the apex is not in the plane.
+/// The frustum mirrored in a plane, restricted to an aperture in the parent's (u, v) rectangle. All
+/// cells of the new grid are active. Precondition: the apex is not in the plane.
 Frustum mirrored(const Frustum& parent,
                  const geometry::Plane& plane,
                  geometry::FacetId facet,
-                 const Rect& window);
+                 const Rect& aperture);
 
-/// Culls boxes that a frustum cannot meet. Conservative: `slack` metres of rounding on either side.
+/// Culls boxes that do not overlap a frustum. Conservative: `slack` metres of rounding on either
+/// side.
 class BoxCull {
 public:
     BoxCull(const Frustum& frustum, const geometry::Plane* start_plane, double slack) noexcept;
 
-    bool may_meet(const geometry::Aabb& box) const noexcept {
+    bool may_overlap(const geometry::Aabb& box) const noexcept {
         return !lies_outside(half_spaces_, box.lower.data(), box.upper.data());
     }
 

@@ -10,7 +10,7 @@
 
 namespace earshot::frustum {
 
-/// Many listeners, to be found by place.
+/// Many listeners in a hierarchy, to be looked up by position.
 class ListenerPoints {
 public:
     explicit ListenerPoints(std::span<const geometry::Vec3> points) {
@@ -27,7 +27,7 @@ public:
     void visit_in(const BoxCull& cull, Visit&& visit) const {
         bvh::traverse(
             tree_,
-            [&](const bvh::Node& node) { return cull.may_meet(node.box); },
+            [&](const bvh::Node& node) { return cull.may_overlap(node.box); },
             [&](std::uint32_t listener) {
                 visit(listener);
                 return true;

@@ -167,14 +167,14 @@ struct DifficultRoom {
 };
 
 TEST(Completeness, DifficultRoomsHideNothing) {
-    constexpr double kMostSequences = 1e4;
+    constexpr double kMaxSequences = 1e4;
     std::size_t paths = 0;
     for (std::uint64_t seed = 0; seed < 70; ++seed) {
         const DifficultRoom room(seed);
         const MeshedScene scene(room.mesh, room.labels);
         const auto facets = static_cast<double>(scene.facets().facets.size());
         int order = 1;
-        while (order < 4 && std::pow(facets, order + 1) < kMostSequences) {
+        while (order < 4 && std::pow(facets, order + 1) < kMaxSequences) {
             ++order;
         }
         SCOPED_TRACE("seed " + std::to_string(seed));

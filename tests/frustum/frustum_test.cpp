@@ -85,7 +85,7 @@ TEST(Frustum, MirroringKeepsDirectionsOfPointsOnTheMirror) {
         EXPECT_NEAR(seen.x, uv.x, 1e-9) << "seed " << seed;
         EXPECT_NEAR(seen.y, uv.y, 1e-9) << "seed " << seed;
         EXPECT_NEAR(child.start.at(uv), inverse, 1e-9 * inverse);
-        EXPECT_LE(child.least_depth, 1.0 / inverse);
+        EXPECT_LE(child.min_depth, 1.0 / inverse);
         EXPECT_EQ(child.side, plane.distance(frustum.apex) > 0.0 ? 1.0 : -1.0);
     }
 }
@@ -99,7 +99,7 @@ TEST(BoxCull, NeverCullsABoxWithAPointOfTheFrustum) {
         box.include(corner);
         box.include(corner + random_point(seed, 2, 1.5));
         const BoxCull cull(frustum, nullptr, 1e-12);
-        if (cull.may_meet(box)) {
+        if (cull.may_overlap(box)) {
             continue;
         }
         ++culled;
@@ -129,8 +129,8 @@ TEST(BoxCull, CullsWhatLiesBehindTheStartingFacet) {
     behind.include(Vec3(0.1, 0.1, 3.0));
     before.include(Vec3(-0.1, -0.1, 0.5));
     before.include(Vec3(0.1, 0.1, 1.0));
-    EXPECT_FALSE(cull.may_meet(behind));
-    EXPECT_TRUE(cull.may_meet(before));
+    EXPECT_FALSE(cull.may_overlap(behind));
+    EXPECT_TRUE(cull.may_overlap(before));
 }
 
 }  // namespace

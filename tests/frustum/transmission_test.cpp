@@ -19,7 +19,7 @@ using geometry::Vec3;
 constexpr double kSheet = 2.3;  // x of the sheet
 const Vec3 kSize = {5.0, 3.0, 4.0};
 
-/// A box with a sheet across it that lets sound through; the sheet is the last facet.
+/// A box with a sheet across it that is transmissive; the sheet is the last facet.
 struct DividedBox {
     QuadRoom room;
     std::vector<std::uint8_t> transmissive;
@@ -44,13 +44,13 @@ struct DividedBox {
 
 /// Where an image of a coordinate lies, and over how many walls.
 struct Image {
-    double place;
+    double position;
     int walls;
 };
 
-std::vector<Image> images_of(double x, double size, int most) {
+std::vector<Image> images_of(double x, double size, int max_period) {
     std::vector<Image> images;
-    for (int period = -most; period <= most; ++period) {
+    for (int period = -max_period; period <= max_period; ++period) {
         images.push_back({2.0 * period * size + x, std::abs(2 * period)});
         images.push_back({2.0 * period * size - x, std::abs(2 * period - 1)});
     }
@@ -58,15 +58,15 @@ std::vector<Image> images_of(double x, double size, int most) {
 }
 
 /// How often a straight line from x to y, unfolded over the walls, passes the sheet.
-int passes_between(double x, double y) {
-    int passes = 0;
+int transmissions_between(double x, double y) {
+    int transmissions = 0;
     for (int period = -20; period <= 20; ++period) {
         for (const double sheet : {kSheet, -kSheet}) {
-            const double place = 2.0 * period * kSize.x + sheet;
-            passes += (place - x) * (place - y) < 0.0 ? 1 : 0;
+            const double position = 2.0 * period * kSize.x + sheet;
+            transmissions += (position - x) * (position - y) < 0.0 ? 1 : 0;
         }
     }
-    return passes;
+    return transmissions;
 }
 
 TEST(Transmission, PathsOverTheWallsOfADividedBoxAreThoseOfTheBox) {
@@ -78,27 +78,28 @@ TEST(Transmission, PathsOverTheWallsOfADividedBoxAreThoseOfTheBox) {
     const auto found =
         find_specular_paths(box.scene_view(), source, listeners, {.max_order = kOrder});
     for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
-        std::vector<std::pair<double, int>> expected, actual;  // length, passes
+        std::vector<std::pair<double, int>> expected, actual;  // length, transmissions
         const Vec3& to = listeners[listener];
         for (const Image& x : images_of(to.x, kSize.x, kOrder)) {
             for (const Image& y : images_of(to.y, kSize.y, kOrder)) {
                 for (const Image& z : images_of(to.z, kSize.z, kOrder)) {
-                    const int passes = passes_between(source.x, x.place);
-                    if (x.walls + y.walls + z.walls + passes <= kOrder) {
+                    const int transmissions = transmissions_between(source.x, x.position);
+                    if (x.walls + y.walls + z.walls + transmissions <= kOrder) {
                         expected.emplace_back(
-                            glm::distance(source, Vec3(x.place, y.place, z.place)), passes);
+                            glm::distance(source, Vec3(x.position, y.position, z.position)),
+                            transmissions);
                     }
                 }
             }
         }
         for (const SpecularPath& path : found.paths) {
-            const int passes = static_cast<int>(
+            const int transmissions = static_cast<int>(
                 std::count(path.transmitted.begin(), path.transmitted.end(), std::uint8_t{1}));
             const auto on_sheet = std::count_if(path.triangles.begin(),
                                                 path.triangles.end(),
                                                 [](auto triangle) { return triangle >= 12; });
-            if (path.listener == listener && on_sheet == passes) {
-                actual.emplace_back(path.length, passes);
+            if (path.listener == listener && on_sheet == transmissions) {
+                actual.emplace_back(path.length, transmissions);
             }
         }
         std::sort(expected.begin(), expected.end());

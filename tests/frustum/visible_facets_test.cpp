@@ -47,7 +47,7 @@ TEST(VisibleFacets, EveryFirstHitOfARayIsFound) {
         const SceneView scene_view = random.room.scene_view();
         const FacetIndex index(scene_view);
         const PathVerifier verifier(scene_view);
-        VisibleFacets search(index, Mode::complete, verifier.contact_reach(), 20.0);
+        VisibleFacets search(index, Mode::complete, verifier.contact_radius(), 20.0);
         for (const Frustum& frustum : frusta_around(random.source, 2, 8, 1e-12)) {
             search.search(frustum);
             std::set<FacetId> found;
@@ -86,9 +86,9 @@ TEST(VisibleFacets, AWallHidesWhatStandsBehindIt) {
             found.insert(visible.facet);
         }
         if (frustum.forward.z > 0.5) {
-            EXPECT_TRUE(search.may_reach({0, 0, 2}));
-            EXPECT_TRUE(search.may_reach({3, 3, 4.9}));
-            EXPECT_FALSE(search.may_reach({0, 0, 6}));
+            EXPECT_TRUE(search.may_arrive_at({0, 0, 2}));
+            EXPECT_TRUE(search.may_arrive_at({3, 3, 4.9}));
+            EXPECT_FALSE(search.may_arrive_at({0, 0, 6}));
         }
     }
     EXPECT_EQ(found, (std::set<FacetId>{0, 2}));
@@ -110,15 +110,15 @@ TEST(VisibleFacets, AReflectedFrustumIsAsWideAsTheFacetAllows) {
     EXPECT_NEAR(child.rect.upper.y, 0.25, 1e-5);
     // Asked of the parent and of the child itself, the answers agree.
     const VisibleFacet mirror = search.found().front();
-    EXPECT_TRUE(search.may_reach_mirrored(mirror, {0, 0, 1}));
-    EXPECT_TRUE(search.may_reach_mirrored(mirror, {1.49, 0, 2.01}));
-    EXPECT_FALSE(search.may_reach_mirrored(mirror, {4, 0, 1.98}));
-    EXPECT_FALSE(search.may_reach_mirrored(mirror, {0, 0, 5}));
+    EXPECT_TRUE(search.may_reflect_to(mirror, {0, 0, 1}));
+    EXPECT_TRUE(search.may_reflect_to(mirror, {1.49, 0, 2.01}));
+    EXPECT_FALSE(search.may_reflect_to(mirror, {4, 0, 1.98}));
+    EXPECT_FALSE(search.may_reflect_to(mirror, {0, 0, 5}));
     search.search(child);
-    EXPECT_TRUE(search.may_reach({0, 0, 1}));
-    EXPECT_TRUE(search.may_reach({1.49, 0, 2.01}));   // just inside the mirrored pyramid
-    EXPECT_FALSE(search.may_reach({1.52, 0, 1.98}));  // just outside
-    EXPECT_FALSE(search.may_reach({0, 0, 5}));        // behind the mirror
+    EXPECT_TRUE(search.may_arrive_at({0, 0, 1}));
+    EXPECT_TRUE(search.may_arrive_at({1.49, 0, 2.01}));   // just inside the mirrored pyramid
+    EXPECT_FALSE(search.may_arrive_at({1.52, 0, 1.98}));  // just outside
+    EXPECT_FALSE(search.may_arrive_at({0, 0, 5}));        // behind the mirror
 }
 
 }  // namespace

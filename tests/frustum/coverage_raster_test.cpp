@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/frustum/internal/cell_grid.h"
+#include "earshot/frustum/internal/coverage_raster.h"
 
 #include "earshot/base/random.h"
 
@@ -47,17 +47,17 @@ bool has(CellMask mask, int row, int column) {
     return ((mask >> (8 * row + column)) & 1) != 0;
 }
 
-TEST(CellRaster, TouchedIsASupersetAndFilledASubset) {
+TEST(CoverageRaster, OuterIsASupersetAndInnerASubset) {
     const Rect rect = {.lower = {-1.0, -1.0}, .upper = {1.0, 0.7}};
-    int filled_cells = 0;
+    int inner_cells = 0;
     for (std::uint64_t seed = 0; seed < 2000; ++seed) {
         const Polygon polygon = random_star(seed);
         const int cells = 1 + static_cast<int>(seed % 8);
-        CellRaster raster(rect, cells);
+        CoverageRaster raster(rect, cells);
         raster.start(1e-9);
         raster.add_loop(polygon);
         const Coverage coverage = raster.finish();
-        EXPECT_EQ(coverage.filled & ~coverage.touched, 0U);
+        EXPECT_EQ(coverage.inner & ~coverage.outer, 0U);
         for (int row = 0; row < cells; ++row) {
             for (int column = 0; column < cells; ++column) {
                 const Rect cell = raster.cell_rect(row, column);
@@ -66,83 +66,85 @@ TEST(CellRaster, TouchedIsASupersetAndFilledASubset) {
                     const glm::dvec2 p = {random_between(seed, 2, key, cell.lower.x, cell.upper.x),
                                           random_between(seed, 3, key, cell.lower.y, cell.upper.y)};
                     if (contains(polygon, p)) {
-                        ASSERT_TRUE(has(coverage.touched, row, column)) << "seed " << seed;
+                        ASSERT_TRUE(has(coverage.outer, row, column)) << "seed " << seed;
                     } else {
-                        ASSERT_FALSE(has(coverage.filled, row, column)) << "seed " << seed;
+                        ASSERT_FALSE(has(coverage.inner, row, column)) << "seed " << seed;
                     }
                 }
-                filled_cells += has(coverage.filled, row, column) ? 1 : 0;
+                inner_cells += has(coverage.inner, row, column) ? 1 : 0;
             }
         }
     }
-    EXPECT_GT(filled_cells, 1000);  // filled must not be empty by being too careful
+    EXPECT_GT(inner_cells, 1000);  // inner must not be empty by being too careful
 }
 
-TEST(CellRaster, AHoleIsNotFilled) {
-    CellRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
+TEST(CoverageRaster, AHoleIsNotCovered) {
+    CoverageRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
     raster.start(1e-9);
     raster.add_loop(Polygon{{-1.0, -1.0}, {9.0, -1.0}, {9.0, 9.0}, {-1.0, 9.0}});
     raster.add_loop(Polygon{{2.5, 2.5}, {2.5, 5.5}, {5.5, 5.5}, {5.5, 2.5}});
     const Coverage coverage = raster.finish();
-    EXPECT_TRUE(has(coverage.filled, 0, 0));
-    EXPECT_FALSE(has(coverage.touched, 3, 3));
-    EXPECT_TRUE(has(coverage.touched, 2, 2));
-    EXPECT_FALSE(has(coverage.filled, 2, 2));
+    EXPECT_TRUE(has(coverage.inner, 0, 0));
+    EXPECT_FALSE(has(coverage.outer, 3, 3));
+    EXPECT_TRUE(has(coverage.outer, 2, 2));
+    EXPECT_FALSE(has(coverage.inner, 2, 2));
 }
 
-TEST(CellRaster, PartsWoundTwiceAreStillInside) {
-    CellRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
+TEST(CoverageRaster, PartsWoundTwiceAreStillInside) {
+    CoverageRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
     raster.start(1e-9);
     const Polygon square = {{-1.0, -1.0}, {9.0, -1.0}, {9.0, 9.0}, {-1.0, 9.0}};
     raster.add_loop(square);
     raster.add_loop(square);
-    EXPECT_EQ(raster.finish().filled, kAllCells);
+    EXPECT_EQ(raster.finish().inner, kAllCells);
 }
 
-TEST(CellRaster, SlackGrowsTouchedAndShrinksFilled) {
+TEST(CoverageRaster, SlackGrowsOuterAndShrinksInner) {
     // The polygon's right border lies 0.01 cells inside column 3.
     const Polygon square = {{-1.0, -1.0}, {3.01, -1.0}, {3.01, 9.0}, {-1.0, 9.0}};
-    CellRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
+    CoverageRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
     raster.start(1e-9);
     raster.add_loop(square);
-    EXPECT_TRUE(has(raster.finish().filled, 4, 2));
+    EXPECT_TRUE(has(raster.finish().inner, 4, 2));
     raster.start(0.02);
     raster.add_loop(square);
-    EXPECT_FALSE(has(raster.finish().filled, 4, 2));
-    EXPECT_TRUE(has(raster.finish().touched, 4, 2));
-    EXPECT_FALSE(has(raster.finish().touched, 4, 4));
+    EXPECT_FALSE(has(raster.finish().inner, 4, 2));
+    EXPECT_TRUE(has(raster.finish().outer, 4, 2));
+    EXPECT_FALSE(has(raster.finish().outer, 4, 4));
 }
 
-TEST(CellRaster, BoxesOutsideMeetNoCell) {
-    const CellRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
-    EXPECT_EQ(raster.cells_of({.lower = {8.1, 0.0}, .upper = {9.0, 8.0}}, 0.01), 0U);
-    EXPECT_EQ(raster.cells_of({.lower = {8.1, 0.0}, .upper = {9.0, 8.0}}, 0.2),
+TEST(CoverageRaster, BoxesOutsideOverlapNoCell) {
+    const CoverageRaster raster({.lower = {0.0, 0.0}, .upper = {8.0, 8.0}}, 8);
+    EXPECT_EQ(raster.cells_overlapping({.lower = {8.1, 0.0}, .upper = {9.0, 8.0}}, 0.01), 0U);
+    EXPECT_EQ(raster.cells_overlapping({.lower = {8.1, 0.0}, .upper = {9.0, 8.0}}, 0.2),
               row_bits(0, 7, 7) * 0x0101010101010101ULL);
-    EXPECT_EQ(raster.cells_of({.lower = {1.5, 2.5}, .upper = {3.5, 2.6}}, 0.0), row_bits(2, 1, 3));
+    EXPECT_EQ(raster.cells_overlapping({.lower = {1.5, 2.5}, .upper = {3.5, 2.6}}, 0.0),
+              row_bits(2, 1, 3));
 }
 
-TEST(CellRaster, CellsMeetingAnotherGridAreThoseOfTheirRectangles) {
+TEST(CoverageRaster, CellsOverlappingAnotherGridAreThoseOfTheirRectangles) {
     for (std::uint64_t seed = 0; seed < 200; ++seed) {
         const auto random_grid = [&](std::uint64_t stream) {
             const glm::dvec2 lower = {random_between(seed, stream, 0, -1.0, 0.5),
                                       random_between(seed, stream, 1, -1.0, 0.5)};
             const glm::dvec2 size = {random_between(seed, stream, 2, 0.01, 1.0),
                                      random_between(seed, stream, 3, 0.01, 1.0)};
-            return CellRaster({.lower = lower, .upper = lower + size},
-                              1 + static_cast<int>(random_bits(seed, stream, 4) % 8));
+            return CoverageRaster({.lower = lower, .upper = lower + size},
+                                  1 + static_cast<int>(random_bits(seed, stream, 4) % 8));
         };
-        const CellRaster grid = random_grid(0);
-        const CellRaster other = random_grid(1);
+        const CoverageRaster grid = random_grid(0);
+        const CoverageRaster other = random_grid(1);
         const CellMask cells = random_bits(seed, 2, 0) & random_bits(seed, 2, 1);
         const double slack = random_between(seed, 3, 0, 0.0, 0.5);
         CellMask expected = 0;
         for (int row = 0; row < grid.cells(); ++row) {
             for (int column = 0; column < grid.cells(); ++column) {
-                const CellMask met = other.cells_of(grid.cell_rect(row, column), slack) & cells;
+                const CellMask met =
+                    other.cells_overlapping(grid.cell_rect(row, column), slack) & cells;
                 expected |= met != 0 ? row_bits(row, column, column) : 0;
             }
         }
-        EXPECT_EQ(grid.cells_meeting(other, cells, slack), expected) << "seed " << seed;
+        EXPECT_EQ(grid.cells_overlapping_grid(other, cells, slack), expected) << "seed " << seed;
     }
 }
 

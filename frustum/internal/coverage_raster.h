@@ -21,38 +21,39 @@ struct Rect {
     friend bool operator==(const Rect&, const Rect&) = default;
 };
 
-/// Which cells of a grid a polygon touches and which it fills.
+/// Which cells of a grid a polygon covers, in three senses.
 struct Coverage {
-    CellMask touched = 0;  ///< superset of the cells that share a point with the polygon
-    CellMask filled = 0;   ///< subset of the cells that lie wholly inside the polygon
-    CellMask centred = 0;  ///< cells whose centre lies inside, as computed without slack
+    CellMask outer = 0;  ///< outer-conservative: superset of the cells that the polygon touches
+    CellMask inner = 0;  ///< inner-conservative: subset of the cells that lie inside the polygon
+    CellMask centre_sampled = 0;  ///< cells whose centre lies inside, without slack
 };
 
-/// Draws closed polygons into a grid of n x n cells (n <= 8) over a rectangle, erring to the safe
-/// side: positions may be off by `slack` (in cells) without a cell going missing from `touched` or
-/// appearing in `filled`. Loops are drawn together under the non-zero winding rule, so holes and
-/// overlapping parts are understood.
-class CellRaster {
+/// Rasterises closed polygons into a grid of n x n cells (n <= 8) over a rectangle, conservatively:
+/// positions may be off by `slack` (in cells) without a cell going missing from `outer` or
+/// appearing in `inner`. Loops are combined under the non-zero winding rule, so holes and
+/// overlapping parts count as they should.
+class CoverageRaster {
 public:
-    CellRaster(const Rect& rect, int cells) noexcept;
+    CoverageRaster(const Rect& rect, int cells) noexcept;
 
-    /// `only_centres`: nothing but Coverage::centred is wanted, and the rest is the same.
+    /// Begins a new polygon. `only_centres`: only Coverage::centre_sampled is needed; the other
+    /// masks then equal it.
     void start(double slack_in_cells, bool only_centres = false) noexcept;
     /// Adds a closed loop; points in (u, v).
     void add_loop(std::span<const glm::dvec2> loop) noexcept;
     Coverage finish() const noexcept;
 
-    /// The cells that a box of (u, v) grown by slack_in_cells meets.
-    CellMask cells_of(const Rect& box, double slack_in_cells) const noexcept;
+    /// The cells that a box of (u, v), grown by slack_in_cells, overlaps.
+    CellMask cells_overlapping(const Rect& box, double slack_in_cells) const noexcept;
 
     /// The cells whose centres lie in a box of (u, v), as computed without slack.
-    CellMask cells_centred_in(const Rect& box) const noexcept;
+    CellMask cells_with_centre_in(const Rect& box) const noexcept;
 
-    /// The cells that meet, grown by slack_in_cells (of the other grid), one of `cells` of another
-    /// grid over the same (u, v).
-    CellMask cells_meeting(const CellRaster& other,
-                           CellMask cells,
-                           double slack_in_cells) const noexcept;
+    /// The cells that overlap, grown by slack_in_cells (of the other grid), one of `cells` of
+    /// another grid over the same (u, v).
+    CellMask cells_overlapping_grid(const CoverageRaster& other,
+                                    CellMask cells,
+                                    double slack_in_cells) const noexcept;
 
     int cells() const noexcept { return cells_; }
     glm::dvec2 cell_size() const noexcept { return cell_size_; }
@@ -73,10 +74,9 @@ private:
     glm::dvec2 scale_;
     double slack_ = 0.0;
     bool only_centres_ = false;
-    CellMask edge_ = 0;
-    // By how much the winding number changes from the column before; one past the last is never
-    // read.
-    std::int32_t turns_[kGridSide][kGridSide + 1] = {};
+    CellMask boundary_ = 0;
+    // Change of the winding number from the column before; one past the last is never read.
+    std::int32_t winding_change_[kGridSide][kGridSide + 1] = {};
 };
 
 /// Bits first ... last (inclusive, within 0..7) of one row.

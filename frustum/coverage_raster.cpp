@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/frustum/internal/cell_grid.h"
+#include "earshot/frustum/internal/coverage_raster.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,22 +24,22 @@ int clamped_ceiling(double value) noexcept {
 
 }  // namespace
 
-CellRaster::CellRaster(const Rect& rect, int cells) noexcept
+CoverageRaster::CoverageRaster(const Rect& rect, int cells) noexcept
     : rect_(rect),
       cells_(cells),
       cell_size_((rect.upper - rect.lower) / static_cast<double>(cells)),
       scale_(static_cast<double>(cells) / (rect.upper - rect.lower)) {}
 
-void CellRaster::start(double slack_in_cells, bool only_centres) noexcept {
+void CoverageRaster::start(double slack_in_cells, bool only_centres) noexcept {
     only_centres_ = only_centres;
     slack_ = slack_in_cells;
-    edge_ = 0;
-    for (auto& row : turns_) {
+    boundary_ = 0;
+    for (auto& row : winding_change_) {
         std::fill(std::begin(row), std::end(row), 0);
     }
 }
 
-void CellRaster::add_loop(std::span<const glm::dvec2> loop) noexcept {
+void CoverageRaster::add_loop(std::span<const glm::dvec2> loop) noexcept {
     glm::dvec2 previous = (loop.back() - rect_.lower) * scale_;
     for (const glm::dvec2& point : loop) {
         const glm::dvec2 current = (point - rect_.lower) * scale_;
@@ -53,7 +53,7 @@ void CellRaster::add_loop(std::span<const glm::dvec2> loop) noexcept {
 
 // Marks every cell within slack of the edge. Row by row: the part of the edge inside the row
 // (grown by slack) spans a range of columns.
-void CellRaster::mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
+void CoverageRaster::mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
     if (a.y > b.y) {
         std::swap(a, b);
     }
@@ -79,18 +79,18 @@ void CellRaster::mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
             right = std::min(high_x, std::max(x0, x1));
         }
         // The interpolation above may be off by a few units in the last place of the coordinates,
-        // which the callers' slack has room for (see project() in visible_facets.cpp).
+        // which the callers' slack allows for (kCellSlack in visible_facets.h).
         left -= slack_;
         right += slack_;
         if (right < 0.0 || left > side) {
             continue;
         }
-        edge_ |= row_bits(row, clamp_cell(left, cells_), clamp_cell(right, cells_));
+        boundary_ |= row_bits(row, clamp_cell(left, cells_), clamp_cell(right, cells_));
     }
 }
 
 // Counts the edge for every cell centre to the right of where it crosses the centre's row.
-void CellRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
+void CoverageRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
     const int direction = a.y < b.y ? 1 : -1;
     if (direction < 0) {
         std::swap(a, b);
@@ -104,24 +104,24 @@ void CellRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
     const double slope = (b.x - a.x) / (b.y - a.y);
     for (int row = first_row; row < end_row; ++row) {
         const double x = a.x + slope * (row + 0.5 - a.y);
-        turns_[row][clamped_ceiling(x - 0.5)] += direction;
+        winding_change_[row][clamped_ceiling(x - 0.5)] += direction;
     }
 }
 
-Coverage CellRaster::finish() const noexcept {
+Coverage CoverageRaster::finish() const noexcept {
     CellMask inside = 0;
     for (int row = 0; row < cells_; ++row) {
         std::int32_t winding = 0;
         for (int column = 0; column < cells_; ++column) {
-            winding += turns_[row][column];
+            winding += winding_change_[row][column];
             inside |= static_cast<CellMask>(winding != 0) << (8 * row + column);
         }
     }
-    // No edge passes a cell outside edge_, so its centre speaks for all of it.
-    return {.touched = edge_ | inside, .filled = inside & ~edge_, .centred = inside};
+    // No edge passes a cell outside boundary_, so its centre decides for all of it.
+    return {.outer = boundary_ | inside, .inner = inside & ~boundary_, .centre_sampled = inside};
 }
 
-CellMask CellRaster::cells_of(const Rect& box, double slack_in_cells) const noexcept {
+CellMask CoverageRaster::cells_overlapping(const Rect& box, double slack_in_cells) const noexcept {
     const Range columns = range_of(box.lower.x, box.upper.x, 0, slack_in_cells);
     const Range rows = range_of(box.lower.y, box.upper.y, 1, slack_in_cells);
     if (columns.first > columns.last) {
@@ -134,7 +134,7 @@ CellMask CellRaster::cells_of(const Rect& box, double slack_in_cells) const noex
     return mask;
 }
 
-CellMask CellRaster::cells_centred_in(const Rect& box) const noexcept {
+CellMask CoverageRaster::cells_with_centre_in(const Rect& box) const noexcept {
     const glm::dvec2 low = (box.lower - rect_.lower) * scale_ - 0.5;
     const glm::dvec2 high = (box.upper - rect_.lower) * scale_ - 0.5;
     const int first_column = clamped_ceiling(low.x);
@@ -151,15 +151,15 @@ CellMask CellRaster::cells_centred_in(const Rect& box) const noexcept {
     return mask;
 }
 
-CellMask CellRaster::cells_meeting(const CellRaster& other,
-                                   CellMask cells,
-                                   double slack_in_cells) const noexcept {
-    CellMask columns_meeting[kGridSide] = {};  // per column of this grid: columns of the other
+CellMask CoverageRaster::cells_overlapping_grid(const CoverageRaster& other,
+                                                CellMask cells,
+                                                double slack_in_cells) const noexcept {
+    CellMask columns_overlapping[kGridSide] = {};  // per column of this grid: columns of the other
     for (int column = 0; column < cells_; ++column) {
         const Rect rect = cell_rect(0, column);
         const Range columns = other.range_of(rect.lower.x, rect.upper.x, 0, slack_in_cells);
         if (columns.first <= columns.last) {
-            columns_meeting[column] = row_bits(0, columns.first, columns.last);
+            columns_overlapping[column] = row_bits(0, columns.first, columns.last);
         }
     }
     CellMask mask = 0;
@@ -171,17 +171,17 @@ CellMask CellRaster::cells_meeting(const CellRaster& other,
             columns |= (cells >> (8 * i)) & 0xff;
         }
         for (int column = 0; column < cells_; ++column) {
-            mask |= static_cast<CellMask>((columns & columns_meeting[column]) != 0)
+            mask |= static_cast<CellMask>((columns & columns_overlapping[column]) != 0)
                     << (8 * row + column);
         }
     }
     return mask;
 }
 
-CellRaster::Range CellRaster::range_of(double lower,
-                                       double upper,
-                                       int axis,
-                                       double slack_in_cells) const noexcept {
+CoverageRaster::Range CoverageRaster::range_of(double lower,
+                                               double upper,
+                                               int axis,
+                                               double slack_in_cells) const noexcept {
     const double from = (lower - rect_.lower[axis]) * scale_[axis] - slack_in_cells;
     const double to = (upper - rect_.lower[axis]) * scale_[axis] + slack_in_cells;
     if (!(to >= 0.0) || !(from <= cells_)) {
@@ -190,7 +190,7 @@ CellRaster::Range CellRaster::range_of(double lower,
     return {.first = clamp_cell(from, cells_), .last = clamp_cell(to, cells_)};
 }
 
-Rect CellRaster::cell_rect(int row, int column) const noexcept {
+Rect CoverageRaster::cell_rect(int row, int column) const noexcept {
     const glm::dvec2 lower = rect_.lower + glm::dvec2(column, row) * cell_size_;
     return {.lower = lower, .upper = lower + cell_size_};
 }

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/beam_tree.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+
+namespace earshot::frustum {
+
+using geometry::Vec3;
+
+namespace {
+
+// Complete mode: one frustum per cube face was fastest in scenes of 6 to 3,000 facets, by a tenth
+// to a third over 32 sub-frusta and more.
+constexpr int kCompleteResolution = 8;
+constexpr int kSampledResolution = 32;
+
+}  // namespace
+
+BeamTracer::BeamTracer(const FacetIndex& index,
+                       const TraceOptions& options,
+                       double contact_radius,
+                       double max_radius,
+                       int orders)
+    : index_(index),
+      options_(options),
+      contact_radius_(contact_radius),
+      max_radius_(max_radius),
+      orders_(orders) {}
+
+VisibleFacets BeamTracer::make_search() const {
+    return {index_, options_.mode, contact_radius_, max_radius_};
+}
+
+std::vector<Frustum> BeamTracer::frusta_around_source(const Vec3& source) const {
+    const int default_resolution =
+        options_.mode == Mode::complete ? kCompleteResolution : kSampledResolution;
+    const int resolution = options_.resolution > 0 ? options_.resolution : default_resolution;
+    const int cells = std::min(resolution, kGridSide);
+    const int pieces = (resolution + cells - 1) / cells;
+    const double min_depth = 0.5 * kRounding * index_.extent();
+    return frusta_around(source, pieces, cells, min_depth);
+}
+
+// A path over the facet is at least as long as the way from the image source to the facet's box.
+bool BeamTracer::within_limits(const Frustum& frustum, const VisibleFacet& visible) const {
+    constexpr double kRoundedDown = 1.0 - 0x1p-30;  // for the rounding of this bound
+    const geometry::Aabb& box = index_.box(visible.facet);
+    Vec3 closest;
+    for (int k = 0; k < 3; ++k) {
+        const auto axis = static_cast<std::size_t>(k);
+        closest[k] = std::clamp(frustum.apex[k],
+                                static_cast<double>(box.lower[axis]),
+                                static_cast<double>(box.upper[axis]));
+    }
+    const double length = kRoundedDown * glm::distance(frustum.apex, closest);
+    const double factor = frustum.max_pressure_factor * index_.max_pressure_factor(visible.facet);
+    return length <= options_.max_length &&
+           !(factor < kRoundedDown * options_.min_pressure * length);
+}
+
+void BeamRecorder::visit(const VisibleFacets& search) {
+    const std::size_t begin = tree_.visible.size();
+    tree_.visible.insert(tree_.visible.end(), search.found().begin(), search.found().end());
+    tree_.nodes.push_back({search.frustum(), order_, begin, tree_.visible.size()});
+}
+
+}  // namespace earshot::frustum

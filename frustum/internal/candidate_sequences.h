@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/frustum/internal/listener_beams.h"
+#include "earshot/frustum/internal/listener_points.h"
+#include "earshot/frustum/internal/visible_facets.h"
+#include "earshot/frustum/path_verifier.h"
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace earshot::frustum {
+
+/// What one task of a search found.
+struct TaskResult {
+    std::vector<SpecularPath> paths;
+    TraceStatistics statistics;
+
+    void append(TaskResult&& other);
+};
+
+/// The listeners of a search, and by which structure they are found.
+struct ListenerSet {
+    std::span<const geometry::Vec3> positions;
+    const ListenerBeams* beams = nullptr;    ///< their beam trees, if there are any
+    const ListenerPoints* points = nullptr;  ///< a hierarchy over them otherwise
+};
+
+/// Generates candidate facet sequences (visibility sequences) from the nodes of the source's beam
+/// tree and has them verified. It keeps the sequence of facets and the image sources along one way
+/// down the tree; one object per thread of work.
+class CandidateGenerator {
+public:
+    CandidateGenerator(const FacetIndex& index,
+                       const PathVerifier& verifier,
+                       const ListenerSet& listeners,
+                       const TraceOptions& options,
+                       double max_radius,
+                       const geometry::Vec3& source);
+
+    /// Appends a facet to the sequence.
+    void push(geometry::FacetId facet);
+    void pop();
+    std::size_t order() const noexcept { return sequence_.size(); }
+
+    /// The direct path to every listener.
+    void generate_direct();
+
+    /// Candidates that end in the current frustum of `search`, or in a facet visible in it, or one
+    /// reflection after that. Precondition: the sequence is that of the frustum.
+    void generate_from(const VisibleFacets& search, std::span<const VisibleFacet> visible_facets);
+
+    TaskResult take_result() { return std::move(result_); }
+
+private:
+    /// Calls join(item) for the items stored under a visible facet whose point may be reached on a
+    /// straight line through the facet's aperture.
+    template <typename Item, typename Join>
+    void for_each_in_aperture(const VisibleFacets& search,
+                              const VisibleFacet& visible,
+                              const PointsByFacet<Item>& stored,
+                              Join&& join);
+    void join_last_reflections(const VisibleFacets& search, const VisibleFacet& visible);
+    void join_last_two_reflections(const VisibleFacets& search, const VisibleFacet& visible);
+    void join_grazing_facets(const VisibleFacets& search, const VisibleFacet& visible);
+    void find_listeners_in_frusta(const VisibleFacets& search,
+                                  std::span<const VisibleFacet> visible_facets);
+    void verify_candidate(std::size_t listener);
+    bool within_limits(double length) const noexcept;
+
+    const FacetIndex& index_;
+    const PathVerifier& verifier_;
+    const ListenerSet& listeners_;
+    TraceOptions options_;
+    double max_radius_;
+    std::vector<geometry::FacetId> sequence_;
+    std::vector<geometry::Vec3> images_;
+    ApertureTest aperture_test_;  // of the current frustum
+    std::vector<std::uint8_t> inside_;
+    TaskResult result_;
+};
+
+}  // namespace earshot::frustum

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/frustum/internal/coverage_raster.h"
+#include "earshot/frustum/internal/frustum.h"
+
+#include <array>
+#include <bit>
+#include <cstddef>
+
+namespace earshot::frustum {
+
+/// A coarse depth buffer over the sub-frusta of a frustum: per cell the closest known plane that
+/// occludes everything behind it. In complete mode a facet occludes the cells that it covers wholly
+/// (Coverage::inner); in sampled mode, those whose centre it covers.
+class OcclusionGrid {
+public:
+    /// Forgets all occluders. `first_centre`: of cell 0, in (u, v).
+    void reset(const glm::dvec2& first_centre, const glm::dvec2& cell_size) noexcept;
+
+    /// Enters a plane of a facet into those of `cells` where it is closer at the centre than the
+    /// occluder so far. `depth`: of the plane, already scaled down by its error.
+    void add(geometry::FacetId facet, const InverseDepth& depth, CellMask cells) noexcept;
+
+    /// Cells that have an occluder.
+    CellMask occluded() const noexcept { return occluded_; }
+
+    /// Those of `cells` whose occluder belongs to the facet.
+    CellMask cells_owned_by(geometry::FacetId facet, CellMask cells) const noexcept;
+
+    /// Those of `cells` in which plane a is closer than plane b everywhere, by more than rounding.
+    CellMask cells_where_closer(const InverseDepth& a,
+                                const InverseDepth& b,
+                                CellMask cells) const noexcept;
+
+    /// Those of `cells` whose occluder, of another facet, is closer than the plane everywhere.
+    CellMask cells_hiding(geometry::FacetId facet,
+                          const InverseDepth& depth,
+                          CellMask cells) const noexcept;
+
+    /// Whether all of `cells` have an occluder that is everywhere closer than the plane.
+    bool all_hide(const InverseDepth& depth, CellMask cells) const noexcept;
+
+    /// Whether all of `cells` have an occluder that is closer at the centre than an inverse depth.
+    bool all_centres_hide(double inverse_depth, CellMask cells) const noexcept;
+
+private:
+    struct Occluder {
+        geometry::FacetId facet = 0;
+        InverseDepth depth;
+        double centre = 0.0;  // inverse depth at the cell's centre
+        double size = 0.0;    // of the coefficients, for their rounding
+    };
+
+    glm::dvec2 centre_of(int cell) const noexcept;
+    double max_change(const InverseDepth& a, const InverseDepth& b) const noexcept;
+    bool hides(const Occluder& occluder,
+               const InverseDepth& depth,
+               double size,
+               int cell) const noexcept;
+
+    glm::dvec2 first_centre_{0.0};
+    glm::dvec2 cell_size_{0.0};
+    CellMask occluded_ = 0;
+    std::array<Occluder, 64> occluders_;
+};
+
+/// Calls visit(cell) for every bit of a mask, lowest first.
+template <typename Visit>
+void for_each_cell(CellMask mask, Visit&& visit) {
+    for (; mask != 0; mask &= mask - 1) {
+        visit(std::countr_zero(mask));
+    }
+}
+
+}  // namespace earshot::frustum

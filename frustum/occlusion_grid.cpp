@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/occlusion_grid.h"
+
+#include <cmath>
+
+namespace earshot::frustum {
+
+using geometry::FacetId;
+
+namespace {
+
+/// Relative slack for rounding in inverse depths, which are sums of three products.
+constexpr double kDepthSlack = 0x1p-40;
+
+double size_of(const InverseDepth& depth) noexcept {
+    return std::abs(depth.constant) + std::abs(depth.slope.x) + std::abs(depth.slope.y);
+}
+
+}  // namespace
+
+void OcclusionGrid::reset(const glm::dvec2& first_centre, const glm::dvec2& cell_size) noexcept {
+    first_centre_ = first_centre;
+    cell_size_ = cell_size;
+    occluded_ = 0;
+}
+
+void OcclusionGrid::add(FacetId facet, const InverseDepth& depth, CellMask cells) noexcept {
+    const double size = size_of(depth);
+    for_each_cell(cells, [&](int cell) {
+        Occluder& occluder = occluders_[static_cast<std::size_t>(cell)];
+        const double centre = depth.at(centre_of(cell));
+        const CellMask bit = CellMask{1} << cell;
+        if ((occluded_ & bit) == 0 || centre > occluder.centre) {
+            occluder = {facet, depth, centre, size};
+            occluded_ |= bit;
+        }
+    });
+}
+
+CellMask OcclusionGrid::cells_owned_by(FacetId facet, CellMask cells) const noexcept {
+    CellMask owned = 0;
+    for_each_cell(occluded_ & cells, [&](int cell) {
+        const bool is_owner = occluders_[static_cast<std::size_t>(cell)].facet == facet;
+        owned |= static_cast<CellMask>(is_owner) << cell;
+    });
+    return owned;
+}
+
+CellMask OcclusionGrid::cells_where_closer(const InverseDepth& a,
+                                           const InverseDepth& b,
+                                           CellMask cells) const noexcept {
+    const double size_a = size_of(a);
+    const double size_b = size_of(b);
+    CellMask closer = 0;
+    for_each_cell(cells, [&](int cell) {
+        const Occluder plane{0, a, a.at(centre_of(cell)), size_a};
+        closer |= static_cast<CellMask>(hides(plane, b, size_b, cell)) << cell;
+    });
+    return closer;
+}
+
+CellMask OcclusionGrid::cells_hiding(FacetId facet,
+                                     const InverseDepth& depth,
+                                     CellMask cells) const noexcept {
+    CellMask hidden = 0;
+    const double size = size_of(depth);
+    for_each_cell(cells & occluded_, [&](int cell) {
+        const Occluder& occluder = occluders_[static_cast<std::size_t>(cell)];
+        if (occluder.facet != facet && hides(occluder, depth, size, cell)) {
+            hidden |= CellMask{1} << cell;
+        }
+    });
+    return hidden;
+}
+
+bool OcclusionGrid::all_hide(const InverseDepth& depth, CellMask cells) const noexcept {
+    if ((cells & ~occluded_) != 0) {
+        return false;
+    }
+    const double size = size_of(depth);
+    for (; cells != 0; cells &= cells - 1) {
+        const int cell = std::countr_zero(cells);
+        if (!hides(occluders_[static_cast<std::size_t>(cell)], depth, size, cell)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool OcclusionGrid::all_centres_hide(double inverse_depth, CellMask cells) const noexcept {
+    if ((cells & ~occluded_) != 0) {
+        return false;
+    }
+    for (; cells != 0; cells &= cells - 1) {
+        const auto cell = static_cast<std::size_t>(std::countr_zero(cells));
+        if (!(occluders_[cell].centre > inverse_depth)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+// The difference of two inverse depths is linear in (u, v): it is positive in the whole cell if it
+// exceeds at the centre what it can lose on the way to a corner.
+bool OcclusionGrid::hides(const Occluder& occluder,
+                          const InverseDepth& depth,
+                          double size,
+                          int cell) const noexcept {
+    return occluder.centre - depth.at(centre_of(cell)) >
+           max_change(occluder.depth, depth) + kDepthSlack * (occluder.size + size);
+}
+
+glm::dvec2 OcclusionGrid::centre_of(int cell) const noexcept {
+    return {first_centre_.x + cell % kGridSide * cell_size_.x,
+            first_centre_.y + cell / kGridSide * cell_size_.y};
+}
+
+// From a cell's centre to its corners.
+double OcclusionGrid::max_change(const InverseDepth& a, const InverseDepth& b) const noexcept {
+    return 0.5 * (std::abs(a.slope.x - b.slope.x) * cell_size_.x +
+                  std::abs(a.slope.y - b.slope.y) * cell_size_.y);
+}
+
+}  // namespace earshot::frustum
