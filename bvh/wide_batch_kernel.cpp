@@ -1,16 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/internal/wide_batch_kernel.h"
 
+#include "earshot/bvh/internal/ray_packet.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "earshot/bvh/wide_batch_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
-#include "earshot/base/wide.h"
-#include "earshot/base/wide_float.h"
 #include "earshot/bvh/kernels/exact_queue-inl.h"
-#include "earshot/bvh/kernels/float_ray-inl.h"
-#include "earshot/bvh/kernels/leaf-inl.h"
-// After exact_queue-inl.h and leaf-inl.h.
 #include "earshot/bvh/kernels/interleaved-inl.h"
 #include "earshot/bvh/kernels/packet-inl.h"
 #include "earshot/bvh/kernels/single_ray-inl.h"

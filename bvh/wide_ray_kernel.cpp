@@ -5,9 +5,9 @@
 #define HWY_TARGET_INCLUDE "earshot/bvh/wide_ray_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
-#include "earshot/base/wide_float.h"
 #include "earshot/bvh/kernels/float_ray-inl.h"
 #include "earshot/bvh/kernels/leaf-inl.h"
+#include "earshot/bvh/kernels/node-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {

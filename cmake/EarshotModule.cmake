@@ -19,5 +19,6 @@ function(earshot_module name)
     PUBLIC ${ARG_USES} ${ARG_PUBLIC_LIBS} PRIVATE ${ARG_PRIVATE_LIBS})
   install(TARGETS earshot_${name} EXPORT earshot)
   install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/ DESTINATION include/earshot/${name}
-          FILES_MATCHING PATTERN "*.h" PATTERN "internal" EXCLUDE PATTERN "kernels" EXCLUDE)
+          FILES_MATCHING PATTERN "*.h" PATTERN "internal" EXCLUDE PATTERN "kernels" EXCLUDE
+          PATTERN "simd" EXCLUDE PATTERN "*-inl.h" EXCLUDE)
 endfunction()

@@ -5,7 +5,7 @@
 #define HWY_TARGET_INCLUDE "earshot/frustum/aperture_test_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
-#include "earshot/base/wide.h"
+#include "earshot/base/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::frustum::HWY_NAMESPACE {
@@ -17,21 +17,21 @@ HWY_INLINE std::uint32_t inside_bits(const ApertureTest& aperture,
                                      std::size_t first) {
     Doubles offset[3], local[3];
     for (std::size_t k = 0; k < 3; ++k) {
-        offset[k] = subtract(load(block.coordinate[k] + first), broadcast(aperture.apex[k]));
+        offset[k] = Doubles::load(block.coordinate[k] + first) - Doubles(aperture.apex[k]);
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        local[axis] = add(add(multiply(offset[0], broadcast(aperture.axes[axis][0])),
-                              multiply(offset[1], broadcast(aperture.axes[axis][1]))),
-                          multiply(offset[2], broadcast(aperture.axes[axis][2])));
+        local[axis] = offset[0] * Doubles(aperture.axes[axis][0]) +
+                      offset[1] * Doubles(aperture.axes[axis][1]) +
+                      offset[2] * Doubles(aperture.axes[axis][2]);
     }
     const Doubles depth = local[2];
-    std::uint32_t inside = at_most_bits(broadcast(aperture.min_depth), depth);
+    std::uint32_t inside = bits(Doubles(aperture.min_depth) <= depth);
     for (std::size_t k = 0; k < 2; ++k) {
-        const Doubles margin = add(multiply(broadcast(aperture.margin_per_depth[k]), depth),
-                                   broadcast(aperture.margin));
-        const Doubles lower = subtract(multiply(broadcast(aperture.lower[k]), depth), margin);
-        const Doubles upper = add(multiply(broadcast(aperture.upper[k]), depth), margin);
-        inside &= at_most_bits(lower, local[k]) & at_most_bits(local[k], upper);
+        const Doubles margin =
+            Doubles(aperture.margin_per_depth[k]) * depth + Doubles(aperture.margin);
+        const Doubles lower = Doubles(aperture.lower[k]) * depth - margin;
+        const Doubles upper = Doubles(aperture.upper[k]) * depth + margin;
+        inside &= bits(lower <= local[k]) & bits(local[k] <= upper);
     }
     return inside;
 }
@@ -41,7 +41,7 @@ void points_inside(const ApertureTest& aperture,
                    std::span<std::uint8_t> masks) {
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         std::uint32_t inside = 0;
-        for (std::size_t first = 0; first < PointBlock::kWidth; first += lanes()) {
+        for (std::size_t first = 0; first < PointBlock::kWidth; first += Doubles::kCount) {
             inside |= inside_bits(aperture, blocks[i], first) << first;
         }
         masks[i] = static_cast<std::uint8_t>(inside);

@@ -5,7 +5,7 @@
 #define HWY_TARGET_INCLUDE "earshot/frustum/box_cull_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
-#include "earshot/base/wide.h"
+#include "earshot/base/simd/lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::frustum::HWY_NAMESPACE {
@@ -13,16 +13,16 @@ namespace earshot::frustum::HWY_NAMESPACE {
 using namespace earshot::HWY_NAMESPACE;
 
 bool box_lies_outside(const HalfSpaces& half_spaces, const float* lower, const float* upper) {
-    const std::size_t step = lanes();
+    const std::size_t step = Doubles::kCount;
     for (std::size_t i = 0; i < kMaxHalfSpaces; i += step) {
-        Doubles farthest = broadcast(0.0);  // of the box's corners along each normal
+        Doubles farthest = Doubles(0.0);  // of the box's corners along each normal
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const Doubles high = broadcast(static_cast<double>(upper[axis]));
-            const Doubles low = broadcast(static_cast<double>(lower[axis]));
-            farthest = add(farthest, multiply(load(half_spaces.positive[axis] + i), high));
-            farthest = add(farthest, multiply(load(half_spaces.negative[axis] + i), low));
+            const Doubles high = Doubles(static_cast<double>(upper[axis]));
+            const Doubles low = Doubles(static_cast<double>(lower[axis]));
+            farthest = farthest + Doubles::load(half_spaces.positive[axis] + i) * high;
+            farthest = farthest + Doubles::load(half_spaces.negative[axis] + i) * low;
         }
-        if (any_less(farthest, load(half_spaces.offset + i))) {
+        if (any(farthest < Doubles::load(half_spaces.offset + i))) {
             return true;
         }
     }

@@ -18,17 +18,21 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
+/// 2^23: floats from here on are whole numbers, so that adding it rounds to the nearest, ties to
+/// even, and leaves the number in the lowest bits.
+constexpr float kRounder = 8388608.0F;
+
 HWY_INLINE Binning make_binning(Box centres, std::size_t count) {
     // Most ranges are small, and their time is the sweep's.
     const std::size_t bins = count < 16 * (kMaxBins - 6) ? 6 + count / 16 : kMaxBins;
-    const Quad width = extent(centres);
-    const Quad scale = divide(all_four(static_cast<float>(bins - 1)), width);
+    const Float4 width = extent(centres);
+    const Float4 scale = Float4(static_cast<float>(bins - 1)) / width;
     // Of widths so small that the quotient overflows, and of none, there is nothing to cut.
-    const Quad none = all_four(0.0F);
-    const Quad not_tiny = select(less(scale, all_four(kHighest)), scale, none);
+    const Float4 none = Float4(0.0F);
+    const Float4 not_tiny = select(scale < Float4(kHighest), scale, none);
     Binning binning;
-    store_quad(subtract(none, low(centres)), binning.lower);
-    store_quad(select(less(none, width), not_tiny, none), binning.scale);
+    (none - low(centres)).store(binning.lower);
+    select(none < width, not_tiny, none).store(binning.scale);
     binning.lower[3] = 0.0F;
     binning.scale[3] = 0.0F;
     binning.bins = static_cast<std::uint32_t>(bins);
@@ -38,8 +42,8 @@ HWY_INLINE Binning make_binning(Box centres, std::size_t count) {
 /// Two bins along the longest side, which meet in its middle.
 HWY_INLINE Binning make_halves(Box box) {
     alignas(16) float widths[4], lower[4];
-    store_quad(extent(box), widths);
-    store_quad(low(box), lower);
+    extent(box).store(widths);
+    low(box).store(lower);
     const std::size_t first_two = widths[1] > widths[0] ? 1 : 0;
     const std::size_t axis = widths[2] > widths[first_two] ? 2 : first_two;
     // Centres are doubled, and so is the side.
@@ -65,17 +69,17 @@ HWY_INLINE void clear(const Binning& binning, Bins& bins) {
 /// their bounds and those of their centres.
 HWY_INLINE void refer_to(
     const float* boxes, std::uint32_t first, std::size_t count, PrimRef* refs, Bounds& bounds) {
-    const Quad farthest = all_four(kMaxCoordinate);
-    const Quad zero = all_four(0.0F);
-    const Quad nearest = subtract(zero, farthest);
-    const auto clamp = [&](Quad quad) { return larger(smaller(quad, farthest), nearest); };
+    const Float4 farthest = Float4(kMaxCoordinate);
+    const Float4 zero = Float4(0.0F);
+    const Float4 nearest = zero - farthest;
+    const auto clamp = [&](Float4 place) { return max(min(place, farthest), nearest); };
     Box box = nothing(), centres = nothing();
     for (std::size_t i = 0; i < count; ++i) {
         const float* const numbers = boxes + 6 * i;
         const auto index = first + static_cast<std::uint32_t>(i);
         // Subtracting from and adding to zero leaves no negative zero.
-        store_quad(subtract(zero, clamp(load_unaligned(numbers))), refs[i].low);
-        store_quad(add(clamp(next(load_unaligned(numbers + 2))), zero), refs[i].high);
+        (zero - clamp(Float4::load_unaligned(numbers))).store(refs[i].low);
+        (clamp(rotate_by_one(Float4::load_unaligned(numbers + 2))) + zero).store(refs[i].high);
         refs[i].low[3] = static_cast<float>(index & 0xFFFFU);
         refs[i].high[3] = static_cast<float>(index >> 16U);
         const Box ref = load_box(refs[i]);
@@ -86,12 +90,12 @@ HWY_INLINE void refer_to(
     store_box(centres, bounds.centroids);
 }
 
-HWY_INLINE void put(const PrimRef& ref, Quad lower, Quad scale, Bins& bins) {
+HWY_INLINE void put(const PrimRef& ref, Float4 lower, Float4 scale, Bins& bins) {
     const Box box = load_box(ref);
-    const Quad centre = subtract(load_quad(ref.high), load_quad(ref.low));
-    const Quad place = add(multiply(subtract(centre, lower), scale), all_four(kRounder));
+    const Float4 centre = Float4::load(ref.high) - Float4::load(ref.low);
+    const Float4 place = (centre - lower) * scale + Float4(kRounder);
     std::uint32_t places[3];
-    store_bits(place, static_cast<std::int32_t>(kMaxBins - 1), places);
+    store_masked_bits(place, static_cast<std::int32_t>(kMaxBins - 1), places);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         Bin& bin = bins.at[places[axis]];
         store_box(join(load_box(bin.boxes[axis]), box), bin.boxes[axis]);
@@ -116,8 +120,8 @@ HWY_INLINE void fill(
     // Neighbours tend to share bins, and what was just stored loads late. So large ranges are
     // binned from two ends into two sets of bins.
     constexpr std::size_t kWorthTwoSets = 128;
-    const Quad lower = load_quad(binning.lower);
-    const Quad scale = load_quad(binning.scale);
+    const Float4 lower = Float4::load(binning.lower);
+    const Float4 scale = Float4::load(binning.scale);
     clear(binning, bins);
     std::size_t i = 0;
     if (count >= kWorthTwoSets) {
@@ -138,20 +142,20 @@ HWY_INLINE void fill(
 /// Boxes and counts that grow bin by bin, along three axes at once.
 struct Sweep {
     Box boxes[3];
-    Quad counts;
+    Float4 counts;
 
-    HWY_INLINE Sweep() : boxes{nothing(), nothing(), nothing()}, counts(all_four(0.0F)) {}
+    HWY_INLINE Sweep() : boxes{nothing(), nothing(), nothing()}, counts(Float4(0.0F)) {}
     HWY_INLINE void include(const Bin& bin) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             boxes[axis] = join(boxes[axis], load_box(bin.boxes[axis]));
         }
-        counts = add(counts, load_counts(bin.counts));
+        counts = counts + load_int32(bin.counts);
     }
     /// Not a number where there is no box yet.
-    HWY_INLINE Quad cost() const {
-        const Quad last = extent(boxes[2]);
-        const Quad areas = half_areas(transpose(extent(boxes[0]), extent(boxes[1]), last, last));
-        return multiply(areas, counts);
+    HWY_INLINE Float4 cost() const {
+        const Float4 last = extent(boxes[2]);
+        const Float4 areas = half_areas(transpose(extent(boxes[0]), extent(boxes[1]), last, last));
+        return areas * counts;
     }
 };
 
@@ -178,21 +182,21 @@ HWY_INLINE Split best_split(const Bins& bins, const Binning& binning) {
     Sweep right;
     for (std::size_t i = binning.bins; i-- > 1;) {
         right.include(bins.at[i]);
-        store_quad(right.cost(), right_costs[i]);
+        right.cost().store(right_costs[i]);
     }
-    Quad best = all_four(kHighest);
-    Quad best_bin = all_four(0.0F);
+    Float4 best = Float4(kHighest);
+    Float4 best_bin = Float4(0.0F);
     Sweep left;
     for (std::size_t i = 1; i < binning.bins; ++i) {
         left.include(bins.at[i - 1]);
-        const Quad cost = add(left.cost(), load_quad(right_costs[i]));
-        const QuadMask is_better = less(cost, best);
+        const Float4 cost = left.cost() + Float4::load(right_costs[i]);
+        const Float4::Mask is_better = cost < best;
         best = select(is_better, cost, best);
-        best_bin = select(is_better, all_four(static_cast<float>(i)), best_bin);
+        best_bin = select(is_better, Float4(static_cast<float>(i)), best_bin);
     }
     alignas(16) float costs[4], places[4];
-    store_quad(best, costs);
-    store_quad(best_bin, places);
+    best.store(costs);
+    best_bin.store(places);
     Split split{};
     split.cost = kHighest;
     for (std::uint32_t axis = 0; axis < 3; ++axis) {
@@ -232,10 +236,10 @@ HWY_INLINE Centres part_stably(const PartitionTask& parting,
         const std::ptrdiff_t right = gap + static_cast<std::ptrdiff_t>(i) - left;
         store_box(box, parting.left[right ^ ((right ^ left) & -goes_left)]);
         left += goes_left;
-        const Choice choice = choose_if_less(place, first_right);
+        const Float8::Mask is_left = Float8(place) < Float8(first_right);
         const Box centre = centre_box(box);
-        centres.left = join(centres.left, select(choice, centre, nothing()));
-        centres.right = join(centres.right, select(choice, nothing(), centre));
+        centres.left = join(centres.left, select(is_left, centre, nothing()));
+        centres.right = join(centres.right, select(is_left, nothing(), centre));
     }
     return centres;
 }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// Boxes in registers, for kernels that are compiled once per instruction set; see base/wide.h for
-// how such a file is included, and why this header has a guard per target.
+// Boxes in registers, compiled once per instruction set; see base/simd/lanes-inl.h. Nothing is
+// fused, so every set computes the same bits from numbers.
 
+#include "earshot/base/simd/float_lanes-inl.h"
 #include "earshot/bvh/internal/build_box.h"
-#include "earshot/bvh/kernels/quad-inl.h"
 
 #include <limits>
 
@@ -18,121 +18,80 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
+using namespace earshot::HWY_NAMESPACE;  // NOLINT: the lanes
+
 /// The largest float.
 constexpr float kHighest = std::numeric_limits<float>::max();
 
-/// A BuildBox in one register, or in two where registers hold four floats.
-#if HWY_MAX_BYTES >= 32
-using BoxTag = hn::FixedTag<float, 8>;
-using Box = hn::Vec<BoxTag>;
-using Choice = hn::Mask<BoxTag>;
+/// A BuildBox in registers: four negated minima, then four maxima.
+using Box = Float8;
 
 HWY_INLINE Box load_box(const BuildBox& box) {
-    return hn::LoadU(BoxTag(), box.low);
+    return Box::load_unaligned(box.low);
 }
-HWY_INLINE void store_box(Box box, BuildBox& to) {
-    hn::StoreU(box, BoxTag(), to.low);
+HWY_INLINE void store_box(const Box& box, BuildBox& to) {
+    box.store_unaligned(to.low);
 }
+/// The empty box.
 HWY_INLINE Box nothing() {
-    return hn::Set(BoxTag(), -kHighest);
+    return Box(-kHighest);
 }
-HWY_INLINE Box join(Box a, Box b) {
-    return hn::Max(a, b);
+HWY_INLINE Box join(const Box& a, const Box& b) {
+    return max(a, b);
 }
-HWY_INLINE Quad low(Box box) {
-    return hn::LowerHalf(QuadTag(), box);
+/// The negated minima.
+HWY_INLINE Float4 low(const Box& box) {
+    return lower_half(box);
 }
-HWY_INLINE Quad high(Box box) {
-    return hn::UpperHalf(QuadTag(), box);
+/// The maxima.
+HWY_INLINE Float4 high(const Box& box) {
+    return upper_half(box);
 }
 /// The box of a single point: twice the centre.
-HWY_INLINE Box centre_box(Box box) {
-    return hn::Sub(box, hn::ReverseBlocks(BoxTag(), box));
+HWY_INLINE Box centre_box(const Box& box) {
+    return box - swap_halves(box);
 }
-/// All lanes if value < bound, else none.
-HWY_INLINE Choice choose_if_less(float value, float bound) {
-    return hn::Lt(hn::Set(BoxTag(), value), hn::Set(BoxTag(), bound));
-}
-/// The first box if chosen, else the second.
-HWY_INLINE Box select(Choice choice, Box yes, Box no) {
-    return hn::IfThenElse(choice, yes, no);
-}
-#else
-struct Box {
-    Quad low, high;
-};
-using Choice = QuadMask;
-
-HWY_INLINE Box load_box(const BuildBox& box) {
-    return {load_quad(box.low), load_quad(box.high)};
-}
-HWY_INLINE void store_box(Box box, BuildBox& to) {
-    store_quad(box.low, to.low);
-    store_quad(box.high, to.high);
-}
-HWY_INLINE Box nothing() {
-    return {all_four(-kHighest), all_four(-kHighest)};
-}
-HWY_INLINE Box join(Box a, Box b) {
-    return {larger(a.low, b.low), larger(a.high, b.high)};
-}
-HWY_INLINE Quad low(Box box) {
-    return box.low;
-}
-HWY_INLINE Quad high(Box box) {
-    return box.high;
-}
-/// The box of a single point: twice the centre.
-HWY_INLINE Box centre_box(Box box) {
-    return {subtract(box.low, box.high), subtract(box.high, box.low)};
-}
-/// All lanes if value < bound, else none.
-HWY_INLINE Choice choose_if_less(float value, float bound) {
-    return less(all_four(value), all_four(bound));
-}
-/// The first box if chosen, else the second.
-HWY_INLINE Box select(Choice choice, Box yes, Box no) {
-    return {select(choice, yes.low, no.low), select(choice, yes.high, no.high)};
-}
-#endif
 
 /// Extents along the axes.
-HWY_INLINE Quad extent(Box box) {
-    return add(low(box), high(box));
+HWY_INLINE Float4 extent(const Box& box) {
+    return low(box) + high(box);
 }
 
 /// One axis of four things each.
-struct ThreeQuads {
-    Quad x, y, z;
+struct ThreeAxes {
+    Float4 x, y, z;
 };
 
-HWY_INLINE ThreeQuads transpose(Quad a, Quad b, Quad c, Quad d) {
-    const Quad ac_low = interleave_lower(a, c);
-    const Quad bd_low = interleave_lower(b, d);
-    const Quad ac_high = interleave_upper(a, c);
-    const Quad bd_high = interleave_upper(b, d);
+HWY_INLINE ThreeAxes transpose(Float4 a, Float4 b, Float4 c, Float4 d) {
+    const Float4 ac_low = interleave_lower(a, c);
+    const Float4 bd_low = interleave_lower(b, d);
+    const Float4 ac_high = interleave_upper(a, c);
+    const Float4 bd_high = interleave_upper(b, d);
     return {interleave_lower(ac_low, bd_low),
             interleave_upper(ac_low, bd_low),
             interleave_lower(ac_high, bd_high)};
 }
 
 /// Half areas of four boxes with these extents.
-HWY_INLINE Quad half_areas(const ThreeQuads& extents) {
-    return add(multiply(add(extents.x, extents.z), extents.y), multiply(extents.z, extents.x));
+HWY_INLINE Float4 half_areas(const ThreeAxes& extents) {
+    return (extents.x + extents.z) * extents.y + extents.z * extents.x;
 }
 
 /// Half the area of one box.
-HWY_INLINE float half_area(Box box) {
-    const Quad e = extent(box);
+HWY_INLINE float half_area(const Box& box) {
+    const Float4 e = extent(box);
     alignas(16) float areas[4];
-    store_quad(half_areas(transpose(e, e, e, e)), areas);
+    half_areas(transpose(e, e, e, e)).store(areas);
     return areas[0];
 }
 
-HWY_INLINE void store_node(Box box, std::uint32_t first, std::uint32_t count, RawNode& node) {
+HWY_INLINE void store_node(const Box& box,
+                           std::uint32_t first,
+                           std::uint32_t count,
+                           RawNode& node) {
     alignas(16) float lower[4], upper[4];
-    store_quad(subtract(all_four(0.0F), low(box)), lower);
-    store_quad(high(box), upper);
+    (Float4(0.0F) - low(box)).store(lower);
+    high(box).store(upper);
     for (std::size_t k = 0; k < 3; ++k) {
         node.lower[k] = lower[k];
         node.upper[k] = upper[k];

@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// Deferred exact tests: geometry::ShearedRay::hit() for eight pairs of ray and triangle at a time,
-// with the same bits:
-// included by kernels once per instruction set, after base/wide.h.
+// Deferred exact tests, compiled once per instruction set: geometry::ShearedRay::hit() for eight
+// pairs of ray and triangle at a time, with the same bits.
 
+#include "earshot/base/simd/lanes-inl.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/sheared_ray.h"
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -51,9 +53,9 @@ struct ShearedRays {
 
     HWY_INLINE ShearedRays(const Doubles (&from)[3], const Doubles (&direction)[3])
         : origin{from[0], from[1], from[2]},
-          shear{divide(direction[0], direction[2]),
-                divide(direction[1], direction[2]),
-                divide(broadcast(1.0), direction[2])} {}
+          shear{direction[0] / direction[2],
+                direction[1] / direction[2],
+                Doubles(1.0) / direction[2]} {}
 };
 
 /// Corners of triangles from the rays' origins, sheared along the rays.
@@ -65,17 +67,17 @@ struct ShearedCorners {
 /// The steps of these two and their order are those of ShearedRay::hit().
 HWY_INLINE ShearedCorners shear(const ShearedRays& rays, Doubles x, Doubles y, Doubles z) {
     ShearedCorners seen;
-    seen.z = subtract(z, rays.origin[2]);
-    seen.x = subtract(subtract(x, rays.origin[0]), multiply(rays.shear[0], seen.z));
-    seen.y = subtract(subtract(y, rays.origin[1]), multiply(rays.shear[1], seen.z));
-    seen.off = add(absolute(seen.x), absolute(seen.y));
+    seen.z = z - rays.origin[2];
+    seen.x = x - rays.origin[0] - rays.shear[0] * seen.z;
+    seen.y = y - rays.origin[1] - rays.shear[1] * seen.z;
+    seen.off = abs(seen.x) + abs(seen.y);
     return seen;
 }
 
 /// What ShearedRay::hit() finds before it asks for the range of t.
 struct Intersections {
-    DoublesMask inside;
-    DoublesMask certain;  ///< the hit lies in the triangle's own box; else the rest is not valid
+    Doubles::Mask inside;
+    Doubles::Mask certain;  ///< the hit lies in the triangle's own box; else the rest is not valid
     Doubles t, v, w, determinant;
 };
 
@@ -83,23 +85,22 @@ HWY_INLINE Intersections intersect(const ShearedRays& rays,
                                    const ShearedCorners& a,
                                    const ShearedCorners& b,
                                    const ShearedCorners& c) {
-    const Doubles zero = broadcast(0.0);
-    const Doubles u = subtract(multiply(c.x, b.y), multiply(c.y, b.x));
-    const Doubles v = subtract(multiply(a.x, c.y), multiply(a.y, c.x));
-    const Doubles w = subtract(multiply(b.x, a.y), multiply(b.y, a.x));
-    const Doubles determinant = add(add(u, v), w);
-    const Doubles weighted = add(add(multiply(u, a.z), multiply(v, b.z)), multiply(w, c.z));
-    const Doubles t = divide(multiply(rays.shear[2], weighted), determinant);
-    const Doubles size = add(add(a.off, b.off), c.off);
-    const Doubles depth = subtract(greater(greater(a.z, b.z), c.z), lesser(lesser(a.z, b.z), c.z));
-    const Doubles magnitude = absolute(determinant);
-    const Doubles lowest = lesser(lesser(u, v), w);
-    const Doubles highest = greater(greater(u, v), w);
-    const DoublesMask in_own_box =
-        at_most(multiply(size, greater(size, multiply(broadcast(4.0), depth))),
-                multiply(broadcast(64.0), magnitude));
-    return {.inside = either(at_most(zero, lowest), at_most(highest, zero)),
-            .certain = but_not(in_own_box, at_most(magnitude, zero)),
+    const Doubles zero = Doubles(0.0);
+    const Doubles u = c.x * b.y - c.y * b.x;
+    const Doubles v = a.x * c.y - a.y * c.x;
+    const Doubles w = b.x * a.y - b.y * a.x;
+    const Doubles determinant = u + v + w;
+    const Doubles weighted = u * a.z + v * b.z + w * c.z;
+    const Doubles t = rays.shear[2] * weighted / determinant;
+    const Doubles size = a.off + b.off + c.off;
+    const Doubles depth = max(max(a.z, b.z), c.z) - min(min(a.z, b.z), c.z);
+    const Doubles magnitude = abs(determinant);
+    const Doubles lowest = min(min(u, v), w);
+    const Doubles highest = max(max(u, v), w);
+    const Doubles::Mask in_own_box =
+        size * max(size, Doubles(4.0) * depth) <= Doubles(64.0) * magnitude;
+    return {.inside = (zero <= lowest) | (highest <= zero),
+            .certain = and_not(in_own_box, magnitude <= zero),
             .t = t,
             .v = v,
             .w = w,
@@ -109,12 +110,12 @@ HWY_INLINE Intersections intersect(const ShearedRays& rays,
 HWY_INLINE void decide(const RayTriangleLanes& pairs, ExactTestResults& results) {
     results.certain = 0;
     results.hit = 0;
-    const Doubles zero = broadcast(0.0);
-    for (std::size_t i = 0; i < RayTriangleLanes::kLanes; i += lanes()) {
+    const Doubles zero = Doubles(0.0);
+    for (std::size_t i = 0; i < RayTriangleLanes::kLanes; i += Doubles::kCount) {
         const auto along_axes = [&](const double(&values)[3][RayTriangleLanes::kLanes],
                                     Doubles(&out)[3]) {
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                out[axis] = load(values[axis] + i);
+                out[axis] = Doubles::load(values[axis] + i);
             }
         };
         Doubles origin[3], direction[3], corner[3];
@@ -127,14 +128,14 @@ HWY_INLINE void decide(const RayTriangleLanes& pairs, ExactTestResults& results)
             corners[k] = shear(rays, corner[0], corner[1], corner[2]);
         }
         const Intersections found = intersect(rays, corners[0], corners[1], corners[2]);
-        const DoublesMask between =
-            both(at_most(zero, found.t), at_most(found.t, load(pairs.t_max + i)));
+        const Doubles::Mask between =
+            (zero <= found.t) & (found.t <= Doubles::load(pairs.t_max + i));
         results.certain |= bits(found.certain) << i;
-        results.hit |= bits(both(found.inside, between)) << i;
+        results.hit |= bits(found.inside & between) << i;
         // Adding 0 turns -0 into 0.
-        store(add(found.t, zero), results.t + i);
-        store(add(divide(found.v, found.determinant), zero), results.u + i);
-        store(add(divide(found.w, found.determinant), zero), results.v + i);
+        (found.t + zero).store(results.t + i);
+        (found.v / found.determinant + zero).store(results.u + i);
+        (found.w / found.determinant + zero).store(results.v + i);
     }
 }
 

@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
-// Interleaved traversal of a WideTree: several rays are in flight at a time, so that while the
-// memory fetches what one needs next, the others advance (latency hiding). Included by kernels once
-// per instruction set, after leaf-inl.h, float_ray-inl.h and exact_queue-inl.h.
+// Interleaved traversal of a WideTree, compiled once per instruction set: several rays are in
+// flight at a time, so that while the memory fetches what one needs next, the others advance
+// (latency hiding).
 
+#include "earshot/bvh/internal/closest_hit_search.h"
+#include "earshot/bvh/kernels/exact_queue-inl.h"
+#include "earshot/bvh/kernels/float_ray-inl.h"
+#include "earshot/bvh/kernels/leaf-inl.h"
+#include "earshot/bvh/kernels/node-inl.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 

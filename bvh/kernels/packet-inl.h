@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// Packet traversal of a WideTree: included by kernels once per instruction set, after
-// leaf-inl.h.
+// Packet traversal of a WideTree (Reshetov, Soupikov and Hurley 2005), compiled once per
+// instruction set.
 
 #include "earshot/bvh/internal/ray_packet.h"
+#include "earshot/bvh/kernels/leaf-inl.h"
+#include "earshot/bvh/kernels/node-inl.h"
 
 #include <algorithm>
 #include <bit>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #if defined(EARSHOT_BVH_KERNELS_PACKET_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -22,41 +26,42 @@ namespace earshot::bvh::HWY_NAMESPACE {
 /// The children of a wide node that meet a packet's pyramid: its four sides and two ends.
 class PacketFrustum {
 public:
-    explicit PacketFrustum(const RayPacket& packet) : slack_(set8(-2.0F * packet.slack)) {
+    explicit PacketFrustum(const RayPacket& packet) : slack_(Float8(-2.0F * packet.slack)) {
         for (std::size_t k = 0; k < 3; ++k) {
             lower_[k] = 2 * packet.axis[k];
-            origin_[k] = set8(packet.origin[k]);
+            origin_[k] = Float8(packet.origin[k]);
         }
         is_forward_ = packet.sign > 0.0F;
-        sign_ = set8(packet.sign);
+        sign_ = Float8(packet.sign);
         for (std::size_t k = 0; k < 2; ++k) {
             const float lowest = packet.middle[k] - packet.spread[k];
             const float highest = packet.middle[k] + packet.spread[k];
-            min_slope_[k] = set8(lowest);
-            max_slope_[k] = set8(highest);
+            min_slope_[k] = Float8(lowest);
+            max_slope_[k] = Float8(highest);
             min_is_positive_[k] = lowest > 0.0F;
             max_is_positive_[k] = highest > 0.0F;
         }
     }
 
     /// Writes the depths where the pyramid may enter the children to `near`.
-    HWY_INLINE Mask8 operator()(const WideNode& node, const Float8& bound, Float8& near) const {
-        const Float8 back = load8(node.planes[lower_[2]]) - origin_[2];
-        const Float8 front = load8(node.planes[lower_[2] + 1]) - origin_[2];
+    HWY_INLINE Float8::Mask operator()(const WideNode& node,
+                                       const Float8& bound,
+                                       Float8& near) const {
+        const Float8 back = Float8::load(node.planes[lower_[2]]) - origin_[2];
+        const Float8 front = Float8::load(node.planes[lower_[2] + 1]) - origin_[2];
         const Float8 begin = (is_forward_ ? back : front) * sign_;
         const Float8 end = (is_forward_ ? front : back) * sign_;
-        near = maximum(begin + slack_, set8(0.0F));
-        Mask8 overlapping = both(at_most(slack_, end), at_most(near, bound));
+        near = max(begin + slack_, Float8(0.0F));
+        Float8::Mask overlapping = (slack_ <= end) & (near <= bound);
         for (std::size_t k = 0; k < 2; ++k) {
             // The box's corner that lies max_bound inside each side, and how far it does.
-            const Float8 low = load8(node.planes[lower_[k]]) - origin_[k];
-            const Float8 high = load8(node.planes[lower_[k] + 1]) - origin_[k];
+            const Float8 low = Float8::load(node.planes[lower_[k]]) - origin_[k];
+            const Float8 high = Float8::load(node.planes[lower_[k] + 1]) - origin_[k];
             const Float8 above =
-                subtract_product(min_slope_[k], min_is_positive_[k] ? begin : end, high);
+                neg_mul_add(min_slope_[k], min_is_positive_[k] ? begin : end, high);
             const Float8 below_max =
-                subtract_product(max_slope_[k], max_is_positive_[k] ? end : begin, low);
-            overlapping = both(
-                overlapping, both(at_most(slack_, above), at_most(slack_, set8(0.0F) - below_max)));
+                neg_mul_add(max_slope_[k], max_is_positive_[k] ? end : begin, low);
+            overlapping = overlapping & (slack_ <= above) & (slack_ <= Float8(0.0F) - below_max);
         }
         return overlapping;
     }
@@ -87,52 +92,50 @@ HWY_INLINE void set_up_edge_functions(const LeafTriangles& leaf,
     const std::size_t count = leaf.count;
     const float slack = leaf.slack(packet.slack);
     Float8 x[3], y[3], z[3];
-    Float8 size = set8(0.0F);
-    const Float8 spread_sum = set8(packet.spread[0] + packet.spread[1]);
+    Float8 size = Float8(0.0F);
+    const Float8 spread_sum = Float8(packet.spread[0] + packet.spread[1]);
     for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t* corner = leaf.words + 3 * i * count;
-        z[i] = (load8_words(corner + packet.axis[2] * count) - set8(packet.origin[2])) *
-               set8(packet.sign);
-        x[i] =
-            subtract_product(set8(packet.middle[0]),
-                             z[i],
-                             load8_words(corner + packet.axis[0] * count) - set8(packet.origin[0]));
-        y[i] =
-            subtract_product(set8(packet.middle[1]),
-                             z[i],
-                             load8_words(corner + packet.axis[1] * count) - set8(packet.origin[1]));
-        size = size + multiply_add(spread_sum, magnitude(z[i]), magnitude(x[i]) + magnitude(y[i]));
-        store8(z[i], edges.depth[i]);
+        z[i] = (load_bits(corner + packet.axis[2] * count) - Float8(packet.origin[2])) *
+               Float8(packet.sign);
+        x[i] = neg_mul_add(Float8(packet.middle[0]),
+                           z[i],
+                           load_bits(corner + packet.axis[0] * count) - Float8(packet.origin[0]));
+        y[i] = neg_mul_add(Float8(packet.middle[1]),
+                           z[i],
+                           load_bits(corner + packet.axis[1] * count) - Float8(packet.origin[1]));
+        size = size + mul_add(spread_sum, abs(z[i]), abs(x[i]) + abs(y[i]));
+        z[i].store(edges.depth[i]);
     }
-    const Float8 error = set8(RayPacket::kEdgeError * slack) * (size + set8(slack));
-    const Float8 minus_error = set8(0.0F) - error;
-    store8(error, edges.error);
-    Float8 min_upper = set8(std::numeric_limits<float>::infinity());
-    Float8 max_lower = set8(-std::numeric_limits<float>::infinity());
+    const Float8 error = Float8(RayPacket::kEdgeError * slack) * (size + Float8(slack));
+    const Float8 minus_error = Float8(0.0F) - error;
+    error.store(edges.error);
+    Float8 min_upper = Float8(std::numeric_limits<float>::infinity());
+    Float8 max_lower = Float8(-std::numeric_limits<float>::infinity());
     for (std::size_t i = 0; i < 3; ++i) {
         // The edge from corner p to corner q: (x_p - s z_p) (y_q - r z_q) - (y_p - r z_p) (x_q - s
         // z_q), where the term in r s vanishes.
         const std::size_t p = (i + 2) % 3;
         const std::size_t q = (i + 1) % 3;
-        const Float8 k0 = subtract_product(y[p], x[q], x[p] * y[q]);
-        const Float8 kx = subtract_product(z[p], y[q], y[p] * z[q]);
-        const Float8 ky = subtract_product(x[p], z[q], z[p] * x[q]);
-        store8(k0, edges.k0[i]);
-        store8(kx, edges.kx[i]);
-        store8(ky, edges.ky[i]);
-        const Float8 range = multiply_add(
-            magnitude(kx), set8(packet.spread[0]), magnitude(ky) * set8(packet.spread[1]));
-        min_upper = minimum(min_upper, k0 + range);
-        max_lower = maximum(max_lower, k0 - range);
+        const Float8 k0 = neg_mul_add(y[p], x[q], x[p] * y[q]);
+        const Float8 kx = neg_mul_add(z[p], y[q], y[p] * z[q]);
+        const Float8 ky = neg_mul_add(x[p], z[q], z[p] * x[q]);
+        k0.store(edges.k0[i]);
+        kx.store(edges.kx[i]);
+        ky.store(edges.ky[i]);
+        const Float8 range =
+            mul_add(abs(kx), Float8(packet.spread[0]), abs(ky) * Float8(packet.spread[1]));
+        min_upper = min(min_upper, k0 + range);
+        max_lower = max(max_lower, k0 - range);
     }
-    const Float8 min_depth = minimum(minimum(z[0], z[1]), z[2]);
-    const Float8 max_depth = maximum(maximum(z[0], z[1]), z[2]);
+    const Float8 min_depth = min(min(z[0], z[1]), z[2]);
+    const Float8 max_depth = max(max(z[0], z[1]), z[2]);
     edges.depth_error = 3.0F * slack;
-    const Float8 depth_error = set8(edges.depth_error);
-    const Mask8 sideways = either(at_most(minus_error, min_upper), at_most(max_lower, error));
-    const Mask8 along = both(at_most(set8(0.0F) - depth_error, max_depth),
-                             at_most(min_depth - depth_error, set8(max_bound)));
-    edges.possible = bits(both(sideways, along)) & ((1U << count) - 1U);
+    const Float8 depth_error = Float8(edges.depth_error);
+    const Float8::Mask sideways = (minus_error <= min_upper) | (max_lower <= error);
+    const Float8::Mask along =
+        (Float8(0.0F) - depth_error <= max_depth) & (min_depth - depth_error <= Float8(max_bound));
+    edges.possible = bits(sideways & along) & ((1U << count) - 1U);
 }
 
 /// Tests one triangle against all rays. Returns whether a bound was lowered.
@@ -141,21 +144,21 @@ HWY_INLINE bool intersect_triangle(const EdgeFunctions& edges,
                                    std::uint32_t triangle,
                                    const geometry::MeshView& mesh,
                                    RayPacket& packet) {
-    const Float8 k0[3] = {set8(edges.k0[0][k]), set8(edges.k0[1][k]), set8(edges.k0[2][k])};
-    const Float8 kx[3] = {set8(edges.kx[0][k]), set8(edges.kx[1][k]), set8(edges.kx[2][k])};
-    const Float8 ky[3] = {set8(edges.ky[0][k]), set8(edges.ky[1][k]), set8(edges.ky[2][k])};
-    const Float8 error = set8(edges.error[k]);
-    const Float8 minus_error = set8(-edges.error[k]);
+    const Float8 k0[3] = {Float8(edges.k0[0][k]), Float8(edges.k0[1][k]), Float8(edges.k0[2][k])};
+    const Float8 kx[3] = {Float8(edges.kx[0][k]), Float8(edges.kx[1][k]), Float8(edges.kx[2][k])};
+    const Float8 ky[3] = {Float8(edges.ky[0][k]), Float8(edges.ky[1][k]), Float8(edges.ky[2][k])};
+    const Float8 error = Float8(edges.error[k]);
+    const Float8 minus_error = Float8(-edges.error[k]);
     bool is_lowered = false;
     for (std::size_t first = 0; first < packet.count(); first += 8) {
-        const Float8 slope_x = load8(packet.slope_x + first);
-        const Float8 slope_y = load8(packet.slope_y + first);
-        const Float8 u = multiply_add(ky[0], slope_y, multiply_add(kx[0], slope_x, k0[0]));
-        const Float8 v = multiply_add(ky[1], slope_y, multiply_add(kx[1], slope_x, k0[1]));
-        const Float8 w = multiply_add(ky[2], slope_y, multiply_add(kx[2], slope_x, k0[2]));
-        const Float8 lowest = minimum(minimum(u, v), w);
-        const Float8 highest = maximum(maximum(u, v), w);
-        const Mask8 maybe = either(at_most(minus_error, lowest), at_most(highest, error));
+        const Float8 slope_x = Float8::load(packet.slope_x + first);
+        const Float8 slope_y = Float8::load(packet.slope_y + first);
+        const Float8 u = mul_add(ky[0], slope_y, mul_add(kx[0], slope_x, k0[0]));
+        const Float8 v = mul_add(ky[1], slope_y, mul_add(kx[1], slope_x, k0[1]));
+        const Float8 w = mul_add(ky[2], slope_y, mul_add(kx[2], slope_x, k0[2]));
+        const Float8 lowest = min(min(u, v), w);
+        const Float8 highest = max(max(u, v), w);
+        const Float8::Mask maybe = (minus_error <= lowest) | (highest <= error);
         if (bits(maybe) == 0) {
             continue;
         }
@@ -163,34 +166,30 @@ HWY_INLINE bool intersect_triangle(const EdgeFunctions& edges,
         const float depths[3] = {edges.depth[0][k], edges.depth[1][k], edges.depth[2][k]};
         const float low = std::min({depths[0], depths[1], depths[2]});
         const float high = std::max({depths[0], depths[1], depths[2]});
-        const Float8 min_depth = set8(low);
-        const Float8 max_depth = set8(high);
+        const Float8 min_depth = Float8(low);
+        const Float8 max_depth = Float8(high);
         const Float8 sum = (u + v) + w;
-        const Float8 relative_error = set8(12.0F) * error / magnitude(sum);
+        const Float8 relative_error = Float8(12.0F) * error / abs(sum);
         const Float8 weighted =
-            multiply_add(
-                u, set8(depths[0]), multiply_add(v, set8(depths[1]), w * set8(depths[2]))) /
+            mul_add(u, Float8(depths[0]), mul_add(v, Float8(depths[1]), w * Float8(depths[2]))) /
             sum;
-        const Mask8 known = below(relative_error, set8(1.0F));
-        const Float8 middle = minimum(maximum(weighted, min_depth), max_depth);
-        const Float8 spread = relative_error * set8(high - low);
-        const Float8 depth_error = set8(edges.depth_error);
-        const Float8 from =
-            choose(known, maximum(middle - spread, min_depth), min_depth) - depth_error;
-        const Float8 to =
-            choose(known, minimum(middle + spread, max_depth), max_depth) + depth_error;
-        const Float8 bound = load8(packet.bound + first);
-        const Mask8 certain =
-            both(both(known, either(below(error, lowest), below(highest, minus_error))),
-                 both(at_most(set8(0.0F), from), at_most(to, load8(packet.inside + first))));
-        const Float8 lowered = choose(certain, minimum(bound, to), bound);
-        is_lowered = is_lowered || bits(below(lowered, bound)) != 0;
-        store8(lowered, packet.bound + first);
-        std::uint32_t remaining =
-            bits(both(maybe, both(at_most(from, lowered), at_most(set8(0.0F), to))));
+        const Float8::Mask known = relative_error < Float8(1.0F);
+        const Float8 middle = min(max(weighted, min_depth), max_depth);
+        const Float8 spread = relative_error * Float8(high - low);
+        const Float8 depth_error = Float8(edges.depth_error);
+        const Float8 from = select(known, max(middle - spread, min_depth), min_depth) - depth_error;
+        const Float8 to = select(known, min(middle + spread, max_depth), max_depth) + depth_error;
+        const Float8 bound = Float8::load(packet.bound + first);
+        const Float8::Mask certain = known & ((error < lowest) | (highest < minus_error)) &
+                                     (Float8(0.0F) <= from) &
+                                     (to <= Float8::load(packet.inside + first));
+        const Float8 lowered = select(certain, min(bound, to), bound);
+        is_lowered = is_lowered || bits(lowered < bound) != 0;
+        lowered.store(packet.bound + first);
+        std::uint32_t remaining = bits(maybe & (from <= lowered) & (Float8(0.0F) <= to));
         if (remaining != 0) {
             alignas(32) float near[8];
-            store8(from, near);
+            from.store(near);
             for (; remaining != 0; remaining &= remaining - 1) {
                 const auto lane = static_cast<std::size_t>(std::countr_zero(remaining));
                 packet.add(mesh, first + lane, triangle, near[lane]);
@@ -201,11 +200,11 @@ HWY_INLINE bool intersect_triangle(const EdgeFunctions& edges,
 }
 
 HWY_INLINE float largest_bound(const RayPacket& packet) {
-    Float8 highest = load8(packet.bound);
+    Float8 highest = Float8::load(packet.bound);
     for (std::size_t first = 8; first < packet.count(); first += 8) {
-        highest = maximum(highest, load8(packet.bound + first));
+        highest = max(highest, Float8::load(packet.bound + first));
     }
-    return largest(highest);
+    return reduce_max(highest);
 }
 
 /// Adds to every ray of the packet what it may hit; the last of it is still to be decided. False:
@@ -223,7 +222,7 @@ HWY_INLINE bool traverse_packet(const WideTree& tree,
         if (!is_leaf(stack.current)) {
             const WideNode& node = nodes[stack.current];
             Float8 near;
-            const Mask8 overlapping = cull(node, set8(max_bound), near);
+            const Float8::Mask overlapping = cull(node, Float8(max_bound), near);
             stack.push(near, overlapping, node, packet.order_shift);
         } else {
             if (leaf_budget-- == 0) {

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: MIT
 //
-// The single-ray kernel: secondary rays with an excluded triangle traverse a WideTree one after the
-// other. Included by kernels once per instruction set, after exact_queue-inl.h, float_ray-inl.h
-// and leaf-inl.h.
+// The single-ray kernel, compiled once per instruction set: secondary rays with an excluded
+// triangle traverse a WideTree one after the other.
 
+#include "earshot/bvh/internal/closest_hit_search.h"
+#include "earshot/bvh/kernels/exact_queue-inl.h"
+#include "earshot/bvh/kernels/float_ray-inl.h"
+#include "earshot/bvh/kernels/leaf-inl.h"
+#include "earshot/bvh/kernels/node-inl.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
 
 #if defined(EARSHOT_BVH_KERNELS_SINGLE_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef EARSHOT_BVH_KERNELS_SINGLE_RAY_INL_H

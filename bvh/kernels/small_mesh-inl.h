@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: MIT
 //
-// The brute-force kernel for small meshes: of so few triangles that testing all of them is faster
-// than testing boxes first. Included by kernels once per instruction set, after
-// exact_queue-inl.h, float_ray-inl.h and leaf-inl.h.
+// The brute-force kernel for small meshes, compiled once per instruction set: of so few triangles
+// that testing all of them is faster than testing boxes first.
 
+#include "earshot/bvh/kernels/exact_queue-inl.h"
+#include "earshot/bvh/kernels/float_ray-inl.h"
+#include "earshot/bvh/kernels/leaf-inl.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
+
+#include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -133,14 +139,14 @@ private:
         alignas(64) double triangle[RayLanes::kLanes];
         alignas(64) double u[RayLanes::kLanes];
         alignas(64) double v[RayLanes::kLanes];
-        for (std::size_t i = 0; i < RayLanes::kLanes; i += lanes()) {
+        for (std::size_t i = 0; i < RayLanes::kLanes; i += Doubles::kCount) {
             const Best best = decide(rays, i);
             // Adding 0 turns -0 into 0.
-            const Doubles zero = broadcast(0.0);
-            store(earshot::HWY_NAMESPACE::add(best.t, zero), t + i);
-            store(best.triangle, triangle + i);
-            store(earshot::HWY_NAMESPACE::add(divide(best.v, best.determinant), zero), u + i);
-            store(earshot::HWY_NAMESPACE::add(divide(best.w, best.determinant), zero), v + i);
+            const Doubles zero = Doubles(0.0);
+            (best.t + zero).store(t + i);
+            best.triangle.store(triangle + i);
+            (best.v / best.determinant + zero).store(u + i);
+            (best.w / best.determinant + zero).store(v + i);
         }
         for (std::size_t i = 0; i < rays.count; ++i) {
             std::optional<geometry::Hit>& hit = hits_[rays.index[i]];
@@ -161,46 +167,45 @@ private:
     HWY_INLINE Best decide(const RayLanes& rays, std::size_t first) {
         Doubles origin[3], direction[3];
         for (std::size_t k = 0; k < 3; ++k) {
-            origin[k] = load(rays.origin[k] + first);
-            direction[k] = load(rays.direction[k] + first);
+            origin[k] = Doubles::load(rays.origin[k] + first);
+            direction[k] = Doubles::load(rays.direction[k] + first);
         }
         const ShearedRays sheared(origin, direction);
         ShearedCorners corners[SmallMesh::kMaxVertices];
         for (std::size_t i = 0; i < triangles_.vertex_count; ++i) {
             const double* vertex = triangles_.position[i];
             corners[i] = shear(sheared,
-                               broadcast(vertex[rays.axis[0]]),
-                               broadcast(vertex[rays.axis[1]]),
-                               broadcast(vertex[rays.axis[2]]));
+                               Doubles(vertex[rays.axis[0]]),
+                               Doubles(vertex[rays.axis[1]]),
+                               Doubles(vertex[rays.axis[2]]));
         }
-        const Doubles zero = broadcast(0.0);
-        Best best = {.t = load(rays.t_max + first),
-                     .triangle = broadcast(-1.0),
-                     .v = zero,
-                     .w = zero,
-                     .determinant = broadcast(1.0)};
+        const Doubles zero = Doubles(0.0);
+        Doubles best_t = Doubles::load(rays.t_max + first);
+        Doubles best_triangle = Doubles(-1.0);
+        Doubles best_v = zero;
+        Doubles best_w = zero;
+        Doubles best_determinant = Doubles(1.0);
         for (std::uint32_t id = 0; id < triangles_.count; ++id) {
             const std::uint32_t* corner = triangles_.corner[id];
             const Intersections found =
                 intersect(sheared, corners[corner[0]], corners[corner[1]], corners[corner[2]]);
-            const DoublesMask uncertain = but_not(found.inside, found.certain);
+            const Doubles::Mask uncertain = and_not(found.inside, found.certain);
             std::uint32_t remaining = bits(uncertain);
             for (; remaining != 0; remaining &= remaining - 1) {
                 const auto lane = static_cast<std::size_t>(std::countr_zero(remaining));
                 uncertain_[uncertain_count_++] = {first + lane, id};
             }
             // Of hits at the same t that of the lowest triangle stays.
-            const DoublesMask nearer = either(
-                below(found.t, best.t), both(at_most(found.t, best.t), below(best.triangle, zero)));
-            const DoublesMask better =
-                both(both(found.inside, found.certain), both(at_most(zero, found.t), nearer));
-            best.t = choose(better, found.t, best.t);
-            best.triangle = choose(better, broadcast(id), best.triangle);
-            best.v = choose(better, found.v, best.v);
-            best.w = choose(better, found.w, best.w);
-            best.determinant = choose(better, found.determinant, best.determinant);
+            const Doubles::Mask nearer =
+                (found.t < best_t) | ((found.t <= best_t) & (best_triangle < zero));
+            const Doubles::Mask better = found.inside & found.certain & (zero <= found.t) & nearer;
+            best_t = select(better, found.t, best_t);
+            best_triangle = select(better, Doubles(id), best_triangle);
+            best_v = select(better, found.v, best_v);
+            best_w = select(better, found.w, best_w);
+            best_determinant = select(better, found.determinant, best_determinant);
         }
-        return best;
+        return {best_t, best_triangle, best_v, best_w, best_determinant};
     }
 
     struct Uncertain {
@@ -287,18 +292,18 @@ private:
         const std::size_t x = z == 2 ? 0 : z + 1;
         const std::size_t y = x == 2 ? 0 : x + 1;
         ShearedLanes at;
-        at.slack = load8(group.slack);
-        at.inverse_depth = load8(group.inverse_depth);
+        at.slack = Float8::load(group.slack);
+        at.inverse_depth = Float8::load(group.inverse_depth);
         std::uint32_t blocked = 0;
         Float8 seen[3][SmallMesh::kMaxVertices];
         for (std::size_t i = 0; i < triangles_.vertex_count; ++i) {
             const double* vertex = triangles_.position[i];
             const auto from_origin = [&](std::size_t k, std::size_t axis) {
-                return set8(static_cast<float>(vertex[axis])) - load8(group.origin[k]);
+                return Float8(static_cast<float>(vertex[axis])) - Float8::load(group.origin[k]);
             };
             seen[2][i] = from_origin(2, z);
-            seen[0][i] = subtract_product(load8(group.shear[0]), seen[2][i], from_origin(0, x));
-            seen[1][i] = subtract_product(load8(group.shear[1]), seen[2][i], from_origin(1, y));
+            seen[0][i] = neg_mul_add(Float8::load(group.shear[0]), seen[2][i], from_origin(0, x));
+            seen[1][i] = neg_mul_add(Float8::load(group.shear[1]), seen[2][i], from_origin(1, y));
         }
         for (std::uint32_t id = 0; id < triangles_.count; ++id) {
             for (std::size_t k = 0; k < 3; ++k) {
@@ -323,15 +328,15 @@ private:
                                         std::uint32_t id,
                                         const SegmentLanes& group,
                                         std::uint32_t before) const {
-        const Float8 zero = set8(0.0F);
-        const Float8 one = set8(1.0F);
-        const Float8 excluded = load8(group.excluded);
-        const Float8 triangle = set8(static_cast<float>(id));
-        const Mask8 stays = either(below(excluded, triangle), below(triangle, excluded));
-        const Mask8 inside = both(below(zero, hits.near), below(hits.far, one));
-        std::uint32_t blocked = bits(both(both(hits.certain, inside), stays));
-        const Mask8 in_range = both(at_most(hits.near, one), at_most(zero, hits.far));
-        std::uint32_t open = bits(both(in_range, stays)) & hits.possible & ~blocked & ~before;
+        const Float8 zero = Float8(0.0F);
+        const Float8 one = Float8(1.0F);
+        const Float8 excluded = Float8::load(group.excluded);
+        const Float8 triangle = Float8(static_cast<float>(id));
+        const Float8::Mask stays = (excluded < triangle) | (triangle < excluded);
+        const Float8::Mask inside = (zero < hits.near) & (hits.far < one);
+        std::uint32_t blocked = bits(hits.certain & inside & stays);
+        const Float8::Mask in_range = (hits.near <= one) & (zero <= hits.far);
+        std::uint32_t open = bits(in_range & stays) & hits.possible & ~blocked & ~before;
         for (; open != 0; open &= open - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(open));
             const geometry::Triangle& corners = mesh_.triangles[id];

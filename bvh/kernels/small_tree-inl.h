@@ -21,28 +21,29 @@ constexpr std::size_t kSmallTree = 4;
 /// Half areas of the sets of up to three of four boxes. Lane i of `pairs` is of boxes i and i + 1,
 /// of `cross` i and i + 2, of `triples` i, i + 1 and i + 2; all counted around the end.
 struct SetAreas {
-    Quad singles, pairs, cross, triples;
+    Float4 singles, pairs, cross, triples;
 };
 
 HWY_INLINE SetAreas areas_of_sets(const Box boxes[kSmallTree]) {
-    const ThreeQuads lows = transpose(low(boxes[0]), low(boxes[1]), low(boxes[2]), low(boxes[3]));
-    const ThreeQuads highs =
+    const ThreeAxes lows = transpose(low(boxes[0]), low(boxes[1]), low(boxes[2]), low(boxes[3]));
+    const ThreeAxes highs =
         transpose(high(boxes[0]), high(boxes[1]), high(boxes[2]), high(boxes[3]));
-    ThreeQuads single, pair, cross, triple;  // extents
-    const auto along = [](Quad low, Quad high, Quad& one, Quad& two, Quad& over, Quad& three) {
-        const Quad low_pair = larger(low, next(low));
-        const Quad high_pair = larger(high, next(high));
-        one = add(low, high);
-        two = add(low_pair, high_pair);
-        over = add(larger(low, opposite(low)), larger(high, opposite(high)));
-        three = add(larger(low_pair, opposite(low)), larger(high_pair, opposite(high)));
-    };
+    ThreeAxes single, pair, cross, triple;  // extents
+    const auto along =
+        [](Float4 low, Float4 high, Float4& one, Float4& two, Float4& over, Float4& three) {
+            const Float4 low_pair = max(low, rotate_by_one(low));
+            const Float4 high_pair = max(high, rotate_by_one(high));
+            one = low + high;
+            two = low_pair + high_pair;
+            over = max(low, rotate_by_two(low)) + max(high, rotate_by_two(high));
+            three = max(low_pair, rotate_by_two(low)) + max(high_pair, rotate_by_two(high));
+        };
     along(lows.x, highs.x, single.x, pair.x, cross.x, triple.x);
     along(lows.y, highs.y, single.y, pair.y, cross.y, triple.y);
     along(lows.z, highs.z, single.z, pair.z, cross.z, triple.z);
     // Finite, so that no product with them is not a number.
-    const auto area = [](const ThreeQuads& extents) {
-        return smaller(half_areas(extents), all_four(kHighest));
+    const auto area = [](const ThreeAxes& extents) {
+        return min(half_areas(extents), Float4(kHighest));
     };
     return {area(single), area(pair), area(cross), area(triple)};
 }
@@ -54,39 +55,39 @@ struct SetCosts {
 };
 
 /// The cheaper of a split and a leaf, which wins ties.
-HWY_INLINE Quad cheaper(Quad split, Quad leaf, bool may_be_leaf, unsigned& leaves) {
+HWY_INLINE Float4 cheaper(Float4 split, Float4 leaf, bool may_be_leaf, unsigned& leaves) {
     if (!may_be_leaf) {
         leaves = 0;
         return split;
     }
-    leaves = bits_where_not_above(leaf, split);
-    return smaller(split, leaf);
+    leaves = bits(leaf <= split);
+    return min(split, leaf);
 }
 
 HWY_INLINE SetCosts costs_of_sets(const SetAreas& areas, const SplitRule& rule) {
-    const Quad traversal = all_four(rule.traversal_cost);
-    const auto split = [&](Quad area, Quad below) { return add(multiply(traversal, area), below); };
-    const Quad one = areas.singles;
+    const Float4 traversal = Float4(rule.traversal_cost);
+    const auto split = [&](Float4 area, Float4 below) { return traversal * area + below; };
+    const Float4 one = areas.singles;
     SetCosts costs;
-    const Quad pairs = cheaper(split(areas.pairs, add(one, next(one))),
-                               multiply(all_four(2.0F), areas.pairs),
-                               rule.max_leaf_size >= 2,
-                               costs.pair_leaves);
-    const Quad cross = cheaper(split(areas.cross, add(one, opposite(one))),
-                               multiply(all_four(2.0F), areas.cross),
-                               rule.max_leaf_size >= 2,
-                               costs.cross_leaves);
-    const Quad first = add(one, next(pairs));
-    const Quad middle = add(next(one), cross);
-    const Quad last = add(opposite(one), pairs);
-    const Quad triples = cheaper(split(areas.triples, smaller(smaller(first, middle), last)),
-                                 multiply(all_four(3.0F), areas.triples),
-                                 rule.max_leaf_size >= 3,
-                                 costs.triple_leaves);
-    store_quad(one, costs.singles);
-    store_quad(pairs, costs.pairs);
-    store_quad(cross, costs.cross);
-    store_quad(triples, costs.triples);
+    const Float4 pairs = cheaper(split(areas.pairs, one + rotate_by_one(one)),
+                                 Float4(2.0F) * areas.pairs,
+                                 rule.max_leaf_size >= 2,
+                                 costs.pair_leaves);
+    const Float4 cross = cheaper(split(areas.cross, one + rotate_by_two(one)),
+                                 Float4(2.0F) * areas.cross,
+                                 rule.max_leaf_size >= 2,
+                                 costs.cross_leaves);
+    const Float4 first = one + rotate_by_one(pairs);
+    const Float4 middle = rotate_by_one(one) + cross;
+    const Float4 last = rotate_by_two(one) + pairs;
+    const Float4 triples = cheaper(split(areas.triples, min(min(first, middle), last)),
+                                   Float4(3.0F) * areas.triples,
+                                   rule.max_leaf_size >= 3,
+                                   costs.triple_leaves);
+    one.store(costs.singles);
+    pairs.store(costs.pairs);
+    cross.store(costs.cross);
+    triples.store(costs.triples);
     return costs;
 }
 

@@ -5,7 +5,6 @@
 #define HWY_TARGET_INCLUDE "earshot/collision/broad_phase/box_pairs_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
-#include "earshot/base/wide_float.h"
 #include "earshot/collision/broad_phase/internal/box_steps-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // Separating-axis tests of one box against up to eight boxes of another space, for kernels that are
-// compiled once per instruction set (see base/wide_float.h). All tests err to the side of overlap.
+// compiled once per instruction set (see base/simd/lanes-inl.h). All tests err to the side of
+// overlap.
 
-#include "earshot/base/wide_float.h"
+#include "earshot/base/simd/float_lanes-inl.h"
 #include "earshot/bvh/tree.h"
 #include "earshot/collision/broad_phase/internal/relative_pose.h"
 #include "earshot/geometry/mesh.h"
@@ -16,11 +17,11 @@
 #include <limits>
 #include <span>
 
-#if defined(EARSHOT_COLLISION_BOX_STEPS_INL_H) == defined(HWY_TARGET_TOGGLE)
-#ifdef EARSHOT_COLLISION_BOX_STEPS_INL_H
-#undef EARSHOT_COLLISION_BOX_STEPS_INL_H
+#if defined(EARSHOT_COLLISION_BROAD_PHASE_INTERNAL_BOX_STEPS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_COLLISION_BROAD_PHASE_INTERNAL_BOX_STEPS_INL_H
+#undef EARSHOT_COLLISION_BROAD_PHASE_INTERNAL_BOX_STEPS_INL_H
 #else
-#define EARSHOT_COLLISION_BOX_STEPS_INL_H
+#define EARSHOT_COLLISION_BROAD_PHASE_INTERNAL_BOX_STEPS_INL_H
 #endif
 
 HWY_BEFORE_NAMESPACE();
@@ -84,52 +85,51 @@ struct RelativeBox {
                 sum += frame.abs_rotation[k][j] * box.half[j];
             }
             radius[k] = sum;
-            centre_offset[k] = set8(centre) - load8(node.centre[k]);
-            half[k] = load8(node.half[k]);
+            centre_offset[k] = Float8(centre) - Float8::load(node.centre[k]);
+            half[k] = Float8::load(node.half[k]);
         }
     }
 
     /// Component of the offset of centres along the box's axis j.
     HWY_INLINE Float8 along(const RelativeFrame& frame, std::size_t j) const {
-        Float8 sum = centre_offset[0] * set8(frame.rotation[0][j]);
-        sum = multiply_add(centre_offset[1], set8(frame.rotation[1][j]), sum);
-        return multiply_add(centre_offset[2], set8(frame.rotation[2][j]), sum);
+        Float8 sum = centre_offset[0] * Float8(frame.rotation[0][j]);
+        sum = mul_add(centre_offset[1], Float8(frame.rotation[1][j]), sum);
+        return mul_add(centre_offset[2], Float8(frame.rotation[2][j]), sum);
     }
     /// The sum of both projected radii along that axis.
     HWY_INLINE Float8 radius_along(const Slot& box,
                                    const RelativeFrame& frame,
                                    std::size_t j) const {
-        Float8 sum = set8(box.half[j] + frame.padding);
+        Float8 sum = Float8(box.half[j] + frame.padding);
         for (std::size_t k = 0; k < 3; ++k) {
-            sum = multiply_add(half[k], set8(frame.abs_rotation[k][j]), sum);
+            sum = mul_add(half[k], Float8(frame.abs_rotation[k][j]), sum);
         }
         return sum;
     }
 };
 
 /// Whether no slab normal separates its slab from the other box.
-HWY_INLINE Mask8 slabs_overlap(const BoxNode& node,
-                               const Slot& slot,
-                               const RelativeBox& box,
-                               const RelativeFrame& frame) {
-    Float8 node_distance = set8(0.0F) - load8(node.slab_centre);
-    Float8 node_radius = load8(node.slab_half) + set8(frame.padding);
-    Float8 box_distance = set8(slot.slab_centre);
-    Float8 box_radius = set8(slot.slab_half + frame.padding);
+HWY_INLINE Float8::Mask slabs_overlap(const BoxNode& node,
+                                      const Slot& slot,
+                                      const RelativeBox& box,
+                                      const RelativeFrame& frame) {
+    Float8 node_distance = Float8(0.0F) - Float8::load(node.slab_centre);
+    Float8 node_radius = Float8::load(node.slab_half) + Float8(frame.padding);
+    Float8 box_distance = Float8(slot.slab_centre);
+    Float8 box_radius = Float8(slot.slab_half + frame.padding);
     for (std::size_t k = 0; k < 3; ++k) {
-        node_distance = multiply_add(box.centre_offset[k], load8(node.normal[k]), node_distance);
+        node_distance = mul_add(box.centre_offset[k], Float8::load(node.normal[k]), node_distance);
         const float normal = frame.rotation[k][0] * slot.normal[0] +
                              frame.rotation[k][1] * slot.normal[1] +
                              frame.rotation[k][2] * slot.normal[2];
-        box_distance = multiply_add(box.centre_offset[k], set8(normal), box_distance);
-        box_radius = multiply_add(box.half[k], set8(std::abs(normal)), box_radius);
-        Float8 along = load8(node.normal[0]) * set8(frame.rotation[0][k]);
-        along = multiply_add(load8(node.normal[1]), set8(frame.rotation[1][k]), along);
-        along = multiply_add(load8(node.normal[2]), set8(frame.rotation[2][k]), along);
-        node_radius = multiply_add(magnitude(along), set8(slot.half[k]), node_radius);
+        box_distance = mul_add(box.centre_offset[k], Float8(normal), box_distance);
+        box_radius = mul_add(box.half[k], Float8(std::abs(normal)), box_radius);
+        Float8 along = Float8::load(node.normal[0]) * Float8(frame.rotation[0][k]);
+        along = mul_add(Float8::load(node.normal[1]), Float8(frame.rotation[1][k]), along);
+        along = mul_add(Float8::load(node.normal[2]), Float8(frame.rotation[2][k]), along);
+        node_radius = mul_add(abs(along), Float8(slot.half[k]), node_radius);
     }
-    return both(at_most(magnitude(node_distance), node_radius),
-                at_most(magnitude(box_distance), box_radius));
+    return (abs(node_distance) <= node_radius) & (abs(box_distance) <= box_radius);
 }
 
 /// Which boxes of a node may overlap the box: bit i stands for slot i. Gottschalk, Lin and
@@ -139,19 +139,17 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
                                      const RelativeFrame& frame,
                                      bool is_aligned) {
     const RelativeBox box(node, slot, frame);
-    Mask8 mask = first_lanes(node.count);
+    Float8::Mask mask = Float8::Mask::first(node.count);
     for (std::size_t k = 0; k < 3; ++k) {
-        mask =
-            both(mask, at_most(magnitude(box.centre_offset[k]), box.half[k] + set8(box.radius[k])));
+        mask = mask & (abs(box.centre_offset[k]) <= box.half[k] + Float8(box.radius[k]));
     }
     if (is_aligned || bits(mask) == 0) {
         return bits(mask);
     }
     for (std::size_t j = 0; j < 3; ++j) {
-        mask =
-            both(mask, at_most(magnitude(box.along(frame, j)), box.radius_along(slot, frame, j)));
+        mask = mask & (abs(box.along(frame, j)) <= box.radius_along(slot, frame, j));
     }
-    mask = both(mask, slabs_overlap(node, slot, box, frame));
+    mask = mask & slabs_overlap(node, slot, box, frame);
     return bits(mask);
 }
 
@@ -185,49 +183,48 @@ struct RelativeTriangle {
 HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
                                      const RelativeTriangle& box,
                                      float padding) {
-    Mask8 mask = first_lanes(node.count);
-    Float8 box_distance = set8(0.0F);
-    Float8 box_radius = set8(box.slack);
+    Float8::Mask mask = Float8::Mask::first(node.count);
+    Float8 box_distance = Float8(0.0F);
+    Float8 box_radius = Float8(box.slack);
     Float8 height[3];
     for (Float8& each : height) {
-        each = set8(0.0F) - load8(node.slab_centre);
+        each = Float8(0.0F) - Float8::load(node.slab_centre);
     }
     for (std::size_t k = 0; k < 3; ++k) {
-        const Float8 centre = load8(node.centre[k]);
-        const Float8 half = load8(node.half[k]);
-        const Float8 normal = load8(node.normal[k]);
-        const Float8 p0 = set8(box.corner[0][k]) - centre;
-        const Float8 p1 = set8(box.corner[1][k]) - centre;
-        const Float8 p2 = set8(box.corner[2][k]) - centre;
-        const Float8 radius = half + set8(padding);
-        mask = both(mask, at_most(minimum(minimum(p0, p1), p2), radius));
-        mask = both(mask, at_most(set8(0.0F) - radius, maximum(maximum(p0, p1), p2)));
-        height[0] = multiply_add(p0, normal, height[0]);
-        height[1] = multiply_add(p1, normal, height[1]);
-        height[2] = multiply_add(p2, normal, height[2]);
-        box_distance = multiply_add(p0, set8(box.normal[k]), box_distance);
-        box_radius = multiply_add(half, set8(std::abs(box.normal[k])), box_radius);
+        const Float8 centre = Float8::load(node.centre[k]);
+        const Float8 half = Float8::load(node.half[k]);
+        const Float8 normal = Float8::load(node.normal[k]);
+        const Float8 p0 = Float8(box.corner[0][k]) - centre;
+        const Float8 p1 = Float8(box.corner[1][k]) - centre;
+        const Float8 p2 = Float8(box.corner[2][k]) - centre;
+        const Float8 radius = half + Float8(padding);
+        mask = mask & (min(min(p0, p1), p2) <= radius);
+        mask = mask & (Float8(0.0F) - radius <= max(max(p0, p1), p2));
+        height[0] = mul_add(p0, normal, height[0]);
+        height[1] = mul_add(p1, normal, height[1]);
+        height[2] = mul_add(p2, normal, height[2]);
+        box_distance = mul_add(p0, Float8(box.normal[k]), box_distance);
+        box_radius = mul_add(half, Float8(std::abs(box.normal[k])), box_radius);
     }
-    const Float8 radius = load8(node.slab_half) + set8(padding);
-    mask = both(mask, at_most(minimum(minimum(height[0], height[1]), height[2]), radius));
-    mask =
-        both(mask, at_most(set8(0.0F) - radius, maximum(maximum(height[0], height[1]), height[2])));
-    return bits(both(mask, at_most(magnitude(box_distance), box_radius)));
+    const Float8 radius = Float8::load(node.slab_half) + Float8(padding);
+    mask = mask & (min(min(height[0], height[1]), height[2]) <= radius);
+    mask = mask & (Float8(0.0F) - radius <= max(max(height[0], height[1]), height[2]));
+    return bits(mask & (abs(box_distance) <= box_radius));
 }
 
 /// Support of each node box along its own centre offset, from its centre: the direction is split
 /// into a multiple of the slab's normal, bounded by the slab, and a rest, bounded by the box.
 HWY_INLINE Float8 extent_of_node_slabs(const BoxNode& node, const RelativeBox& box) {
-    const Float8 share = multiply_add(box.centre_offset[0],
-                                      load8(node.normal[0]),
-                                      multiply_add(box.centre_offset[1],
-                                                   load8(node.normal[1]),
-                                                   box.centre_offset[2] * load8(node.normal[2])));
+    const Float8 share = mul_add(box.centre_offset[0],
+                                 Float8::load(node.normal[0]),
+                                 mul_add(box.centre_offset[1],
+                                         Float8::load(node.normal[1]),
+                                         box.centre_offset[2] * Float8::load(node.normal[2])));
     Float8 radius =
-        multiply_add(share, load8(node.slab_centre), magnitude(share) * load8(node.slab_half));
+        mul_add(share, Float8::load(node.slab_centre), abs(share) * Float8::load(node.slab_half));
     for (std::size_t k = 0; k < 3; ++k) {
-        const Float8 rest = subtract_product(share, load8(node.normal[k]), box.centre_offset[k]);
-        radius = multiply_add(magnitude(rest), box.half[k], radius);
+        const Float8 rest = neg_mul_add(share, Float8::load(node.normal[k]), box.centre_offset[k]);
+        radius = mul_add(abs(rest), box.half[k], radius);
     }
     return radius;
 }
@@ -235,16 +232,16 @@ HWY_INLINE Float8 extent_of_node_slabs(const BoxNode& node, const RelativeBox& b
 /// Support of the other box in the opposite direction; `centre_offset` holds the components of the
 /// direction along its axes.
 HWY_INLINE Float8 extent_of_box_slab(const Slot& slot, const Float8 (&centre_offset)[3]) {
-    const Float8 share = multiply_add(
+    const Float8 share = mul_add(
         centre_offset[0],
-        set8(slot.normal[0]),
-        multiply_add(
-            centre_offset[1], set8(slot.normal[1]), centre_offset[2] * set8(slot.normal[2])));
+        Float8(slot.normal[0]),
+        mul_add(
+            centre_offset[1], Float8(slot.normal[1]), centre_offset[2] * Float8(slot.normal[2])));
     Float8 radius =
-        subtract_product(share, set8(slot.slab_centre), magnitude(share) * set8(slot.slab_half));
+        neg_mul_add(share, Float8(slot.slab_centre), abs(share) * Float8(slot.slab_half));
     for (std::size_t k = 0; k < 3; ++k) {
-        const Float8 rest = subtract_product(share, set8(slot.normal[k]), centre_offset[k]);
-        radius = multiply_add(magnitude(rest), set8(slot.half[k]), radius);
+        const Float8 rest = neg_mul_add(share, Float8(slot.normal[k]), centre_offset[k]);
+        radius = mul_add(abs(rest), Float8(slot.half[k]), radius);
     }
     return radius;
 }
@@ -258,7 +255,7 @@ HWY_INLINE std::uint32_t within_distance(const BoxNode& node,
                                          float squared_bound,
                                          float* squares) {
     const RelativeBox box(node, slot, frame);
-    const Float8 zero = set8(0.0F);
+    const Float8 zero = Float8(0.0F);
     Float8 in_node_space = zero;
     Float8 in_box_space = zero;
     Float8 length_squared = zero;
@@ -266,29 +263,28 @@ HWY_INLINE std::uint32_t within_distance(const BoxNode& node,
     Float8 rotated_offset[3];
     for (std::size_t k = 0; k < 3; ++k) {
         const Float8 gap =
-            maximum(zero, magnitude(box.centre_offset[k]) - (box.half[k] + set8(box.radius[k])));
-        in_node_space = multiply_add(gap, gap, in_node_space);
+            max(zero, abs(box.centre_offset[k]) - (box.half[k] + Float8(box.radius[k])));
+        in_node_space = mul_add(gap, gap, in_node_space);
         rotated_offset[k] = box.along(frame, k);
-        const Float8 own =
-            maximum(zero, magnitude(rotated_offset[k]) - box.radius_along(slot, frame, k));
-        in_box_space = multiply_add(own, own, in_box_space);
-        length_squared = multiply_add(box.centre_offset[k], box.centre_offset[k], length_squared);
-        length_bound = length_bound + magnitude(box.centre_offset[k]);
+        const Float8 own = max(zero, abs(rotated_offset[k]) - box.radius_along(slot, frame, k));
+        in_box_space = mul_add(own, own, in_box_space);
+        length_squared = mul_add(box.centre_offset[k], box.centre_offset[k], length_squared);
+        length_bound = length_bound + abs(box.centre_offset[k]);
     }
     // Far above what underflow takes from the sums, so that they are 0 instead.
     constexpr float kNothing = 0x1p-100F;
     const Float8 radius =
-        multiply_add(length_bound,
-                     set8(2.0F * frame.padding),
-                     extent_of_node_slabs(node, box) + extent_of_box_slab(slot, rotated_offset));
-    const Float8 gap = maximum(zero, length_squared - (radius + set8(kNothing)));
+        mul_add(length_bound,
+                Float8(2.0F * frame.padding),
+                extent_of_node_slabs(node, box) + extent_of_box_slab(slot, rotated_offset));
+    const Float8 gap = max(zero, length_squared - (radius + Float8(kNothing)));
     // In this order nothing overflows.
-    const Float8 between = gap / maximum(length_squared, set8(kNothing)) * gap;
+    const Float8 between = gap / max(length_squared, Float8(kNothing)) * gap;
     // Takes away what rounding the squares and their sums may have added.
     const Float8 lower_bound =
-        maximum(maximum(in_node_space, in_box_space), between) * set8(1.0F - 0x1p-18F);
-    store8(lower_bound, squares);
-    return bits(both(first_lanes(node.count), at_most(lower_bound, set8(squared_bound))));
+        max(max(in_node_space, in_box_space), between) * Float8(1.0F - 0x1p-18F);
+    lower_bound.store(squares);
+    return bits(Float8::Mask::first(node.count) & (lower_bound <= Float8(squared_bound)));
 }
 
 }  // namespace earshot::collision::HWY_NAMESPACE

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: MIT
+//
+// Slab tests of a ray against the children of wide nodes, and the traversal stack, compiled once
+// per instruction set.
+
+#include "earshot/base/simd/float_lanes-inl.h"
+#include "earshot/bvh/internal/float_ray.h"
+#include "earshot/bvh/tree.h"
+#include "earshot/bvh/wide_tree.h"
+#include "earshot/geometry/mesh.h"
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#if defined(EARSHOT_BVH_KERNELS_NODE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef EARSHOT_BVH_KERNELS_NODE_INL_H
+#undef EARSHOT_BVH_KERNELS_NODE_INL_H
+#else
+#define EARSHOT_BVH_KERNELS_NODE_INL_H
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace earshot::bvh::HWY_NAMESPACE {
+
+using namespace earshot::HWY_NAMESPACE;  // NOLINT: the lanes
+
+// Every node on the path down leaves at most seven children on the stack, and compress_ordered()
+// writes eight.
+constexpr std::size_t kMaxStackSize = (WideNode::kWidth - 1) * (kMaxDepth + 1) + WideNode::kWidth;
+
+/// The axis-aligned plane that an excluded triangle lies in.
+struct ExcludedPlane {
+    std::uint32_t planes = 0;  ///< first of the axis in WideNode::planes
+    /// Its coordinate along the axis; not a number: the triangle lies in no such plane, or the
+    /// coordinate is no float.
+    float at = std::numeric_limits<float>::quiet_NaN();
+
+    ExcludedPlane() = default;
+    HWY_INLINE ExcludedPlane(const geometry::MeshView& mesh, std::uint32_t triangle) {
+        const geometry::Triangle& corners = mesh.triangles[triangle];
+        const double* a = glm::value_ptr(mesh.positions[corners[0]]);
+        const double* b = glm::value_ptr(mesh.positions[corners[1]]);
+        const double* c = glm::value_ptr(mesh.positions[corners[2]]);
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const auto coordinate = static_cast<float>(a[k]);
+            if (a[k] == b[k] && a[k] == c[k] && static_cast<double>(coordinate) == a[k]) {
+                planes = 2 * WideNode::kWidth * k;
+                at = coordinate;
+            }
+        }
+    }
+};
+
+/// The slab test (Kay and Kajiya 1986) of a ray against the eight children of a wide node.
+class SlabTest {
+public:
+    explicit SlabTest(const FloatRay& ray)
+        : ray_(ray),
+          inverse_near_{Float8(ray.inverse_near[0]),
+                        Float8(ray.inverse_near[1]),
+                        Float8(ray.inverse_near[2])},
+          offset_near_{
+              Float8(ray.offset_near[0]), Float8(ray.offset_near[1]), Float8(ray.offset_near[2])},
+          inverse_far_{
+              Float8(ray.inverse_far[0]), Float8(ray.inverse_far[1]), Float8(ray.inverse_far[2])},
+          offset_far_{
+              Float8(ray.offset_far[0]), Float8(ray.offset_far[1]), Float8(ray.offset_far[2])} {}
+
+    /// Writes the distances where the ray enters the children to `near`.
+    HWY_INLINE Float8::Mask operator()(const WideNode& node,
+                                       const Float8& bound,
+                                       Float8& near) const {
+        const float* planes = node.planes[0];
+        const Float8 near_x =
+            mul_add(Float8::load(planes + ray_.near_plane[0]), inverse_near_[0], offset_near_[0]);
+        const Float8 near_y =
+            mul_add(Float8::load(planes + ray_.near_plane[1]), inverse_near_[1], offset_near_[1]);
+        const Float8 near_z =
+            mul_add(Float8::load(planes + ray_.near_plane[2]), inverse_near_[2], offset_near_[2]);
+        const Float8 far_x =
+            mul_add(Float8::load(planes + ray_.far_plane[0]), inverse_far_[0], offset_far_[0]);
+        const Float8 far_y =
+            mul_add(Float8::load(planes + ray_.far_plane[1]), inverse_far_[1], offset_far_[1]);
+        const Float8 far_z =
+            mul_add(Float8::load(planes + ray_.far_plane[2]), inverse_far_[2], offset_far_[2]);
+        near = max(max(near_x, near_y), max(near_z, Float8(0.0F)));
+        const Float8 far = min(min(far_x, far_y), min(far_z, bound));
+        return near <= far;
+    }
+
+private:
+    const FloatRay& ray_;
+    Float8 inverse_near_[3], offset_near_[3], inverse_far_[3], offset_far_[3];
+};
+
+/// The slab test of a secondary ray whose excluded (origin) triangle lies in an axis-aligned plane:
+/// children that are coplanar with it are skipped, because the ray goes away from that plane.
+class SlabTestSkippingCoplanar {
+public:
+    SlabTestSkippingCoplanar(const FloatRay& ray, const ExcludedPlane& excluded)
+        : slab_test_(ray), planes_(excluded.planes), at_(Float8(excluded.at)) {}
+
+    HWY_INLINE Float8::Mask operator()(const WideNode& node,
+                                       const Float8& bound,
+                                       Float8& near) const {
+        const Float8::Mask passed = slab_test_(node, bound, near);
+        const float* planes = node.planes[0] + planes_;
+        return and_not(
+            passed,
+            (at_ <= Float8::load(planes)) & (Float8::load(planes + WideNode::kWidth) <= at_));
+    }
+
+private:
+    SlabTest slab_test_;
+    std::uint32_t planes_;
+    Float8 at_;
+};
+
+/// The traversal stack of one ray or packet: the children still to be visited and where they begin.
+struct TraversalStack {
+    std::size_t count = 0;
+    std::uint32_t current = 0;  // to be visited next
+    alignas(32) float entry_near[kMaxStackSize];
+    std::uint32_t entry[kMaxStackSize];
+
+    /// Pushes the masked children of a node, the closest on top.
+    HWY_INLINE void push(const Float8& near,
+                         const Float8::Mask& mask,
+                         const WideNode& node,
+                         int shift) {
+        count += compress_ordered(
+            near, mask, node.child, node.order, shift, entry_near + count, entry + count);
+    }
+
+    /// Pops the next child that begins before `bound` into `current`; false if there is none.
+    HWY_INLINE bool pop(float bound) {
+        do {
+            if (count == 0) {
+                return false;
+            }
+            --count;
+        } while (entry_near[count] > bound);
+        current = entry[count];
+        return true;
+    }
+};
+
+/// Continues with the closest child of a node; false if the ray misses all and the stack is empty.
+template <typename Passes>
+HWY_INLINE bool descend(const WideNode& node,
+                        const Passes& slab_test,
+                        int order_shift,
+                        float bound,
+                        TraversalStack& stack) {
+    Float8 near;
+    const Float8::Mask passed = slab_test(node, Float8(bound), near);
+    stack.push(near, passed, node, order_shift);
+    return stack.pop(bound);
+}
+
+/// The same in the single-ray kernel: where the ray passes one child only, the stack is bypassed.
+template <typename Passes>
+HWY_INLINE bool descend_single_ray(const WideNode& node,
+                                   const Passes& slab_test,
+                                   int order_shift,
+                                   float bound,
+                                   TraversalStack& stack) {
+    Float8 near;
+    const Float8::Mask passed = slab_test(node, Float8(bound), near);
+    const std::uint32_t lanes = bits(passed);
+    if (std::has_single_bit(lanes)) {
+        stack.current = node.child[std::countr_zero(lanes)];
+        return true;
+    }
+    if (lanes != 0) {
+        stack.push(near, passed, node, order_shift);
+    }
+    return stack.pop(bound);
+}
+
+}  // namespace earshot::bvh::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
