@@ -101,5 +101,67 @@ TEST(ProgressBar, DrawsNothingWhereItIsQuietOrNotATerminal) {
     close(ends[1]);
 }
 
+/// A bar whose time passes only when a test says so.
+class TimedBar {
+public:
+    explicit TimedBar(int file_descriptor)
+        : bar_({.file_descriptor = file_descriptor, .clock = [this] { return now_; }}) {}
+
+    void report_after(std::chrono::milliseconds time, std::size_t done, std::size_t total) {
+        now_ += time;
+        bar_.report("late rays", done, total);
+    }
+
+private:
+    std::chrono::steady_clock::time_point now_{};
+    cli::ProgressBar bar_;
+};
+
+using std::chrono::milliseconds;
+
+TEST(ProgressBar, TellsRateAndTimeLeft) {
+    const Terminal terminal;
+    TimedBar bar(terminal.descriptor());
+    bar.report_after(milliseconds(0), 0, 100000);
+    bar.report_after(milliseconds(2000), 10000, 100000);  // 5000 a second, 90000 to go
+    const std::string line = terminal.shown();
+    EXPECT_TRUE(line.ends_with("] 10 %, 5.0k/s, 18 s left")) << line;
+    EXPECT_LT(line.size(), 60U + 4U);
+    bar.report_after(milliseconds(2000), 10100, 100000);
+    EXPECT_TRUE(terminal.shown().ends_with("] 10 %, 2.5k/s, 36 s left"));
+    bar.report_after(milliseconds(100), 100000, 100000);
+    EXPECT_TRUE(terminal.shown().ends_with("=] 100 %"));
+}
+
+TEST(ProgressBar, TellsLongTimesInMinutesAndHours) {
+    const Terminal terminal;
+    TimedBar bar(terminal.descriptor());
+    bar.report_after(milliseconds(0), 0, 1000);
+    bar.report_after(milliseconds(10000), 20, 1000);
+    EXPECT_TRUE(terminal.shown().ends_with("] 2 %, 2/s, 8 min left"));
+    bar.report_after(milliseconds(70000), 25, 1000);
+    EXPECT_TRUE(terminal.shown().ends_with("] 2 %, 0.31/s, 52 min left"));
+    bar.report_after(milliseconds(920000), 50, 1000);
+    EXPECT_TRUE(terminal.shown().ends_with("] 5 %, 0.05/s, 5.3 h left"));
+}
+
+TEST(ProgressBar, WritesALineEveryTenSecondsWhereThereIsNoTerminal) {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe2(ends.data(), O_NONBLOCK), 0);
+    {
+        TimedBar bar(ends[1]);
+        bar.report_after(milliseconds(0), 0, 100);
+        for (std::size_t done = 1; done <= 25; ++done) {
+            bar.report_after(milliseconds(1000), done, 100);
+        }
+    }
+    std::array<char, 4096> buffer{};
+    const ssize_t count = read(ends[0], buffer.data(), buffer.size());
+    EXPECT_EQ(std::string(buffer.data(), count > 0 ? static_cast<std::size_t>(count) : 0),
+              "late rays 10 %, 1/s, 90 s left\nlate rays 20 %, 1/s, 80 s left\n");
+    close(ends[0]);
+    close(ends[1]);
+}
+
 }  // namespace
 }  // namespace earshot::test
