@@ -58,13 +58,13 @@ struct HeardArrival {
 
 HeardArrival hear(const Assembler& assembler,
                   Arrival arrival,
-                  const HeadResponses& head,
+                  const HrirSet& head,
                   const Orientation& orientation) {
     std::array<double, 3> towards = origin_seen_from(orientation, arrival);
     if (towards == std::array<double, 3>{}) {
         towards = {1.0, 0.0, 0.0};
     }
-    const HeadResponse& response = head.directions[nearest_direction(head, towards)];
+    const Hrir& response = head.directions[closest_direction(head, towards)];
     // Only the stretch about the arrival is filtered; an impulse begins before its time.
     const double start =
         std::floor(arrival.delay * head.sample_rate) - static_cast<double>(kDelayHalfLength);
@@ -85,30 +85,30 @@ void add(std::span<const double> part, std::size_t begin, std::vector<double>& s
 
 }  // namespace
 
-HeadResponses resampled(const HeadResponses& head, double sample_rate) {
+HrirSet resampled(const HrirSet& head, double sample_rate) {
     if (!(sample_rate >= head.sample_rate)) {
         throw Error("head responses",
                     "have a higher sample rate than the result",
                     "ask for at least " + std::to_string(head.sample_rate) + " Hz");
     }
-    HeadResponses result = head;
+    HrirSet result = head;
     if (sample_rate == head.sample_rate) {
         return result;
     }
     result.sample_rate = sample_rate;
     std::size_t longest = 0;
-    for (const HeadResponse& direction : head.directions) {
+    for (const Hrir& direction : head.directions) {
         longest = std::max({longest, direction.left.size(), direction.right.size()});
     }
     const Interpolator interpolate(head.sample_rate / sample_rate, longest);
-    for (HeadResponse& direction : result.directions) {
+    for (Hrir& direction : result.directions) {
         direction.left = interpolate(direction.left);
         direction.right = interpolate(direction.right);
     }
     return result;
 }
 
-std::size_t nearest_direction(const HeadResponses& head, const std::array<double, 3>& towards) {
+std::size_t closest_direction(const HrirSet& head, const std::array<double, 3>& towards) {
     EARSHOT_ASSERT(!head.directions.empty());
     std::size_t nearest = 0;
     double largest = -2.0;
@@ -125,7 +125,7 @@ std::size_t nearest_direction(const HeadResponses& head, const std::array<double
 
 std::array<ImpulseResponse, 2> render_binaural(const Assembler& assembler,
                                                std::span<const Arrival> arrivals,
-                                               const HeadResponses& head,
+                                               const HrirSet& head,
                                                const Orientation& orientation,
                                                double length,
                                                Executor& executor) {

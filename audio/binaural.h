@@ -11,24 +11,24 @@ namespace earshot::audio {
 
 /// What the ears hear of an impulse from one direction, far away and re pressure at the head's
 /// centre without the head. The time between the ears is in the samples.
-struct HeadResponse {
+struct Hrir {
     std::array<double, 3> towards{1.0, 0.0, 0.0};  ///< unit; front, left, up
     std::vector<double> left;
     std::vector<double> right;
 };
 
 /// Head-related responses around one head.
-struct HeadResponses {
+struct HrirSet {
     double sample_rate = 48000.0;  ///< hertz
-    std::vector<HeadResponse> directions;
+    std::vector<Hrir> directions;
 };
 
 /// The same responses at a higher sample rate, by band-limited interpolation. Throws Error if the
 /// rate is lower than theirs.
-HeadResponses resampled(const HeadResponses& head, double sample_rate);
+HrirSet resampled(const HrirSet& head, double sample_rate);
 
 /// The entry whose direction is nearest, the first of equals. Precondition: there is one.
-std::size_t nearest_direction(const HeadResponses& head, const std::array<double, 3>& towards);
+std::size_t closest_direction(const HrirSet& head, const std::array<double, 3>& towards);
 
 /// The responses of both ears, left first, equally long: every arrival through the head response of
 /// the nearest measured direction, without interpolation, so that the time and level between the
@@ -37,7 +37,7 @@ std::size_t nearest_direction(const HeadResponses& head, const std::array<double
 /// Precondition: the assembler has the sample rate of the head responses.
 std::array<ImpulseResponse, 2> render_binaural(const Assembler& assembler,
                                                std::span<const Arrival> arrivals,
-                                               const HeadResponses& head,
+                                               const HrirSet& head,
                                                const Orientation& orientation = {},
                                                double length = 0.0,
                                                Executor& executor = Executor::serial());

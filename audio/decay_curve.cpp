@@ -121,7 +121,7 @@ double DecayCurve::slope(const DecayRange& range) const noexcept {
 
 DecayCurve::Reading DecayCurve::read(const DecayRange& range,
                                      double bandwidth_hz,
-                                     bool is_whole) const {
+                                     bool full_decay) const {
     const double db_per_second = slope(range);
     const double time = db_per_second < 0.0 ? -60.0 / db_per_second : 0.0;
     // A line through a few samples can be flatter than the decay that they are taken from.
@@ -132,7 +132,7 @@ DecayCurve::Reading DecayCurve::read(const DecayRange& range,
                 "decay of " + rounded_ms(shortest) + " ms, the band's filter needs " +
                     rounded_ms(kLeastBandwidthTimesDecay / bandwidth_hz) + " ms"};
     }
-    if (is_whole) {
+    if (full_decay) {
         return {time, false, {}};
     }
     const double least = std::max(kLeastSlowness - kFluctuation / std::sqrt(bandwidth_hz * time),

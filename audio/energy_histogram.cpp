@@ -34,7 +34,7 @@ EnergyHistogram energy_from(const EnergyHistogram& histogram, std::size_t part) 
                            .energy = histogram.energy,
                            .error = {},
                            .reflection_growth = histogram.reflection_growth,
-                           .is_whole = histogram.is_whole,
+                           .full_decay = histogram.full_decay,
                            .directions = {}};
     for (std::size_t span = 0; span < histogram.directions.size(); ++span) {
         const auto& parts = histogram.directions[span];

@@ -30,7 +30,7 @@ struct EnergyHistogram {
     /// to be told apart.
     double reflection_growth = 0.0;
     /// It reaches to where the energy has decayed by some 60 dB in every band.
-    bool is_whole = false;
+    bool full_decay = false;
     /// Where the energy comes from, part by part, in intervals of kBinsPerSpan bins; empty where
     /// nobody asked.
     std::vector<std::array<Spectrum, kDirectionParts>> directions{};

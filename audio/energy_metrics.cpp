@@ -80,7 +80,7 @@ RoomMetrics energy_metrics(const Bands& bands,
                                            .sample_rate = kGridRate,
                                            .after_onset = after_onset,
                                            .bandwidth_hz = kNoFilterHz,
-                                           .is_whole = late.is_whole});
+                                           .full_decay = late.full_decay});
     }
     if (reader.note_early_ends()) {
         return metrics;

@@ -178,7 +178,7 @@ std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
 
 std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
                                                        const EnergyHistogram& histogram,
-                                                       const HeadResponses& head,
+                                                       const HrirSet& head,
                                                        std::uint64_t seed,
                                                        const Orientation& orientation) {
     EARSHOT_ASSERT(!head.directions.empty());
@@ -189,7 +189,7 @@ std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
                   seed,
                   orientation,
                   [&](const std::vector<double>& noise, const std::array<double, 3>& towards) {
-                      const HeadResponse& heard = head.directions[nearest_direction(head, towards)];
+                      const Hrir& heard = head.directions[closest_direction(head, towards)];
                       add(convolve(noise, heard.left), 1.0, ears[0]);
                       add(convolve(noise, heard.right), 1.0, ears[1]);
                   });

@@ -67,7 +67,7 @@ void MetricsReader::read_times(const DecayCurve& curve,
                              std::to_string(range.to_db + kRoomDb) + " dB needed");
             return std::nullopt;
         }
-        const DecayCurve::Reading reading = curve.read(range, decay.bandwidth_hz, decay.is_whole);
+        const DecayCurve::Reading reading = curve.read(range, decay.bandwidth_hz, decay.full_decay);
         ends_early = ends_early || reading.ends_early;
         if (!reading.time) {
             notes_.push_back(std::string(range.name) + " at " + name + ": " + reading.why_not);

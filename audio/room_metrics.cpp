@@ -54,7 +54,7 @@ RoomMetrics room_metrics(const Bands& bands,
                          .reference = energy.of_unit_impulse(band),
                          .bandwidth_hz = bands.upper_edge_hz(band) - bands.lower_edge_hz(band),
                          .noise = noise,
-                         .is_whole = options.is_whole});
+                         .full_decay = options.full_decay});
     }
     if (reader.note_early_ends()) {
         return metrics;
@@ -68,11 +68,20 @@ RoomMetrics room_metrics(const Bands& bands,
     return metrics;
 }
 
+namespace {
+
+/// Whether a band belongs to the octaves 500 Hz and 1 kHz.
+bool is_mid_frequency(const Bands& bands, std::size_t band) {
+    constexpr double kMinHz = 390.0;
+    constexpr double kMaxHz = 1300.0;
+    return bands.nominal_hz()[band] > kMinHz && bands.nominal_hz()[band] < kMaxHz;
+}
+
+}  // namespace
+
 std::optional<double> schroeder_frequency_hz(const Bands& bands,
                                              const RoomMetrics& metrics,
                                              double volume) {
-    constexpr double kLeastHz = 390.0;
-    constexpr double kMostHz = 1300.0;
     double sum = 0.0;
     double count = 0.0;
     for (std::size_t band = 0; band < bands.count(); ++band) {
@@ -80,12 +89,29 @@ std::optional<double> schroeder_frequency_hz(const Bands& bands,
         const auto& longer = found.reverberation_time_t30 ? found.reverberation_time_t30
                                                           : found.reverberation_time_t20;
         const auto& time = longer ? longer : found.early_decay_time;
-        if (time && bands.nominal_hz()[band] > kLeastHz && bands.nominal_hz()[band] < kMostHz) {
+        if (time && is_mid_frequency(bands, band)) {
             sum += *time;
             count += 1.0;
         }
     }
     return count > 0.0 ? std::optional(2000.0 * std::sqrt(sum / count / volume)) : std::nullopt;
+}
+
+std::optional<double> mid_frequency_mean(const Bands& bands,
+                                         const RoomMetrics& metrics,
+                                         std::optional<double> BandMetrics::*value) {
+    double sum = 0.0;
+    double count = 0.0;
+    for (std::size_t band = 0; band < metrics.bands.size(); ++band) {
+        if (is_mid_frequency(bands, band)) {
+            if (!(metrics.bands[band].*value)) {
+                return std::nullopt;
+            }
+            sum += *(metrics.bands[band].*value);
+            count += 1.0;
+        }
+    }
+    return count > 0.0 ? std::optional(sum / count) : std::nullopt;
 }
 
 }  // namespace earshot::audio

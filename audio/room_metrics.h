@@ -40,7 +40,7 @@ struct MetricsOptions {
     bool ends_in_noise = false;
     /// The response is known to hold the whole decay: it is not looked for signs that it was cut
     /// off.
-    bool is_whole = false;
+    bool full_decay = false;
     /// For the speech transmission index.
     std::optional<SpeechLevels> speech{};
 };
@@ -68,5 +68,11 @@ RoomMetrics energy_metrics(const Bands& bands,
 std::optional<double> schroeder_frequency_hz(const Bands& bands,
                                              const RoomMetrics& metrics,
                                              double volume);
+
+/// The single number of a metric: the mean of the octaves 500 Hz and 1 kHz, or of the thirds from
+/// 400 Hz to 1250 Hz (ISO 3382-1:2009, table A.1); empty if one of them is.
+std::optional<double> mid_frequency_mean(const Bands& bands,
+                                         const RoomMetrics& metrics,
+                                         std::optional<double> BandMetrics::*value);
 
 }  // namespace earshot::audio

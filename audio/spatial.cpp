@@ -45,7 +45,7 @@ std::size_t ambisonic_channels(int order) noexcept {
 }
 
 void spherical_harmonics(int order, const Vector& towards, std::span<double> values) {
-    EARSHOT_ASSERT(order >= 0 && order <= kMostAmbisonicOrder);
+    EARSHOT_ASSERT(order >= 0 && order <= kMaxAmbisonicOrder);
     EARSHOT_ASSERT(values.size() == ambisonic_channels(order));
     const auto [x, y, z] = towards;
     // cos^m(elevation) times the cosine and sine of m times the azimuth: powers of x + iy, which
@@ -82,9 +82,9 @@ std::vector<ImpulseResponse> encode_ambisonic(const Assembler& assembler,
                                               const Orientation& orientation,
                                               double length,
                                               Executor& executor) {
-    if (order < 0 || order > kMostAmbisonicOrder) {
+    if (order < 0 || order > kMaxAmbisonicOrder) {
         throw Error("ambisonic order",
-                    "must lie in 0 ... " + std::to_string(kMostAmbisonicOrder) + ", not " +
+                    "must lie in 0 ... " + std::to_string(kMaxAmbisonicOrder) + ", not " +
                         std::to_string(order),
                     "1 has four channels, 3 has sixteen");
     }

@@ -10,7 +10,7 @@
 
 namespace earshot::audio {
 
-inline constexpr int kMostAmbisonicOrder = 5;
+inline constexpr int kMaxAmbisonicOrder = 5;
 
 /// Where a listener looks. Unit vectors at right angles to each other, left = up x front, in the
 /// coordinates of the arrivals' directions.
@@ -30,7 +30,7 @@ std::size_t ambisonic_channels(int order) noexcept;
 /// Real spherical harmonics of a direction, into `values` in ACN order with SN3D normalisation
 /// (Nachbar et al. 2011): values[0] is 1, values[1..3] are y, z, x. `towards`: front, left, up
 /// components of the unit vector to where the sound comes from. No Condon-Shortley phase.
-/// Precondition: 0 <= order <= kMostAmbisonicOrder, values.size() == ambisonic_channels(order).
+/// Precondition: 0 <= order <= kMaxAmbisonicOrder, values.size() == ambisonic_channels(order).
 void spherical_harmonics(int order, const std::array<double, 3>& towards, std::span<double> values);
 
 /// The ambisonic response of a listener, a channel per spherical harmonic: an arrival is a plane

@@ -2,7 +2,6 @@
 #include "earshot/base/simd.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/emitter_options.h"
-#include "earshot/cli/listening.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/response_job.h"
@@ -19,6 +18,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace earshot::cli {
@@ -57,7 +57,7 @@ public:
 
     void run() override {
         const std::vector<double> instants = scene_.times(app());
-        const Listening hearing = listening();
+        propagation::ResponseFormat format = response_format();
         use_simd_target(common().simd);
 
         io::LoadedScene loaded = scene_.load();
@@ -65,17 +65,15 @@ public:
         if (!visibility_file_.empty()) {
             visible_sets_.emplace(io::read_visible_sets(visibility_file_));
         }
-        const ResponseJob job = {
-            .scene = loaded.scene,
-            .simulation = simulation_options(),
-            .response = {.sample_rate = static_cast<double>(sample_rate_hz_), .length = length_},
-            .listening = hearing,
-            .writes_sofa = writes_sofa_,
-            .writes_histograms = writes_histograms_,
-            .checks_visibility = checks_visibility_,
-            .times = instants,
-            .is_sequence = scene_.is_sequence(),
-            .directory = directory_};
+        const ResponseJob job = {.scene = loaded.scene,
+                                 .simulation = simulation_options(),
+                                 .format = std::move(format),
+                                 .write_sofa = writes_sofa_,
+                                 .write_histograms = writes_histograms_,
+                                 .check_visibility = checks_visibility_,
+                                 .times = instants,
+                                 .is_sequence = scene_.is_sequence(),
+                                 .directory = directory_};
         Executor executor(static_cast<int>(common().threads));
         ResponseSummary summary;
         {
@@ -200,34 +198,34 @@ private:
             .seed = static_cast<std::uint64_t>(common().seed),
             .late_length = length_,
             .late_directions = format_ != "mono",
-            .keeps_traces = scene_.is_sequence(),
+            .keep_traces = scene_.is_sequence(),
             .visible_sets = visible_sets_ ? &*visible_sets_ : nullptr,
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
     }
 
-    /// How listeners hear, head responses included.
-    Listening listening() {
+    propagation::ResponseFormat response_format() {
+        using propagation::Channels;
         constexpr std::string_view kAmbisonic = "ambisonic:";
-        Listening listening;
+        propagation::ResponseFormat format = {.sample_rate = static_cast<double>(sample_rate_hz_),
+                                              .length = length_,
+                                              .seed = static_cast<std::uint64_t>(common().seed)};
         if (format_ == "binaural") {
-            listening.format = Listening::Format::binaural;
-            listening.head =
-                audio::resampled(io::read_head_responses(
-                                     head_file_.empty() ? io::kDefaultHeadResponses : head_file_),
-                                 static_cast<double>(sample_rate_hz_));
+            format.channels = Channels::binaural;
+            format.hrir_set =
+                io::read_hrir_set(head_file_.empty() ? io::kDefaultHrirSet : head_file_);
         } else if (format_.starts_with(kAmbisonic)) {
             const auto order = parse_integer(std::string_view(format_).substr(kAmbisonic.size()));
-            if (!order || *order < 0 || *order > audio::kMostAmbisonicOrder) {
+            if (!order || *order < 0 || *order > audio::kMaxAmbisonicOrder) {
                 throw wrong_usage(
                     app(), "--format", "the order of '" + format_ + "' is not in 0 ... 5");
             }
-            listening.format = Listening::Format::ambisonic;
-            listening.ambisonic_order = static_cast<int>(*order);
+            format.channels = Channels::ambisonic;
+            format.ambisonic_order = static_cast<int>(*order);
         } else if (format_ != "mono") {
             throw wrong_usage(
                 app(), "--format", "'" + format_ + "' is not one of mono, binaural, ambisonic:N");
         }
-        return listening;
+        return format;
     }
 
     static void print_notes(const Warnings& notes) {

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/response_job.h"
 
-#include "earshot/base/random.h"
+#include "earshot/base/stage_progress.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
-#include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
 
 #include <algorithm>
@@ -67,7 +66,7 @@ public:
           progress_(progress),
           source_names_(file_names(job.scene.sources)),
           listener_names_(file_names(job.scene.listeners)),
-          assembler_(job.simulation.bands, job.response.sample_rate) {
+          renderer_(job.simulation.bands, job.format) {
         summary_.paths_of_order.resize(static_cast<std::size_t>(job.simulation.specular_order) + 1);
     }
 
@@ -83,14 +82,18 @@ public:
             summary_.prepare_seconds += prepare_seconds;
 
             start = std::chrono::steady_clock::now();
-            progress_.report("tracing", frame, job_.times.size());
-            std::vector<PairResult> pairs = simulator.run(executor_);
-            progress_.report("tracing", frame + 1, job_.times.size());
+            // Of one instant the simulator reports, of many this job.
+            const bool is_alone = job_.times.size() == 1;
+            if (!is_alone) {
+                progress_.report("tracing", frame, job_.times.size());
+            }
+            std::vector<PairResult> pairs =
+                simulator.run(executor_, is_alone ? &progress_ : nullptr);
             const double trace_seconds = seconds_since(start);
             summary_.trace_seconds += trace_seconds;
             summary_.update_seconds.push_back(prepare_seconds + trace_seconds);
             add_statistics(simulator);
-            if (job_.checks_visibility) {
+            if (job_.check_visibility) {
                 count_lost_paths(pairs, job_.times[frame]);
             }
 
@@ -136,11 +139,17 @@ private:
     void write_responses(const std::vector<PairResult>& pairs, std::size_t frame) {
         // Pairs are independent; what they make is kept in order and written in order.
         std::vector<std::string> sounds(pairs.size());
-        std::vector<HeardPair> heard(pairs.size());
+        std::vector<propagation::Response> responses(pairs.size());
+        StageProgress rendered(
+            &progress_, "responses", job_.times.size() * pairs.size(), frame * pairs.size());
         executor_.for_each(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                heard[i] = hear_pair(pairs[i]);
-                sounds[i] = io::encode_wav(interleaved(heard[i].channels));
+                responses[i] = renderer_.render(
+                    pairs[i],
+                    job_.scene.pose_at(job_.scene.listeners[pairs[i].listener], pairs[i].time),
+                    executor_);
+                sounds[i] = io::encode_response(responses[i].channels);
+                rendered.add(1);
             }
         });
         for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -154,44 +163,16 @@ private:
                 ++summary_.paths_of_order[static_cast<std::size_t>(path.order)];
             }
             write(name + (job_.is_sequence ? frame_suffix(frame) : "") + ".wav", sounds[i]);
-            metrics_.push_back(std::move(heard[i].metrics));
-            if (job_.writes_sofa) {
+            metrics_.push_back(std::move(responses[i].metrics));
+            if (job_.write_sofa) {
                 measurements_.push_back(
                     {.source =
                          job_.scene.pose_at(job_.scene.sources[pairs[i].source], pairs[i].time),
                      .listener =
                          job_.scene.pose_at(job_.scene.listeners[pairs[i].listener], pairs[i].time),
-                     .channels = std::move(heard[i].channels)});
-            }
-            progress_.report(
-                "responses", frame * pairs.size() + i + 1, job_.times.size() * pairs.size());
-        }
-    }
-
-    /// Every pair has noise of its own, the same at all times.
-    HeardPair hear_pair(const PairResult& pair) const {
-        return hear(pair,
-                    job_.scene.pose_at(job_.scene.listeners[pair.listener], pair.time),
-                    job_.listening,
-                    job_.simulation.bands,
-                    assembler_,
-                    job_.response.length,
-                    random_bits(job_.simulation.seed, pair.source, pair.listener),
-                    executor_);
-    }
-
-    static io::Sound interleaved(const std::vector<audio::ImpulseResponse>& channels) {
-        io::Sound sound = {.sample_rate = channels.front().sample_rate,
-                           .channels = static_cast<int>(channels.size()),
-                           .samples = {}};
-        const std::size_t frames = channels.front().samples.size();
-        sound.samples.reserve(frames * channels.size());
-        for (std::size_t n = 0; n < frames; ++n) {
-            for (const audio::ImpulseResponse& channel : channels) {
-                sound.samples.push_back(channel.samples[n]);
+                     .channels = std::move(responses[i].channels)});
             }
         }
-        return sound;
     }
 
     void write_tables() {
@@ -201,10 +182,10 @@ private:
             .speed_of_sound = propagation::speed_of_sound(job_.simulation.air)};
         write("paths.json", io::encode_paths(header, all_pairs_));
         write("metrics.json", io::encode_metrics(header, metrics_));
-        if (job_.writes_histograms) {
+        if (job_.write_histograms) {
             write("histograms.json", io::encode_histograms(header, all_pairs_));
         }
-        if (job_.writes_sofa) {
+        if (job_.write_sofa) {
             write("responses.sofa", io::encode_room_responses(job_.scene.name, measurements_));
         }
     }
@@ -213,9 +194,9 @@ private:
     Executor& executor_;
     Progress& progress_;
     std::vector<std::string> source_names_, listener_names_;
-    audio::Assembler assembler_;
+    propagation::ResponseRenderer renderer_;
     std::vector<PairResult> all_pairs_;
-    std::vector<io::PairMetrics> metrics_;
+    std::vector<propagation::PairMetrics> metrics_;
     std::vector<io::RoomMeasurement> measurements_;
     ResponseSummary summary_;
 };

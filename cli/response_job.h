@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/audio/impulse_response.h"
 #include "earshot/base/progress.h"
-#include "earshot/cli/listening.h"
+#include "earshot/propagation/response.h"
 #include "earshot/propagation/simulator.h"
 
 #include <filesystem>
@@ -15,12 +14,11 @@ namespace earshot::cli {
 struct ResponseJob {
     const propagation::Scene& scene;
     propagation::Options simulation;
-    audio::ResponseOptions response;
-    Listening listening{};
-    bool writes_sofa = false;        ///< responses.sofa besides
-    bool writes_histograms = false;  ///< histograms.json besides
+    propagation::ResponseFormat format;
+    bool write_sofa = false;        ///< responses.sofa besides
+    bool write_histograms = false;  ///< histograms.json besides
     /// Also count the paths that simulation.visible_sets cost; takes a complete search.
-    bool checks_visibility = false;
+    bool check_visibility = false;
     std::vector<double> times{0.0};  ///< seconds
     bool is_sequence = false;        ///< file names carry the number of the time
     std::filesystem::path directory;

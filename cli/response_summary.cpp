@@ -85,7 +85,7 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
     text += line("paths", std::to_string(all) + " (" + orders + ")");
     if (job.simulation.visible_sets != nullptr) {
         text += line("visibility",
-                     job.checks_visibility
+                     job.check_visibility
                          ? std::to_string(summary.paths_lost) + " paths lost to visible sets"
                          : "not checked; --check-visibility counts the paths that sets cost");
     }
@@ -138,7 +138,7 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
                    {"responses", summary.response_seconds},
                    {"updates", summary.update_seconds}}},
                  {"files", std::move(files)}};
-    if (job.checks_visibility) {
+    if (job.check_visibility) {
         json["paths_lost_to_visible_sets"] = summary.paths_lost;
     }
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -2,6 +2,7 @@
 #include "earshot/io/results.h"
 
 #include "earshot/io/internal/json_lines.h"
+#include "earshot/io/wav.h"
 
 #include <optional>
 #include <span>
@@ -178,10 +179,11 @@ void add_spatial(const std::optional<audio::LateralMetrics>& lateral,
 
 }  // namespace
 
-std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs) {
+std::string encode_metrics(const ResultHeader& header,
+                           const std::vector<propagation::PairMetrics>& pairs) {
     JsonLines lines;
     begin_pairs(header, lines);
-    for (const PairMetrics& pair : pairs) {
+    for (const propagation::PairMetrics& pair : pairs) {
         Json json = to_json(pair.metrics);
         json["schroeder_hz"] = pair.schroeder_hz ? Json(*pair.schroeder_hz) : Json(nullptr);
         add_spatial(pair.lateral, pair.binaural, json);
@@ -215,6 +217,20 @@ std::string encode_sound_metrics(const std::string& file,
     }
     lines.end_list();
     return lines.finish();
+}
+
+std::string encode_response(const std::vector<audio::ImpulseResponse>& channels) {
+    Sound sound = {.sample_rate = channels.front().sample_rate,
+                   .channels = static_cast<int>(channels.size()),
+                   .samples = {}};
+    const std::size_t frames = channels.front().samples.size();
+    sound.samples.reserve(frames * channels.size());
+    for (std::size_t n = 0; n < frames; ++n) {
+        for (const audio::ImpulseResponse& channel : channels) {
+            sound.samples.push_back(channel.samples[n]);
+        }
+    }
+    return encode_wav(sound);
 }
 
 }  // namespace earshot::io

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/impulse_response.h"
 #include "earshot/audio/room_metrics.h"
 #include "earshot/audio/spatial_metrics.h"
-#include "earshot/propagation/simulator.h"
+#include "earshot/propagation/pair_metrics.h"
+#include "earshot/propagation/pair_result.h"
+#include "earshot/propagation/scene.h"
 
 #include <optional>
 #include <string>
@@ -18,18 +21,6 @@ struct ResultHeader {
     double speed_of_sound = 0.0;  ///< metres per second
 };
 
-/// Metrics of one pair at one time, for metrics.json.
-struct PairMetrics {
-    std::size_t source = 0;
-    std::size_t listener = 0;
-    double time = 0.0;            ///< seconds
-    audio::RoomMetrics metrics;   ///< of the response
-    audio::RoomMetrics energy{};  ///< of the energies that arrive, see audio::energy_metrics
-    std::optional<double> schroeder_hz{};
-    std::optional<audio::LateralMetrics> lateral{};
-    std::optional<audio::BinauralMetrics> binaural{};
-};
-
 /// The text of paths.json: one path per line, numbers with the fewest digits that read back as the
 /// same double.
 std::string encode_paths(const ResultHeader& header,
@@ -40,7 +31,12 @@ std::string encode_histograms(const ResultHeader& header,
                               const std::vector<propagation::PairResult>& pairs);
 
 /// The text of metrics.json; a value that the response cannot support is null.
-std::string encode_metrics(const ResultHeader& header, const std::vector<PairMetrics>& pairs);
+std::string encode_metrics(const ResultHeader& header,
+                           const std::vector<propagation::PairMetrics>& pairs);
+
+/// The bytes of the WAV file of a response, as encode_wav(). Precondition: there is a channel, and
+/// all have one sample rate and size.
+std::string encode_response(const std::vector<audio::ImpulseResponse>& channels);
 
 /// The metrics of a sound file, a set per channel, as `earshot metrics --json` prints them: the
 /// fields of metrics.json for each channel, and those of the channels together.

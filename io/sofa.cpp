@@ -45,7 +45,7 @@ SofaHandle open(const std::filesystem::path& file) {
 
 }  // namespace
 
-audio::HeadResponses read_head_responses(const std::filesystem::path& file) {
+audio::HrirSet read_hrir_set(const std::filesystem::path& file) {
     const SofaHandle sofa = open(file);
     mysofa_tocartesian(sofa.get());
     const auto positions = values_of(sofa->SourcePosition);
@@ -59,7 +59,7 @@ audio::HeadResponses read_head_responses(const std::filesystem::path& file) {
         !std::all_of(samples.begin(), samples.end(), is_finite)) {
         throw Error(file.string(), "its responses are incomplete or not finite", "export it again");
     }
-    audio::HeadResponses head;
+    audio::HrirSet head;
     head.sample_rate = rates[0];
     for (std::size_t i = 0; i < sofa->M; ++i) {
         const double x = positions[3 * i];

@@ -3,6 +3,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
+#include "earshot/base/stage_progress.h"
 #include "earshot/propagation/internal/ray_tracer.h"
 
 #include <algorithm>
@@ -17,8 +18,8 @@ using geometry::Vec3;
 
 namespace {
 
-// Rays of a batch stay together, so that the hierarchy is asked for many at a time.
-constexpr std::size_t kBatch = 1024;
+// Rays of a batch are traced together, so that the hierarchy answers many at a time.
+constexpr std::size_t kBatchSize = 1024;
 
 void check(const RayOptions& options) {
     const auto positive = [](double value) { return value > 0.0 && std::isfinite(value); };
@@ -51,18 +52,18 @@ public:
         for (std::size_t i = 0; i < directions_.size(); ++i) {
             directions_[i] += tally.directions[i];
         }
-        cubed_first_legs_ += tally.cubed_first_legs;
+        cubed_first_legs_ += tally.cubed_first_distances;
         add(tally.balance.emitted, balance_.emitted);
         add(tally.balance.absorbed, balance_.absorbed);
         add(tally.balance.escaped, balance_.escaped);
-        add(tally.balance.left, balance_.left);
-        add(tally.balance.played, balance_.played);
+        add(tally.balance.remaining, balance_.remaining);
+        add(tally.balance.roulette_surplus, balance_.roulette_surplus);
         balance_.bounces += tally.balance.bounces;
     }
 
     const EnergyBalance& balance() const { return balance_; }
     /// Of a sphere of solid angle, a ray a cone.
-    double volume_in_sight() const {
+    double visible_volume() const {
         return 4.0 / 3.0 * std::numbers::pi / static_cast<double>(options_.rays) *
                cubed_first_legs_;
     }
@@ -88,7 +89,7 @@ public:
                     count > 1.0 ? loss * count * std::sqrt(variance / (count - 1.0)) : 0.0;
             }
         }
-        if (options_.tells_directions) {
+        if (options_.report_directions) {
             result.directions.resize(spans);
             const double* from =
                 directions_.data() + listener * spans * audio::kDirectionParts * bands;
@@ -100,9 +101,9 @@ public:
             }
         }
         // Images of a room of volume V lie one to each V (Kuttruff 2009, section 4.2).
-        if (volume_in_sight() > 0.0) {
+        if (visible_volume() > 0.0) {
             result.reflection_growth =
-                4.0 * std::numbers::pi * speed * speed * speed / volume_in_sight();
+                4.0 * std::numbers::pi * speed * speed * speed / visible_volume();
         }
         return result;
     }
@@ -127,44 +128,49 @@ double late_length(const RayScene& scene,
                    const RaySource& source,
                    const RayOptions& options,
                    Executor& executor) {
-    constexpr double kShortest = 0.05;  // seconds
-    constexpr double kLongest = 20.0;
-    constexpr double kReliable = 1e-5;  // of the energy: far above what the roulette disturbs
+    constexpr double kMinLength = 0.05;  // seconds
+    constexpr double kMaxLength = 20.0;
+    constexpr double kReliable = 1e-5;  // of the energy: far above the threshold of the roulette
     constexpr double kWanted = -6.5;    // decades
     RayOptions few = options;
     few.rays = std::min<std::size_t>(options.rays, 512);
-    few.bin = kLongest;
-    for (few.length = kShortest; few.length < kLongest; few.length *= 1.5) {
+    few.bin = kMaxLength;
+    for (few.length = kMinLength; few.length < kMaxLength; few.length *= 1.5) {
         const EnergyBalance balance = trace_late_rays(scene, source, {}, few, executor).balance;
         double left = 0.0;
         for (std::size_t band = 0; band < options.bands.count(); ++band) {
-            left = std::max(left, balance.left[band] / balance.emitted[band]);
+            left = std::max(left, balance.remaining[band] / balance.emitted[band]);
         }
         if (left < kReliable) {
             const double decades = left > 0.0 ? std::min(math::log10(left), -5.0) : kWanted;
-            return std::clamp(few.length * std::max(1.0, kWanted / decades), kShortest, kLongest);
+            return std::clamp(
+                few.length * std::max(1.0, kWanted / decades), kMinLength, kMaxLength);
         }
     }
-    return kLongest;
+    return kMaxLength;
 }
 
 LateEnergy trace_late_rays(const RayScene& scene,
                            const RaySource& source,
                            std::span<const Vec3> listeners,
                            const RayOptions& options,
-                           Executor& executor) {
+                           Executor& executor,
+                           Progress* progress) {
     check(options);
     const RayTracer tracer(scene, source, listeners, options, executor);
     Sums sums(options);
     // A few batches at a time, so that memory does not grow with their number.
     const std::size_t round = 2 * static_cast<std::size_t>(executor.threads());
-    const std::size_t batches = chunk_count(options.rays, kBatch);
+    const std::size_t batches = chunk_count(options.rays, kBatchSize);
+    StageProgress traced(progress, "late rays", options.rays);
     for (std::size_t first = 0; first < batches; first += round) {
         std::vector<RayTally> tallies(std::min(round, batches - first));
         executor.for_each(tallies.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                const std::size_t from = kBatch * (first + i);
-                tallies[i] = tracer.trace(from, std::min(from + kBatch, options.rays));
+                const std::size_t from = kBatchSize * (first + i);
+                const std::size_t end_of_batch = std::min(from + kBatchSize, options.rays);
+                tallies[i] = tracer.trace(from, end_of_batch);
+                traced.add(end_of_batch - from);
             }
         });
         for (const RayTally& tally : tallies) {
@@ -173,7 +179,7 @@ LateEnergy trace_late_rays(const RayScene& scene,
     }
     LateEnergy result;
     result.balance = sums.balance();
-    result.volume_in_sight = sums.volume_in_sight();
+    result.visible_volume = sums.visible_volume();
     for (std::size_t k = 0; k < listeners.size(); ++k) {
         result.listeners.push_back(sums.histogram(k, tracer.bins(), tracer.spans()));
     }

@@ -23,15 +23,17 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// A ray is played for when it is this faint; the odds keep the mean.
-constexpr double kFaint = 1e-7;
-constexpr double kSurvival = 0.5;
+// Russian roulette: a ray whose loudest band falls below this share of its first energy ends, or
+// goes on with its energy divided by the probability of survival, which keeps the mean.
+constexpr double kRouletteThreshold = 1e-7;
+constexpr double kSurvivalProbability = 0.5;
 
-// Streams of random numbers of a bounce.
+// Streams of random numbers of a reflection.
 constexpr std::uint64_t kStreams = 3;
 
-/// A step of Newton's for a vector of nearly that length, from which roundings lead away.
-Vec3 with_length_one(const Vec3& v) {
+/// A vector of length nearly 1, brought back to length 1 by one step of Newton's method, so that
+/// rounding errors do not grow with the number of reflections.
+Vec3 renormalised(const Vec3& v) {
     return (1.5 - 0.5 * glm::dot(v, v)) * v;
 }
 
@@ -41,8 +43,8 @@ double infinite() {
 
 }  // namespace
 
-/// Rays that go through the scene together, a bounce at a time. The number of bands is known when
-/// this is compiled, so that a ray's energies are a few registers.
+/// Rays that are traced through the scene together, a reflection at a time. The number of bands is
+/// known when this is compiled, so that a ray's energies are a few registers.
 template <std::size_t kBands>
 class RayBatch {
 public:
@@ -50,8 +52,8 @@ public:
         : tracer_(tracer), scene_(tracer.scene_), options_(tracer.options_), tally_(tally) {}
 
     void emit(std::uint64_t id);
-    bool is_under_way() const { return !rays_.empty(); }
-    /// One leg of every ray, and what happens at its end.
+    bool has_rays() const { return !rays_.empty(); }
+    /// Traces every ray to its next surface and reflects it there.
     void advance(std::uint64_t bounce);
 
 private:
@@ -60,48 +62,49 @@ private:
     struct Path {
         double travelled = 0.0;  // metres
         std::uint64_t id = 0;
-        int mirrors = 0;
-        bool was_scattered = false;  // ever
-        bool is_rain = false;        // the leg that begins has been heard as rain
+        int specular_bounces = 0;
+        bool scattered_before = false;
+        bool rain_cast = false;  // diffuse rain has recorded the leg that begins
     };
-    struct Place {
-        Vec3 from, normal;  // a little off the wall, and away from it
+    struct SurfacePoint {
+        Vec3 from, normal;  // offset from the surface, and pointing away from it
         double travelled = 0.0;
-        geometry::TriangleId wall = 0;
+        geometry::TriangleId triangle = 0;
     };
-    /// Energy that leaves a point of a surface after Lambert.
-    struct Drop {
-        Place place;
+    /// A secondary source of diffuse rain: energy that leaves a point of a surface by Lambert's
+    /// law.
+    struct SecondarySource {
+        SurfacePoint point;
         Energies energy;
     };
-    struct Chances {
-        double mirrored, scattered, through;
-        double heard;  // of rain
+    struct Probabilities {
+        double specular, scattered, transmitted;
+        double rain;
     };
-    /// Streams of a bounce.
-    struct Dice {
-        RandomStream fate, direction, roulette;
+    /// The streams of one reflection.
+    struct RandomStreams {
+        RandomStream branch, direction, roulette;
     };
 
     void find_hits(std::uint64_t bounce);
-    bool meet(std::size_t i, const Dice& dice);
-    Chances chances_at(const RaySurface& surface, const Energies& energy) const;
-    void keep(const RaySurface& surface,
-              const audio::Spectrum& share,
-              double chance,
-              Energies& energy);
-    void add_drop(const Place& place,
-                  const RaySurface& surface,
-                  double more,
-                  const Energies& energy);
-    bool stays(const RandomStream& dice, std::uint64_t id, Energies& energy);
-    void count_passages(std::size_t i, double reach);
-    void let_it_rain();
-    void hear(std::size_t listener,
-              double travelled,
-              const Vec3& towards,
-              const Energies& energy,
-              double share);
+    bool interact(std::size_t i, const RandomStreams& random);
+    Probabilities probabilities_at(const RaySurface& surface, const Energies& energy) const;
+    void attenuate(const RaySurface& surface,
+                   const audio::Spectrum& share,
+                   double probability,
+                   Energies& energy);
+    void add_secondary_source(const SurfacePoint& point,
+                              const RaySurface& surface,
+                              double weight,
+                              const Energies& energy);
+    bool survives_roulette(const RandomStream& random, std::uint64_t id, Energies& energy);
+    void record_sphere_crossings(std::size_t i, double hit_distance);
+    void cast_diffuse_rain();
+    void record(std::size_t listener,
+                double travelled,
+                const Vec3& towards,
+                const Energies& energy,
+                double share);
     static void add(double share, const Energies& energy, double* to) {
         for (std::size_t band = 0; band < kBands; ++band) {
             to[band] += share * energy[band];
@@ -115,17 +118,18 @@ private:
 
     // Entry i of each belongs together.
     std::vector<Ray> rays_;
-    std::vector<geometry::TriangleId> left_;  // the triangle that the ray leaves
+    std::vector<geometry::TriangleId> origin_triangles_;  // the triangle that the ray leaves
     std::vector<Path> paths_;
     std::vector<Energies> energies_;
 
     std::vector<std::optional<geometry::Hit>> hits_;
-    std::vector<Drop> drops_;  // room for one of each ray
-    std::size_t drops_used_ = 0;
-    std::vector<geometry::Segment> ways_;
-    std::vector<geometry::TriangleId> ways_left_;
-    std::vector<std::pair<std::size_t, std::size_t>> way_of_;  // drop, listener
-    std::vector<std::uint8_t> blocked_;
+    std::vector<SecondarySource> secondary_sources_;  // at least one per ray
+    std::size_t secondary_source_count_ = 0;
+    std::vector<geometry::Segment> shadow_rays_;
+    std::vector<geometry::TriangleId> shadow_ray_origins_;
+    std::vector<std::pair<std::size_t, std::size_t>>
+        shadow_ray_ends_;  // secondary source, listener
+    std::vector<std::uint8_t> occluded_;
 };
 
 template <std::size_t kBands>
@@ -139,7 +143,7 @@ void RayBatch<kBands>::emit(std::uint64_t id) {
         pressure = source.directivity.pressure(options_.bands, source.pose.seen_from(direction));
     }
     rays_.push_back({source.pose.position, direction});
-    left_.push_back(0);
+    origin_triangles_.push_back(0);
     paths_.push_back({.id = id});
     Energies& energy = energies_.emplace_back();
     for (std::size_t band = 0; band < kBands; ++band) {
@@ -156,7 +160,7 @@ void RayBatch<kBands>::find_hits(std::uint64_t bounce) {
     } else {
         bvh::closest_hits(tracer_.wide_,
                           scene_.mesh,
-                          bvh::SecondaryRays{.rays = rays_, .origin_triangles = left_},
+                          bvh::SecondaryRays{.rays = rays_, .origin_triangles = origin_triangles_},
                           hits_);
     }
 }
@@ -164,79 +168,80 @@ void RayBatch<kBands>::find_hits(std::uint64_t bounce) {
 template <std::size_t kBands>
 void RayBatch<kBands>::advance(std::uint64_t bounce) {
     find_hits(bounce);
-    drops_.resize(std::max(drops_.size(), rays_.size()));
-    drops_used_ = 0;
-    const Dice dice = {.fate = {options_.seed, kStreams * bounce + 1},
-                       .direction = {options_.seed, kStreams * bounce + 2},
-                       .roulette = {options_.seed, kStreams * bounce + 3}};
+    secondary_sources_.resize(std::max(secondary_sources_.size(), rays_.size()));
+    secondary_source_count_ = 0;
+    const RandomStreams random = {.branch = {options_.seed, kStreams * bounce + 1},
+                                  .direction = {options_.seed, kStreams * bounce + 2},
+                                  .roulette = {options_.seed, kStreams * bounce + 3}};
     std::size_t kept = 0;
     for (std::size_t i = 0; i < rays_.size(); ++i) {
-        count_passages(i, hits_[i] ? hits_[i]->t : infinite());
+        record_sphere_crossings(i, hits_[i] ? hits_[i]->t : infinite());
         if (!hits_[i]) {
             add(1.0, energies_[i], tally_.balance.escaped.data());
             continue;
         }
         if (bounce == 0) {
-            tally_.cubed_first_legs += hits_[i]->t * hits_[i]->t * hits_[i]->t;
+            tally_.cubed_first_distances += hits_[i]->t * hits_[i]->t * hits_[i]->t;
         }
         ++tally_.balance.bounces;
-        if (meet(i, dice)) {
+        if (interact(i, random)) {
             if (kept != i) {
                 rays_[kept] = rays_[i];
-                left_[kept] = left_[i];
+                origin_triangles_[kept] = origin_triangles_[i];
                 paths_[kept] = paths_[i];
                 energies_[kept] = energies_[i];
             }
             ++kept;
         }
     }
-    let_it_rain();
+    cast_diffuse_rain();
     rays_.resize(kept);
-    left_.resize(kept);
+    origin_triangles_.resize(kept);
     paths_.resize(kept);
     energies_.resize(kept);
 }
 
-/// Energy density along the ray's way through each listener's sphere.
+/// Energy density along the ray's chord through the receiver sphere of each listener.
 template <std::size_t kBands>
-void RayBatch<kBands>::count_passages(std::size_t i, double reach) {
+void RayBatch<kBands>::record_sphere_crossings(std::size_t i, double hit_distance) {
     const Path& path = paths_[i];
-    if (path.is_rain || (!path.was_scattered && path.mirrors <= options_.specular_order)) {
+    if (path.rain_cast ||
+        (!path.scattered_before && path.specular_bounces <= options_.specular_order)) {
         return;
     }
     const Ray& ray = rays_[i];
-    for (std::size_t k = 0; k < tracer_.ears_.size(); ++k) {
-        const RayEar& ear = tracer_.ears_[k];
-        const Vec3 to = ear.position - ray.origin;
+    for (std::size_t k = 0; k < tracer_.receivers_.size(); ++k) {
+        const ReceiverSphere& receiver = tracer_.receivers_[k];
+        const Vec3 to = receiver.position - ray.origin;
         const double along = glm::dot(to, ray.direction);
-        const double half_squared = ear.radius_squared - (glm::dot(to, to) - along * along);
+        const double half_squared = receiver.radius_squared - (glm::dot(to, to) - along * along);
         if (!(half_squared > 0.0)) {
             continue;
         }
         const double half = std::sqrt(half_squared);
         const double begin = std::max(0.0, along - half);
-        const double end = std::min(reach, along + half);
+        const double end = std::min(hit_distance, along + half);
         if (begin < end) {
-            hear(k,
-                 path.travelled + 0.5 * (begin + end),
-                 -ray.direction,
-                 energies_[i],
-                 (end - begin) * ear.inverse_volume);
+            record(k,
+                   path.travelled + 0.5 * (begin + end),
+                   -ray.direction,
+                   energies_[i],
+                   (end - begin) * receiver.inverse_volume);
         }
     }
 }
 
 template <std::size_t kBands>
-void RayBatch<kBands>::hear(std::size_t listener,
-                            double travelled,
-                            const Vec3& towards,
-                            const Energies& energy,
-                            double share) {
-    const double place = travelled * tracer_.bins_per_metre_;
-    if (!(place < static_cast<double>(tracer_.bins_))) {
+void RayBatch<kBands>::record(std::size_t listener,
+                              double travelled,
+                              const Vec3& towards,
+                              const Energies& energy,
+                              double share) {
+    const double position = travelled * tracer_.bins_per_metre_;
+    if (!(position < static_cast<double>(tracer_.bins_))) {
         return;
     }
-    const auto bin = static_cast<std::size_t>(place);
+    const auto bin = static_cast<std::size_t>(position);
     add(share, energy, tally_.energy.data() + (listener * tracer_.bins_ + bin) * kBands);
     if (tally_.directions.empty()) {
         return;
@@ -246,128 +251,134 @@ void RayBatch<kBands>::hear(std::size_t listener,
     add(share, energy, tally_.directions.data() + (span * audio::kDirectionParts + part) * kBands);
 }
 
-/// The shares of what a ray keeps, over all bands. Little that is scattered is heard seldom, and
-/// then as the more.
+/// The branching probabilities, from the sums over all bands. Rain is cast with the square root of
+/// the probability of scattering and weighted by its inverse: surfaces that scatter little cost few
+/// shadow rays.
 template <std::size_t kBands>
-typename RayBatch<kBands>::Chances RayBatch<kBands>::chances_at(const RaySurface& surface,
-                                                                const Energies& energy) const {
-    if (surface.is_even) {
-        return {.mirrored = 1.0 - surface.chance_scattered - surface.chance_through,
-                .scattered = surface.chance_scattered,
-                .through = surface.chance_through,
-                .heard = surface.chance_heard};
+typename RayBatch<kBands>::Probabilities RayBatch<kBands>::probabilities_at(
+    const RaySurface& surface, const Energies& energy) const {
+    if (surface.uniform_split) {
+        return {.specular = 1.0 - surface.scattering_probability - surface.transmission_probability,
+                .scattered = surface.scattering_probability,
+                .transmitted = surface.transmission_probability,
+                .rain = surface.rain_probability};
     }
-    double mirrored = 0.0;
+    double specular = 0.0;
     double scattered = 0.0;
-    double through = 0.0;
+    double transmitted = 0.0;
     for (std::size_t band = 0; band < kBands; ++band) {
-        mirrored += surface.mirrored[band] * energy[band];
+        specular += surface.specular[band] * energy[band];
         scattered += surface.scattered[band] * energy[band];
-        through += surface.through[band] * energy[band];
+        transmitted += surface.transmitted[band] * energy[band];
     }
-    const double total = mirrored + scattered + through;
+    const double total = specular + scattered + transmitted;
     if (!(total > 0.0)) {
         return {};
     }
-    return {.mirrored = mirrored / total,
+    return {.specular = specular / total,
             .scattered = scattered / total,
-            .through = through / total,
-            .heard = std::sqrt(scattered / total)};
+            .transmitted = transmitted / total,
+            .rain = std::sqrt(scattered / total)};
 }
 
-/// Leaves a ray what the surface does. False: it ends here.
+/// Reflects, scatters or transmits a ray at the surface that it hits. False: it ends here.
 template <std::size_t kBands>
-bool RayBatch<kBands>::meet(std::size_t i, const Dice& dice) {
+bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     const geometry::Hit& hit = *hits_[i];
-    const RayTracer::Wall& wall = tracer_.walls_[hit.triangle];
-    const RaySurface& surface = tracer_.surfaces_[wall.surface];
+    const RayTracer::TriangleSurface& triangle = tracer_.triangle_surfaces_[hit.triangle];
+    const RaySurface& surface = tracer_.surfaces_[triangle.surface];
     Ray& ray = rays_[i];
     Path& path = paths_[i];
     Energies& energy = energies_[i];
-    const double along = glm::dot(wall.normal, ray.direction);
-    const Chances chances = chances_at(surface, energy);
+    const double along = glm::dot(triangle.normal, ray.direction);
+    const Probabilities probabilities = probabilities_at(surface, energy);
     if ((along > 0.0 && surface.one_sided) ||
-        chances.mirrored + chances.scattered + chances.through == 0.0) {
+        probabilities.specular + probabilities.scattered + probabilities.transmitted == 0.0) {
         add(1.0, energy, tally_.balance.absorbed.data());
         return false;
     }
-    const Vec3 normal = std::copysign(1.0, -along) * wall.normal;
+    const Vec3 normal = std::copysign(1.0, -along) * triangle.normal;
     path.travelled += hit.t;
-    const Vec3 place = ray.origin + hit.t * ray.direction;
-    const Vec3 lifted = place + tracer_.lift_ * normal;
-    const double die = dice.fate.at(path.id);
-    if (die < chances.heard) {
-        add_drop(
-            {lifted, normal, path.travelled, hit.triangle}, surface, 1.0 / chances.heard, energy);
+    const Vec3 hit_point = ray.origin + hit.t * ray.direction;
+    const Vec3 offset_point = hit_point + tracer_.self_intersection_offset_ * normal;
+    const double number = random.branch.at(path.id);
+    if (number < probabilities.rain) {
+        add_secondary_source({offset_point, normal, path.travelled, hit.triangle},
+                             surface,
+                             1.0 / probabilities.rain,
+                             energy);
     }
-    path.is_rain = die < chances.scattered;
-    const bool passes = !path.is_rain && die < chances.scattered + chances.through;
-    if (path.is_rain) {
-        keep(surface, surface.scattered, chances.scattered, energy);
-        path.was_scattered = true;
-        ray.origin = lifted;
-        ray.direction = lambert_direction(normal, dice.direction.bits(path.id));
+    path.rain_cast = number < probabilities.scattered;
+    const bool passes =
+        !path.rain_cast && number < probabilities.scattered + probabilities.transmitted;
+    if (path.rain_cast) {
+        attenuate(surface, surface.scattered, probabilities.scattered, energy);
+        path.scattered_before = true;
+        ray.origin = offset_point;
+        ray.direction = lambert_direction(normal, random.direction.bits(path.id));
     } else if (passes) {
-        keep(surface, surface.through, chances.through, energy);
-        ++path.mirrors;
-        ray.origin = place - tracer_.lift_ * normal;
+        attenuate(surface, surface.transmitted, probabilities.transmitted, energy);
+        ++path.specular_bounces;
+        ray.origin = hit_point - tracer_.self_intersection_offset_ * normal;
     } else {
-        keep(surface, surface.mirrored, chances.mirrored, energy);
-        ++path.mirrors;
-        ray.origin = lifted;
-        ray.direction = with_length_one(ray.direction - 2.0 * along * wall.normal);
+        attenuate(surface, surface.specular, probabilities.specular, energy);
+        ++path.specular_bounces;
+        ray.origin = offset_point;
+        ray.direction = renormalised(ray.direction - 2.0 * along * triangle.normal);
     }
-    left_[i] = hit.triangle;
-    if (path.travelled > tracer_.reach_) {
-        add(1.0, energy, tally_.balance.left.data());
+    origin_triangles_[i] = hit.triangle;
+    if (path.travelled > tracer_.max_distance_) {
+        add(1.0, energy, tally_.balance.remaining.data());
         return false;
     }
-    return stays(dice.roulette, path.id, energy);
+    return survives_roulette(random.roulette, path.id, energy);
 }
 
 /// Precondition: fewer drops than rays.
 template <std::size_t kBands>
-void RayBatch<kBands>::add_drop(const Place& place,
-                                const RaySurface& surface,
-                                double more,
-                                const Energies& energy) {
-    Drop& drop = drops_[drops_used_++];
-    drop.place = place;
+void RayBatch<kBands>::add_secondary_source(const SurfacePoint& point,
+                                            const RaySurface& surface,
+                                            double weight,
+                                            const Energies& energy) {
+    SecondarySource& secondary = secondary_sources_[secondary_source_count_++];
+    secondary.point = point;
     for (std::size_t band = 0; band < kBands; ++band) {
-        drop.energy[band] = more * (surface.scattered[band] * energy[band]);
+        secondary.energy[band] = weight * (surface.scattered[band] * energy[band]);
     }
 }
 
-/// Takes from a ray what is absorbed. The chances are the means'; a band that differs from them
-/// changes its weight.
+/// Multiplies the energies of a ray by the share that its branch keeps. The branch is chosen with
+/// the probabilities of all bands together; a band that splits otherwise is weighted.
 template <std::size_t kBands>
-void RayBatch<kBands>::keep(const RaySurface& surface,
-                            const audio::Spectrum& share,
-                            double chance,
-                            Energies& energy) {
+void RayBatch<kBands>::attenuate(const RaySurface& surface,
+                                 const audio::Spectrum& share,
+                                 double probability,
+                                 Energies& energy) {
     double* absorbed = tally_.balance.absorbed.data();
     const Energies before = energy;
     for (std::size_t band = 0; band < kBands; ++band) {
         absorbed[band] += surface.absorbed[band] * before[band];
     }
-    if (surface.is_even) {
+    if (surface.uniform_split) {
         for (std::size_t band = 0; band < kBands; ++band) {
             energy[band] = surface.kept[band] * before[band];
         }
         return;
     }
-    const double more = 1.0 / chance;
+    const double weight = 1.0 / probability;
     for (std::size_t band = 0; band < kBands; ++band) {
-        energy[band] = more * (share[band] * before[band]);
-        tally_.balance.played[band] += energy[band] - surface.kept[band] * before[band];
+        energy[band] = weight * (share[band] * before[band]);
+        tally_.balance.roulette_surplus[band] += energy[band] - surface.kept[band] * before[band];
     }
 }
 
 /// Russian roulette for faint rays.
 template <std::size_t kBands>
-bool RayBatch<kBands>::stays(const RandomStream& dice, std::uint64_t id, Energies& energy) {
+bool RayBatch<kBands>::survives_roulette(const RandomStream& random,
+                                         std::uint64_t id,
+                                         Energies& energy) {
     const double start = 4.0 * kPi / static_cast<double>(options_.rays);
-    // Two at a time, so that neither waits for the other.
+    // Two maxima at a time, which shortens the chain of dependent instructions.
     double largest = energy[0];
     double other = energy[1];
     for (std::size_t band = 2; band + 1 < kBands; band += 2) {
@@ -375,56 +386,58 @@ bool RayBatch<kBands>::stays(const RandomStream& dice, std::uint64_t id, Energie
         other = std::max(other, energy[band + 1]);
     }
     largest = std::max({largest, other, energy[kBands - 1]});
-    if (largest >= kFaint * start) {
+    if (largest >= kRouletteThreshold * start) {
         return true;
     }
-    if (dice.at(id) >= kSurvival) {
-        add(1.0, energy, tally_.balance.left.data());
+    if (random.at(id) >= kSurvivalProbability) {
+        add(1.0, energy, tally_.balance.remaining.data());
         return false;
     }
     for (std::size_t band = 0; band < kBands; ++band) {
-        const double raised = energy[band] / kSurvival;
-        tally_.balance.left[band] -= raised - energy[band];
+        const double raised = energy[band] / kSurvivalProbability;
+        tally_.balance.remaining[band] -= raised - energy[band];
         energy[band] = raised;
     }
     return true;
 }
 
-/// Scattered energy on its straight way to every listener in sight (Heinz 1993).
+/// Adds scattered energy to every listener that is visible from where it was scattered (Heinz
+/// 1993).
 template <std::size_t kBands>
-void RayBatch<kBands>::let_it_rain() {
-    ways_.clear();
-    ways_left_.clear();
-    way_of_.clear();
-    for (std::size_t i = 0; i < drops_used_; ++i) {
-        const Place& drop = drops_[i].place;
-        for (std::size_t k = 0; k < tracer_.ears_.size(); ++k) {
-            const Vec3& ear = tracer_.ears_[k].position;
-            if (glm::dot(ear - drop.from, drop.normal) > 0.0) {
-                ways_.push_back({drop.from, ear});
-                ways_left_.push_back(drop.wall);
-                way_of_.emplace_back(i, k);
+void RayBatch<kBands>::cast_diffuse_rain() {
+    shadow_rays_.clear();
+    shadow_ray_origins_.clear();
+    shadow_ray_ends_.clear();
+    for (std::size_t i = 0; i < secondary_source_count_; ++i) {
+        const SurfacePoint& point = secondary_sources_[i].point;
+        for (std::size_t k = 0; k < tracer_.receivers_.size(); ++k) {
+            const Vec3& listener = tracer_.receivers_[k].position;
+            if (glm::dot(listener - point.from, point.normal) > 0.0) {
+                shadow_rays_.push_back({point.from, listener});
+                shadow_ray_origins_.push_back(point.triangle);
+                shadow_ray_ends_.emplace_back(i, k);
             }
         }
     }
-    blocked_.resize(ways_.size());
-    bvh::occluded(tracer_.wide_,
-                  scene_.mesh,
-                  bvh::SecondarySegments{.segments = ways_, .origin_triangles = ways_left_},
-                  blocked_);
-    for (std::size_t j = 0; j < ways_.size(); ++j) {
-        if (blocked_[j] != 0) {
+    occluded_.resize(shadow_rays_.size());
+    bvh::occluded(
+        tracer_.wide_,
+        scene_.mesh,
+        bvh::SecondarySegments{.segments = shadow_rays_, .origin_triangles = shadow_ray_origins_},
+        occluded_);
+    for (std::size_t j = 0; j < shadow_rays_.size(); ++j) {
+        if (occluded_[j] != 0) {
             continue;
         }
-        const Drop& drop = drops_[way_of_[j].first];
-        const Vec3 way = ways_[j].to - ways_[j].from;
-        const double squared = glm::dot(way, way);
+        const SecondarySource& secondary = secondary_sources_[shadow_ray_ends_[j].first];
+        const Vec3 to_listener = shadow_rays_[j].to - shadow_rays_[j].from;
+        const double squared = glm::dot(to_listener, to_listener);
         const double distance = std::sqrt(squared);
-        hear(way_of_[j].second,
-             drop.place.travelled + distance,
-             -way,
-             drop.energy,
-             glm::dot(way, drop.place.normal) / (kPi * squared * distance));
+        record(shadow_ray_ends_[j].second,
+               secondary.point.travelled + distance,
+               -to_listener,
+               secondary.energy,
+               glm::dot(to_listener, secondary.point.normal) / (kPi * squared * distance));
     }
 }
 
@@ -432,14 +445,14 @@ namespace {
 
 template <std::size_t kBands>
 void run_batch(const RayTracer& tracer, std::uint64_t begin, std::uint64_t end, RayTally& tally) {
-    // So many at a time that all of them stay in the processor's nearest memory.
-    constexpr std::uint64_t kFlock = 256;
+    // All rays of a group fit into the first-level cache.
+    constexpr std::uint64_t kGroupSize = 256;
     RayBatch<kBands> batch(tracer, tally);
-    for (std::uint64_t first = begin; first < end; first += kFlock) {
-        for (std::uint64_t id = first; id < std::min(first + kFlock, end); ++id) {
+    for (std::uint64_t first = begin; first < end; first += kGroupSize) {
+        for (std::uint64_t id = first; id < std::min(first + kGroupSize, end); ++id) {
             batch.emit(id);
         }
-        for (std::uint64_t bounce = 0; batch.is_under_way(); ++bounce) {
+        for (std::uint64_t bounce = 0; batch.has_rays(); ++bounce) {
             batch.advance(bounce);
         }
     }
@@ -452,9 +465,9 @@ RayTally RayTracer::trace(std::uint64_t begin, std::uint64_t end) const {
     constexpr std::size_t kThirds = 31;
     EARSHOT_ASSERT(bands_ == kOctaves || bands_ == kThirds);
     RayTally tally;
-    tally.energy.assign(ears_.size() * bins_ * bands_, 0.0);
-    if (options_.tells_directions) {
-        tally.directions.assign(ears_.size() * spans() * audio::kDirectionParts * bands_, 0.0);
+    tally.energy.assign(receivers_.size() * bins_ * bands_, 0.0);
+    if (options_.report_directions) {
+        tally.directions.assign(receivers_.size() * spans() * audio::kDirectionParts * bands_, 0.0);
     }
     if (bands_ == kOctaves) {
         run_batch<kOctaves>(*this, begin, end, tally);

@@ -22,33 +22,35 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kGoldenRatio = 1.618033988749895;
 
-// New rays and rain start so far from a surface, as a share of the scene: more than the rounding of
-// a hit, less than anything that is heard.
-constexpr double kLift = 0x1p-32;
+// Reflected and shadow rays start this far from a surface, re the extent of the scene: above the
+// rounding error of a hit, far below a wavelength.
+constexpr double kSelfIntersectionOffset = 0x1p-32;
 
-/// Sets what follows from the shares alone.
-void set_chances(RaySurface& surface) {
+/// Sets the probabilities of a surface, which follow from its shares.
+void set_probabilities(RaySurface& surface) {
     double total = 0.0;
     for (std::size_t band = 0; band < surface.kept.size(); ++band) {
         surface.kept[band] =
-            surface.mirrored[band] + surface.scattered[band] + surface.through[band];
+            surface.specular[band] + surface.scattered[band] + surface.transmitted[band];
         if (surface.kept[band] > total) {
             total = surface.kept[band];
-            surface.chance_scattered = surface.scattered[band] / total;
-            surface.chance_through = surface.through[band] / total;
+            surface.scattering_probability = surface.scattered[band] / total;
+            surface.transmission_probability = surface.transmitted[band] / total;
         }
     }
-    surface.chance_heard = std::sqrt(surface.chance_scattered);
-    surface.is_even = total > 0.0;
+    surface.rain_probability = std::sqrt(surface.scattering_probability);
+    surface.uniform_split = total > 0.0;
     for (std::size_t band = 0; band < surface.kept.size(); ++band) {
         // A few roundings, which the balance of energy does not feel.
         constexpr double kRounding = 0x1p-50;
-        const auto is_share = [&](double part, double chance) {
-            return std::abs(part - chance * surface.kept[band]) <= kRounding * surface.kept[band];
+        const auto is_share = [&](double part, double probability) {
+            return std::abs(part - probability * surface.kept[band]) <=
+                   kRounding * surface.kept[band];
         };
-        surface.is_even = surface.is_even &&
-                          is_share(surface.scattered[band], surface.chance_scattered) &&
-                          is_share(surface.through[band], surface.chance_through);
+        surface.uniform_split =
+            surface.uniform_split &&
+            is_share(surface.scattered[band], surface.scattering_probability) &&
+            is_share(surface.transmitted[band], surface.transmission_probability);
     }
 }
 
@@ -64,24 +66,26 @@ RayTracer::RayTracer(const RayScene& scene,
       options_(options),
       wide_(bvh::WideTree::build(scene.tree, scene.mesh, executor)),
       bands_(options.bands.count()),
-      reach_(speed_of_sound(options.air) * options.length),
+      max_distance_(speed_of_sound(options.air) * options.length),
       bins_per_metre_(1.0 / (speed_of_sound(options.air) * options.bin)),
       bins_(static_cast<std::size_t>(std::ceil(options.length / options.bin))),
-      lift_(kLift * (wide_.max_abs_coordinate() + glm::length(source.pose.position))) {
+      self_intersection_offset_(kSelfIntersectionOffset *
+                                (wide_.max_abs_coordinate() + glm::length(source.pose.position))) {
     describe_surfaces();
-    describe_walls();
-    const double widest =
-        options.receiver_radius > 0.0 ? options.receiver_radius : radius_for_space();
+    describe_triangles();
+    const double max_radius =
+        options.receiver_radius > 0.0 ? options.receiver_radius : default_radius();
     for (const Vec3& listener : listeners) {
-        const auto nearest = bvh::closest_point(scene.tree, scene.mesh, listener, widest);
-        const double radius = nearest ? std::max(nearest->distance, lift_) : widest;
-        ears_.push_back({.position = listener,
-                         .radius_squared = radius * radius,
-                         .inverse_volume = 0.75 / (kPi * radius * radius * radius)});
+        const auto closest = bvh::closest_point(scene.tree, scene.mesh, listener, max_radius);
+        const double radius =
+            closest ? std::max(closest->distance, self_intersection_offset_) : max_radius;
+        receivers_.push_back({.position = listener,
+                              .radius_squared = radius * radius,
+                              .inverse_volume = 0.75 / (kPi * radius * radius * radius)});
     }
 }
 
-double RayTracer::radius_for_space() const {
+double RayTracer::default_radius() const {
     constexpr std::size_t kProbes = 256;
     constexpr double kShareOfEdge = 0.06;
     std::vector<Ray> probes;
@@ -105,24 +109,24 @@ void RayTracer::describe_surfaces() {
         surface.one_sided = material.one_sided;
         for (std::size_t band = 0; band < bands_; ++band) {
             const double kept = 1.0 - absorption[band];
-            // What goes through is a part of what does not come back.
-            const double through =
+            // Transmitted energy is a part of the energy that is not reflected.
+            const double transmitted =
                 options_.transmission ? std::min(transmission[band], absorption[band]) : 0.0;
-            surface.mirrored[band] = kept * (1.0 - scattering[band]);
+            surface.specular[band] = kept * (1.0 - scattering[band]);
             surface.scattered[band] = kept * scattering[band];
-            surface.through[band] = through;
-            surface.absorbed[band] = absorption[band] - through;
+            surface.transmitted[band] = transmitted;
+            surface.absorbed[band] = absorption[band] - transmitted;
         }
-        set_chances(surface);
+        set_probabilities(surface);
     }
 }
 
-void RayTracer::describe_walls() {
-    walls_.reserve(scene_.mesh.triangles.size());
+void RayTracer::describe_triangles() {
+    triangle_surfaces_.reserve(scene_.mesh.triangles.size());
     for (std::size_t i = 0; i < scene_.mesh.triangles.size(); ++i) {
         const geometry::Triangle& triangle = scene_.mesh.triangles[i];
         const Vec3& a = scene_.mesh.positions[triangle[0]];
-        walls_.push_back(
+        triangle_surfaces_.push_back(
             {.normal = glm::normalize(glm::cross(scene_.mesh.positions[triangle[1]] - a,
                                                  scene_.mesh.positions[triangle[2]] - a)),
              .surface = scene_.material_of_triangle[i]});

@@ -2,6 +2,7 @@
 #include "earshot/propagation/simulator.h"
 
 #include "earshot/base/math.h"
+#include "earshot/base/stage_progress.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/geometry/facets.h"
@@ -14,6 +15,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace earshot::propagation {
@@ -42,19 +44,24 @@ bool is_silent(const audio::EnergyHistogram& histogram) {
         });
 }
 
-}  // namespace
+/// One of several equally long parts of a stage.
+class PartProgress : public Progress {
+public:
+    PartProgress(Progress* whole, std::size_t part, std::size_t parts)
+        : whole_(whole), part_(part), parts_(parts) {}
 
-std::string_view name_of(PathKind kind) noexcept {
-    switch (kind) {
-        case PathKind::direct:
-            return "direct";
-        case PathKind::specular:
-            return "specular";
-        case PathKind::transmitted:
-            break;
+    void report(std::string_view stage, std::size_t done, std::size_t total) override {
+        if (whole_ != nullptr) {
+            whole_->report(stage, part_ * total + done, parts_ * total);
+        }
     }
-    return "transmitted";
-}
+
+private:
+    Progress* whole_;
+    std::size_t part_, parts_;
+};
+
+}  // namespace
 
 struct Simulator::State {
     State(const Scene& the_scene, const Options& the_options)
@@ -110,9 +117,19 @@ struct Simulator::State {
     void check_visible_sets() const;
     void update_tree(bool same_triangles, Executor& executor);
     void describe_facets();
+    void add_paths(std::size_t source,
+                   const RaySource& sender,
+                   std::span<PairResult> pairs,
+                   Executor& executor);
+    void add_late_sound(const RaySource& sender,
+                        std::span<const Vec3> to,
+                        std::span<PairResult> pairs,
+                        Executor& executor,
+                        Progress* progress) const;
     LateEnergy late_sound(const RaySource& source,
                           std::span<const Vec3> to,
-                          Executor& executor) const;
+                          Executor& executor,
+                          Progress* progress) const;
     void radiate(const RaySource& source, Path& path) const;
     bool is_wanted(const Path& path) const;
     Path describe(const frustum::SpecularPath& specular) const;
@@ -180,7 +197,8 @@ void Simulator::State::describe_facets() {
 
 LateEnergy Simulator::State::late_sound(const RaySource& source,
                                         std::span<const Vec3> to,
-                                        Executor& executor) const {
+                                        Executor& executor,
+                                        Progress* progress) const {
     const RayScene rays_see = {
         .tree = tree, .mesh = mesh(), .material_of_triangle = labels, .materials = scene.materials};
     RayOptions rays = {.rays = options.rays,
@@ -190,12 +208,12 @@ LateEnergy Simulator::State::late_sound(const RaySource& source,
                        .air = options.air,
                        .air_absorption = options.air_absorption,
                        .transmission = options.transmission,
-                       .tells_directions = options.late_directions};
+                       .report_directions = options.late_directions};
     rays.length = options.late_length > 0.0 ? options.late_length
                                             : late_length(rays_see, source, rays, executor);
-    LateEnergy late = trace_late_rays(rays_see, source, to, rays, executor);
+    LateEnergy late = trace_late_rays(rays_see, source, to, rays, executor, progress);
     for (audio::EnergyHistogram& histogram : late.listeners) {
-        histogram.is_whole = options.late_length == 0.0;
+        histogram.full_decay = options.late_length == 0.0;
         if (is_silent(histogram)) {
             histogram = {};
         }
@@ -348,7 +366,7 @@ frustum::TraceResult Simulator::State::trace(std::size_t source,
                                              const Vec3& place,
                                              Executor& executor) {
     const std::vector<std::uint8_t> first = first_facets(place);
-    if (!options.keeps_traces) {
+    if (!options.keep_traces) {
         return finder->find(place, *listeners, first, executor);
     }
     std::optional<frustum::SourceBeamTree>& seen = sources[source];
@@ -358,51 +376,70 @@ frustum::TraceResult Simulator::State::trace(std::size_t source,
     return finder->connect(*seen, *listeners, executor);
 }
 
-std::vector<PairResult> Simulator::run(Executor& executor) {
+void Simulator::State::add_paths(std::size_t source,
+                                 const RaySource& sender,
+                                 std::span<PairResult> pairs,
+                                 Executor& executor) {
+    const frustum::TraceResult traced = trace(source, sender.pose.position, executor);
+    statistics.frusta += traced.statistics.frusta;
+    statistics.candidates += traced.statistics.candidates;
+    statistics.paths += traced.statistics.paths;
+    for (const frustum::SpecularPath& specular : traced.paths) {
+        Path path = describe(specular);
+        radiate(sender, path);
+        if (is_wanted(path)) {
+            pairs[specular.listener].paths.push_back(std::move(path));
+        }
+    }
+}
+
+void Simulator::State::add_late_sound(const RaySource& sender,
+                                      std::span<const Vec3> to,
+                                      std::span<PairResult> pairs,
+                                      Executor& executor,
+                                      Progress* progress) const {
+    LateEnergy late = late_sound(sender, to, executor, progress);
+    for (std::size_t listener = 0; listener < to.size(); ++listener) {
+        pairs[listener].late = std::move(late.listeners[listener]);
+        pairs[listener].visible_volume = late.visible_volume;
+    }
+}
+
+std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     State& state = *state_;
     state.check_visible_sets();
-    const auto places_of = [&](const std::vector<Emitter>& emitters) {
-        std::vector<Vec3> places;
-        for (const Emitter& emitter : emitters) {
-            places.push_back(state.scene.position_at(emitter, state.time));
-        }
-        return places;
-    };
-    const std::vector<Vec3> sources = places_of(state.scene.sources);
-    const std::vector<Vec3> listeners = places_of(state.scene.listeners);
-    state.prepare_finder(sources, listeners, executor);
-    state.statistics = {.frusta = state.listeners->frusta()};
+    std::vector<RaySource> senders;
+    std::vector<Vec3> sources, listeners;
+    for (const Emitter& emitter : state.scene.sources) {
+        senders.push_back(
+            {.pose = state.scene.pose_at(emitter, state.time), .directivity = emitter.directivity});
+        sources.push_back(senders.back().pose.position);
+    }
+    for (const Emitter& emitter : state.scene.listeners) {
+        listeners.push_back(state.scene.position_at(emitter, state.time));
+    }
     std::vector<PairResult> pairs;
     for (std::size_t source = 0; source < sources.size(); ++source) {
-        const auto trace = state.trace(source, sources[source], executor);
-        state.statistics.frusta += trace.statistics.frusta;
-        state.statistics.candidates += trace.statistics.candidates;
-        state.statistics.paths += trace.statistics.paths;
-        const std::size_t first = pairs.size();
         for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
-            pairs.push_back({.source = source,
-                             .listener = listener,
-                             .time = state.time,
-                             .paths = {},
-                             .late = {}});
+            pairs.push_back({.source = source, .listener = listener, .time = state.time});
         }
-        const Emitter& emitter = state.scene.sources[source];
-        const RaySource sender = {.pose = state.scene.pose_at(emitter, state.time),
-                                  .directivity = emitter.directivity};
-        if (state.options.rays > 0) {
-            LateEnergy late = state.late_sound(sender, listeners, executor);
-            for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
-                pairs[first + listener].late = std::move(late.listeners[listener]);
-                pairs[first + listener].volume_in_sight = late.volume_in_sight;
-            }
-        }
-        for (const frustum::SpecularPath& specular : trace.paths) {
-            Path path = state.describe(specular);
-            state.radiate(sender, path);
-            if (state.is_wanted(path)) {
-                pairs[first + specular.listener].paths.push_back(std::move(path));
-            }
-        }
+    }
+    const auto pairs_of = [&](std::size_t source) {
+        return std::span(pairs).subspan(source * listeners.size(), listeners.size());
+    };
+
+    // Early sound: exact paths.
+    StageProgress tracing(progress, "tracing", sources.size());
+    state.prepare_finder(sources, listeners, executor);
+    state.statistics = {.frusta = state.listeners->frusta()};
+    for (std::size_t source = 0; source < sources.size(); ++source) {
+        state.add_paths(source, senders[source], pairs_of(source), executor);
+        tracing.add(1);
+    }
+    // Late sound: rays.
+    for (std::size_t source = 0; state.options.rays > 0 && source < sources.size(); ++source) {
+        PartProgress part(progress, source, sources.size());
+        state.add_late_sound(senders[source], listeners, pairs_of(source), executor, &part);
     }
     return pairs;
 }
@@ -417,21 +454,6 @@ const GeometrySummary& Simulator::geometry() const noexcept {
 
 const frustum::TraceStatistics& Simulator::statistics() const noexcept {
     return state_->statistics;
-}
-
-std::vector<audio::Arrival> arrivals_of(const PairResult& pair) {
-    std::vector<audio::Arrival> arrivals;
-    for (const Path& path : pair.paths) {
-        audio::Arrival& arrival = arrivals.emplace_back(
-            audio::Arrival{.delay = path.delay,
-                           .pressure = path.pressure,
-                           .direction = {path.arrival.x, path.arrival.y, path.arrival.z}});
-        arrival.is_inverted = path.pressure[0] < 0.0;
-        for (double& pressure : arrival.pressure) {
-            pressure = std::abs(pressure);
-        }
-    }
-    return arrivals;
 }
 
 }  // namespace earshot::propagation

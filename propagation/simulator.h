@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/audio/energy_histogram.h"
-#include "earshot/audio/impulse_response.h"
+#include "earshot/audio/bands.h"
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
+#include "earshot/base/progress.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/propagation/air.h"
+#include "earshot/propagation/pair_result.h"
 #include "earshot/propagation/scene.h"
 #include "earshot/visibility/visible_sets.h"
 
 #include <limits>
 #include <memory>
-#include <string_view>
 #include <vector>
 
 namespace earshot::propagation {
@@ -38,46 +38,13 @@ struct Options {
     bool late_directions = false;  ///< tell where late sound comes from
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
     /// does not. Costs memory and changes no result.
-    bool keeps_traces = false;
+    bool keep_traces = false;
     /// Paths are left out that are first reflected by a facet of which the cell of their source
     /// sees no triangle; of a source outside of the region none are. Must outlive the simulator.
     /// Sets may lack what can be seen (VisibleSets), and know nothing of what is heard through
     /// facets (transmission): then paths are missing.
     const visibility::VisibleSets* visible_sets = nullptr;
     audio::Bands bands = audio::Bands::octaves();
-};
-
-enum class PathKind { direct, specular, transmitted };
-
-/// The name of a kind in paths.json.
-std::string_view name_of(PathKind kind) noexcept;
-
-/// One way of sound from a source to a listener.
-struct Path {
-    PathKind kind = PathKind::direct;
-    int order = 0;
-    double length = 0.0;                 ///< metres
-    double delay = 0.0;                  ///< seconds since emission
-    std::vector<geometry::Vec3> points;  ///< source, interactions, listener
-    std::vector<geometry::TriangleId>
-        triangles;                         ///< of the scene in file order, one per interaction
-    std::vector<std::uint32_t> materials;  ///< index into Scene::materials, one per interaction
-    /// Linear amplitude per band, spreading, air and the source's directivity included; negative in
-    /// every band where the source radiates with the other sign.
-    audio::Spectrum pressure{};
-    geometry::Vec3 departure{0.0};  ///< unit direction of travel at the source
-    geometry::Vec3 arrival{0.0};    ///< unit direction of travel at the listener
-};
-
-/// What one listener gets from one source.
-struct PairResult {
-    std::size_t source = 0;    ///< index into Scene::sources
-    std::size_t listener = 0;  ///< index into Scene::listeners
-    double time = 0.0;         ///< seconds, of the scene's animation
-    std::vector<Path> paths;   ///< sorted by delay, order, triangles
-    /// What arrives besides, past Options::specular_order or scattered; empty without rays.
-    audio::EnergyHistogram late{};
-    double volume_in_sight = 0.0;  ///< of the source, cubic metres; see LateEnergy
 };
 
 /// What the scene amounts to at the current time.
@@ -105,8 +72,9 @@ public:
 
     /// Every pair, ordered by source, then listener. A pair at the same point has no direct path
     /// (its amplitude would be infinite). Throws Error if Options::visible_sets are of another mesh
-    /// or of another pose.
-    std::vector<PairResult> run(Executor& executor = Executor::serial());
+    /// or of another pose. Reports the stages "tracing" and "late rays".
+    std::vector<PairResult> run(Executor& executor = Executor::serial(),
+                                Progress* progress = nullptr);
 
     const GeometrySummary& geometry() const noexcept;
     /// The scene as the tracer sees it; valid until the time is set or the simulator destroyed.
@@ -118,8 +86,5 @@ private:
     struct State;
     std::unique_ptr<State> state_;
 };
-
-/// The arrivals of a pair's paths, in their order.
-std::vector<audio::Arrival> arrivals_of(const PairResult& pair);
 
 }  // namespace earshot::propagation

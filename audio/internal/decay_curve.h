@@ -43,9 +43,9 @@ public:
     };
     /// Reverberation time from a straight line through the range by least squares, or why the curve
     /// does not support it (docs/algorithms/audio.md). `bandwidth_hz`: of the filter that the
-    /// samples went through. `is_whole`: it is known that the decay was not cut off, so bends are
+    /// samples went through. `full_decay`: it is known that the decay was not cut off, so bends are
     /// its own.
-    Reading read(const DecayRange& range, double bandwidth_hz, bool is_whole = false) const;
+    Reading read(const DecayRange& range, double bandwidth_hz, bool full_decay = false) const;
 
 private:
     double slowness_after(int depth_db) const noexcept;

@@ -23,7 +23,7 @@ struct BandDecay {
     double reference = 1.0;           ///< energy of a free field at 1 m
     double bandwidth_hz = 0.0;        ///< of the filter
     NoiseFloor noise{};
-    bool is_whole = false;  ///< the decay is known not to be cut off
+    bool full_decay = false;  ///< the decay is known not to be cut off
 };
 
 /// Reads the metrics of band after band; what they lack is explained in `notes`.

@@ -81,7 +81,7 @@ TEST(AmbisonicLateNoise, ComesFromWhereTheEnergyDoes) {
 }
 
 TEST(BinauralLateNoise, IsLouderInTheEarWhereItComesFrom) {
-    HeadResponses head;
+    HrirSet head;
     head.directions = {{{0.0, 1.0, 0.0}, {1.0}, {0.25}}, {{0.0, -1.0, 0.0}, {0.25}, {1.0}}};
     const auto ears = binaural_late_noise(Bands::octaves(), turning_decay(), head, 1);
     EXPECT_NEAR(energy(ears[0], 2400, 9600) / energy(ears[1], 2400, 9600), 16.0, 0.1);
@@ -103,7 +103,7 @@ TEST(LateNoise, SparseReflectionsBringTheSameEnergy) {
 
 TEST(EnergyMetrics, AreThoseOfAnIdealDecay) {
     EnergyHistogram histogram;
-    histogram.is_whole = true;
+    histogram.full_decay = true;
     for (int n = 0; n < 1500; ++n) {
         histogram.energy.emplace_back().fill(1e-3 * std::exp(-13.815510557964274 * n * 1e-3));
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/results.h"
 
+#include "earshot/io/wav.h"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -81,7 +83,7 @@ TEST(EncodePaths, APairWithoutPathsHasAnEmptyList) {
 
 TEST(EncodeMetrics, WhatIsNotSupportedIsNull) {
     const Fixture fixture;
-    PairMetrics pair;
+    propagation::PairMetrics pair;
     pair.metrics.bands.resize(10);
     pair.metrics.bands[3].clarity_c80_db = -1.5;
     pair.metrics.bands[4].early_decay_time = 0.7;
@@ -95,6 +97,14 @@ TEST(EncodeMetrics, WhatIsNotSupportedIsNull) {
     EXPECT_TRUE(read["c80"][2].is_null());
     EXPECT_TRUE(read["sti"].is_null());
     EXPECT_EQ(read["notes"][0], "a note");
+}
+
+TEST(Results, ResponsesAreWavFilesOfInterleavedChannels) {
+    const std::vector<audio::ImpulseResponse> channels = {{8000.0, {0.5, -0.25}},
+                                                          {8000.0, {1.0, 0.125}}};
+    EXPECT_EQ(
+        encode_response(channels),
+        encode_wav({.sample_rate = 8000.0, .channels = 2, .samples = {0.5, 1.0, -0.25, 0.125}}));
 }
 
 }  // namespace

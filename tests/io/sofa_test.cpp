@@ -23,9 +23,9 @@ protected:
         if (!std::filesystem::exists(kKemar)) {
             GTEST_SKIP() << kKemar << " is not installed";
         }
-        head = read_head_responses(kKemar);
+        head = read_hrir_set(kKemar);
     }
-    audio::HeadResponses head;
+    audio::HrirSet head;
 };
 
 double energy(const std::vector<double>& samples) {
@@ -60,7 +60,7 @@ TEST_F(Kemar, IsReadAsPublished) {
 }
 
 TEST_F(Kemar, HearsASourceFirstAndLoudestInTheNearerEar) {
-    const auto& left = head.directions[nearest_direction(head, {0.0, 1.0, 0.0})];
+    const auto& left = head.directions[closest_direction(head, {0.0, 1.0, 0.0})];
     EXPECT_GT(left.towards[1], 0.99);
     EXPECT_GT(energy(left.left), 4.0 * energy(left.right));
     // A rigid sphere of 8.75 cm radius: from (pi / 2 + 1) a / c = 0.66 ms at high frequencies
@@ -113,9 +113,9 @@ TEST_F(Kemar, KeepsItsSpectrumAtAnotherSampleRate) {
 TEST(Sofa, RefusesWhatIsNone) {
     const auto file = std::filesystem::path(::testing::TempDir()) / "earshot_no.sofa";
     std::ofstream(file) << "no HDF5 at all";
-    EXPECT_THROW(read_head_responses(file), Error);
+    EXPECT_THROW(read_hrir_set(file), Error);
     std::filesystem::remove(file);
-    EXPECT_THROW(read_head_responses(file), Error);
+    EXPECT_THROW(read_hrir_set(file), Error);
 }
 
 }  // namespace

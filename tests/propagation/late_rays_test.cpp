@@ -110,7 +110,7 @@ TEST(LateRays, TheEnergyThatLeftTheSourceIsAccountedFor) {
     const EnergyBalance& balance = late.balance;
     EXPECT_NEAR(balance.emitted[kBand], 4.0 * kPi, 1e-10);
     EXPECT_EQ(balance.escaped[kBand], 0.0);
-    EXPECT_NEAR((balance.absorbed[kBand] + balance.escaped[kBand] + balance.left[kBand]) /
+    EXPECT_NEAR((balance.absorbed[kBand] + balance.escaped[kBand] + balance.remaining[kBand]) /
                     balance.emitted[kBand],
                 1.0,
                 1e-10);
@@ -132,15 +132,16 @@ TEST(LateRays, TheBalanceHoldsInEveryBandWhereBandsScatterUnlike) {
         trace_late_rays(room.scene(), source_at({1, 1, 1}), {}, options).balance;
     double emitted = 0.0, ended = 0.0;
     for (std::size_t band = 0; band < options.bands.count(); ++band) {
-        const double end = balance.absorbed[band] + balance.escaped[band] + balance.left[band];
-        EXPECT_NEAR((balance.emitted[band] + balance.played[band]) / end, 1.0, 1e-10) << band;
+        const double end = balance.absorbed[band] + balance.escaped[band] + balance.remaining[band];
+        EXPECT_NEAR((balance.emitted[band] + balance.roulette_surplus[band]) / end, 1.0, 1e-10)
+            << band;
         // Chance alone: its mean is 0.
-        EXPECT_NEAR(balance.played[band] / balance.emitted[band], 0.0, 0.05) << band;
+        EXPECT_NEAR(balance.roulette_surplus[band] / balance.emitted[band], 0.0, 0.05) << band;
         EXPECT_EQ(balance.escaped[band], 0.0);
         emitted += balance.emitted[band];
         ended += end;
     }
-    EXPECT_NE(balance.played[kBand], 0.0);
+    EXPECT_NE(balance.roulette_surplus[kBand], 0.0);
     EXPECT_NEAR(ended / emitted, 1.0, 1e-10);
 }
 

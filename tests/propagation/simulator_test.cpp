@@ -127,6 +127,37 @@ TEST(Simulator, OneSidedMaterialsReflectOnTheirFront) {
     EXPECT_EQ(Simulator(turned, {.specular_order = 1}).run()[0].paths.size(), 8U - inside);
 }
 
+TEST(Simulator, ReportsWhileItTracesAndWhileRaysRun) {
+    class Reports : public Progress {
+    public:
+        void report(std::string_view stage, std::size_t done, std::size_t total) override {
+            lines.emplace_back(stage, done, total);
+        }
+        std::vector<std::tuple<std::string, std::size_t, std::size_t>> lines;
+    };
+    Scene scene = box_scene();
+    scene.sources.push_back(scene.sources.front());
+    Simulator simulator(scene, {.specular_order = 1, .rays = 3000, .late_length = 0.1});
+    Reports reports;
+    const auto told = simulator.run(Executor::serial(), &reports);
+    using Lines = decltype(reports.lines);
+    EXPECT_EQ(reports.lines,
+              (Lines{{"tracing", 0, 2},
+                     {"tracing", 1, 2},
+                     {"tracing", 2, 2},
+                     {"late rays", 0, 6000},
+                     {"late rays", 1024, 6000},
+                     {"late rays", 2048, 6000},
+                     {"late rays", 3000, 6000},
+                     {"late rays", 3000, 6000},
+                     {"late rays", 4024, 6000},
+                     {"late rays", 5048, 6000},
+                     {"late rays", 6000, 6000}}));
+    const auto untold = simulator.run();
+    ASSERT_EQ(told.size(), untold.size());
+    EXPECT_EQ(told[1].late.energy, untold[1].late.energy);
+}
+
 TEST(Simulator, NoDirectSoundAtTheSourceItself) {
     Scene scene = box_scene();
     scene.listeners[0].position = scene.sources[0].position;
@@ -200,7 +231,7 @@ void expect_same(const std::vector<PairResult>& a, const std::vector<PairResult>
 TEST(Simulator, KeptTracesFollowSourcesAndListenersThatMove) {
     Scene scene = box_scene();
     scene.sources.push_back({.name = "t", .position = {5, 1, 2}});
-    Simulator keeping(scene, {.specular_order = 3, .keeps_traces = true});
+    Simulator keeping(scene, {.specular_order = 3, .keep_traces = true});
     for (int step = 0; step < 6; ++step) {
         if (step % 2 == 1) {
             scene.listeners[0].position.x -= 0.3;

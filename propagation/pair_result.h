@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/bands.h"
+#include "earshot/audio/energy_histogram.h"
+#include "earshot/audio/impulse_response.h"
+#include "earshot/geometry/types.h"
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace earshot::propagation {
+
+enum class PathKind { direct, specular, transmitted };
+
+/// The name of a kind in paths.json.
+std::string_view name_of(PathKind kind) noexcept;
+
+/// One way of sound from a source to a listener.
+struct Path {
+    PathKind kind = PathKind::direct;
+    int order = 0;
+    double length = 0.0;                   ///< metres
+    double delay = 0.0;                    ///< seconds since emission
+    std::vector<geometry::Vec3> points{};  ///< source, interactions, listener
+    std::vector<geometry::TriangleId>
+        triangles{};                         ///< of the scene in file order, one per interaction
+    std::vector<std::uint32_t> materials{};  ///< index into Scene::materials, one per interaction
+    /// Linear amplitude per band, spreading, air and the source's directivity included; negative in
+    /// every band where the source radiates with the other sign.
+    audio::Spectrum pressure{};
+    geometry::Vec3 departure{0.0};  ///< unit direction of travel at the source
+    geometry::Vec3 arrival{0.0};    ///< unit direction of travel at the listener
+};
+
+/// What one listener gets from one source.
+struct PairResult {
+    std::size_t source = 0;     ///< index into Scene::sources
+    std::size_t listener = 0;   ///< index into Scene::listeners
+    double time = 0.0;          ///< seconds, of the scene's animation
+    std::vector<Path> paths{};  ///< sorted by delay, order, triangles
+    /// What arrives besides, past Options::specular_order or scattered; empty without rays.
+    audio::EnergyHistogram late{};
+    double visible_volume = 0.0;  ///< of the source, cubic metres; see LateEnergy
+};
+
+/// The arrivals of a pair's paths, in their order.
+std::vector<audio::Arrival> arrivals_of(const PairResult& pair);
+
+}  // namespace earshot::propagation

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/propagation/response.h"
+
+#include "earshot/audio/late_noise.h"
+#include "earshot/audio/spatial.h"
+#include "earshot/base/error.h"
+#include "earshot/base/random.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+
+namespace earshot::propagation {
+namespace {
+
+using audio::ImpulseResponse;
+using Signals = std::vector<std::vector<double>>;
+
+audio::Orientation orientation_of(const Pose& pose) {
+    const auto components = [](const geometry::Vec3& v) {
+        return std::array<double, 3>{v.x, v.y, v.z};
+    };
+    return {
+        .front = components(pose.front), .left = components(pose.left), .up = components(pose.up)};
+}
+
+/// Adds late sound to early channels; a fixed length stays as it is.
+void add_late(const Signals& late, bool fixed_length, std::vector<ImpulseResponse>& channels) {
+    std::size_t size = channels.front().samples.size();
+    for (const std::vector<double>& signal : late) {
+        size = fixed_length ? size : std::max(size, signal.size());
+    }
+    for (std::size_t channel = 0; channel < channels.size(); ++channel) {
+        std::vector<double>& samples = channels[channel].samples;
+        samples.resize(size, 0.0);
+        for (std::size_t n = 0; n < std::min(size, late[channel].size()); ++n) {
+            samples[n] += late[channel][n];
+        }
+    }
+}
+
+/// The format, checked, with head-related impulse responses at the sample rate of the response.
+ResponseFormat prepared(ResponseFormat format) {
+    if (format.channels == Channels::ambisonic &&
+        (format.ambisonic_order < 0 || format.ambisonic_order > audio::kMaxAmbisonicOrder)) {
+        throw Error("ambisonic order",
+                    "must lie in 0 ... " + std::to_string(audio::kMaxAmbisonicOrder) + ", not " +
+                        std::to_string(format.ambisonic_order));
+    }
+    if (format.channels == Channels::binaural) {
+        if (format.hrir_set.directions.empty()) {
+            throw Error("head-related impulse responses",
+                        "there are none",
+                        "read a SOFA file that has some");
+        }
+        format.hrir_set = audio::resampled(format.hrir_set, format.sample_rate);
+    }
+    return format;
+}
+
+}  // namespace
+
+/// One pair under way.
+class ResponseRenderer::Rendering {
+public:
+    Rendering(const ResponseRenderer& renderer,
+              const PairResult& pair,
+              const Pose& listener,
+              Executor& executor)
+        : bands_(renderer.bands_),
+          format_(renderer.format_),
+          assembler_(renderer.assembler_),
+          pair_(pair),
+          arrivals_(arrivals_of(pair)),
+          orientation_(orientation_of(listener)),
+          seed_(random_bits(renderer.format_.seed, pair.source, pair.listener)),
+          executor_(executor) {}
+
+    Response render() const {
+        Response response;
+        PairMetrics& metrics = response.metrics;
+        metrics.source = pair_.source;
+        metrics.listener = pair_.listener;
+        metrics.time = pair_.time;
+        std::vector<ImpulseResponse>& channels = response.channels;
+        const audio::MetricsOptions options = {.full_decay = pair_.late.full_decay};
+        switch (format_.channels) {
+            case Channels::mono:
+                channels.push_back(mono());
+                metrics.metrics = room_metrics(bands_, channels.front(), options);
+                break;
+            case Channels::ambisonic:
+                channels = ambisonic();
+                metrics.metrics = room_metrics(bands_, channels.front(), options);
+                if (format_.ambisonic_order > 0) {
+                    metrics.lateral = lateral_metrics(bands_, channels[0], channels[1]);
+                }
+                break;
+            case Channels::binaural:
+                // ISO 3382-1 measures the room without the head.
+                channels = binaural();
+                metrics.metrics = room_metrics(bands_, mono(), options);
+                metrics.binaural = binaural_metrics(bands_, channels[0], channels[1]);
+                break;
+        }
+        metrics.energy = energy_metrics(bands_, arrivals_, pair_.late);
+        if (pair_.visible_volume > 0.0) {
+            metrics.schroeder_hz =
+                schroeder_frequency_hz(bands_, metrics.energy, pair_.visible_volume);
+        }
+        return response;
+    }
+
+private:
+    bool has_late() const { return !pair_.late.energy.empty(); }
+    bool fixed_length() const { return format_.length > 0.0; }
+
+    ImpulseResponse mono() const {
+        std::vector<ImpulseResponse> channels{
+            assembler_.assemble(arrivals_, format_.length, executor_)};
+        if (has_late()) {
+            add_late({late_noise(bands_, pair_.late, format_.sample_rate, seed_)},
+                     fixed_length(),
+                     channels);
+        }
+        return std::move(channels.front());
+    }
+
+    std::vector<ImpulseResponse> ambisonic() const {
+        const int order = format_.ambisonic_order;
+        auto channels =
+            encode_ambisonic(assembler_, arrivals_, order, orientation_, format_.length, executor_);
+        if (has_late()) {
+            add_late(ambisonic_late_noise(
+                         bands_, pair_.late, format_.sample_rate, seed_, order, orientation_),
+                     fixed_length(),
+                     channels);
+        }
+        return channels;
+    }
+
+    std::vector<ImpulseResponse> binaural() const {
+        auto ears = render_binaural(
+            assembler_, arrivals_, format_.hrir_set, orientation_, format_.length, executor_);
+        std::vector<ImpulseResponse> channels{std::move(ears[0]), std::move(ears[1])};
+        if (has_late()) {
+            auto late =
+                binaural_late_noise(bands_, pair_.late, format_.hrir_set, seed_, orientation_);
+            add_late({std::move(late[0]), std::move(late[1])}, fixed_length(), channels);
+        }
+        return channels;
+    }
+
+    const audio::Bands& bands_;
+    const ResponseFormat& format_;
+    const audio::Assembler& assembler_;
+    const PairResult& pair_;
+    std::vector<audio::Arrival> arrivals_;
+    audio::Orientation orientation_;
+    std::uint64_t seed_;
+    Executor& executor_;
+};
+
+ResponseRenderer::ResponseRenderer(const audio::Bands& bands, ResponseFormat format)
+    : bands_(bands),
+      format_(prepared(std::move(format))),
+      assembler_(bands_, format_.sample_rate) {}
+
+Response ResponseRenderer::render(const PairResult& pair,
+                                  const Pose& listener,
+                                  Executor& executor) const {
+    return Rendering(*this, pair, listener, executor).render();
+}
+
+Response render_response(const audio::Bands& bands,
+                         const PairResult& pair,
+                         const Pose& listener,
+                         const ResponseFormat& format,
+                         Executor& executor) {
+    return ResponseRenderer(bands, format).render(pair, listener, executor);
+}
+
+}  // namespace earshot::propagation
