@@ -34,7 +34,7 @@ PairResult early_pair() {
 PairResult whole_pair() {
     PairResult pair = early_pair();
     audio::EnergyHistogram& late = pair.late;
-    late = {.bin = 1e-3, .reflection_growth = 1e6, .full_decay = true};
+    late = {.bin = 1e-3, .full_decay = true};
     for (int n = 0; n < 500; ++n) {
         audio::Spectrum& energy = late.energy.emplace_back();
         std::fill_n(energy.begin(), bands().count(), 1e-5 * std::pow(10.0, -6.0 * n / 400.0));
