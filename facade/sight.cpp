@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/bvh/moving_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/earshot.h"
 #include "earshot/visibility/line_of_sight.h"
 
@@ -13,7 +13,7 @@ struct Sight::State {
 
     geometry::AnimatedMesh animated;
     std::vector<Vec3> positions;
-    bvh::MovingTree tree;
+    bvh::DeformableBvh tree;
 };
 
 Sight::Sight(const Room& room, double time) : state_(std::make_unique<State>(room, time)) {}
@@ -27,7 +27,7 @@ void Sight::set_time(double time) {
 }
 
 bool Sight::visible(const Vec3& a, const Vec3& b) const {
-    return visibility::sees(state_->tree.tree(), state_->mesh(), {a, b});
+    return visibility::visible(state_->tree.tree(), state_->mesh(), {a, b});
 }
 
 }  // namespace earshot
