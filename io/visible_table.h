@@ -3,7 +3,7 @@
 
 #include "earshot/geometry/types.h"
 #include "earshot/propagation/scene.h"
-#include "earshot/visibility/visible_triangles.h"
+#include "earshot/visibility/visible_triangle_set.h"
 
 #include <cstddef>
 #include <cstdint>

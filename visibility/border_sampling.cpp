@@ -19,21 +19,22 @@ Vec3 unit_or_zero(const Vec3& v) noexcept {
     return length > 0.0 ? v / length : Vec3(0.0);
 }
 
-/// Across the side that leads along `side` from or to a corner at `view` from the eye, away from
-/// the triangle's third corner, which lies at `inside` from this one.
+/// The unit vector perpendicular to a side of a triangle and to the view direction that points out
+/// of the triangle. `view`: from the eye to a corner of the side; `inside`: from there to the third
+/// corner.
 Vec3 outward(const Vec3& view, const Vec3& side, const Vec3& inside) noexcept {
     const Vec3 across = unit_or_zero(glm::cross(view, side));
     return glm::dot(across, inside) > 0.0 ? -across : across;
 }
 
-/// The points of a plane where it cuts the sides of a triangle.
-struct Cut {
+/// The points where a plane intersects the sides of a triangle.
+struct PlaneSection {
     std::array<Vec3, 2> ends;
     int count = 0;
 };
 
-Cut cut(const Corners& triangle, const Vec3& normal, const Vec3& on_plane) noexcept {
-    Cut result;
+PlaneSection section(const Corners& triangle, const Vec3& normal, const Vec3& on_plane) noexcept {
+    PlaneSection result;
     for (std::size_t i = 0; i < 3 && result.count < 2; ++i) {
         const Vec3& a = triangle[i];
         const Vec3& b = triangle[(i + 1) % 3];
@@ -49,12 +50,12 @@ Cut cut(const Corners& triangle, const Vec3& normal, const Vec3& on_plane) noexc
 
 }  // namespace
 
-// Wonka et al. 2006, section 4.1, with the sides turned outward by the third corner instead of by
-// the triangle's facing, and the bisector of a sharp corner as its two sides' directions tell it.
-std::array<Vec3, kBorderPoints> enlarged(const Vec3& eye,
-                                         const Corners& triangle,
-                                         double angle) noexcept {
-    std::array<Vec3, kBorderPoints> points;
+// Wonka et al. 2006, section 4.1. Two deviations: the third corner decides which way is out of a
+// side, not the triangle's facing; and the bisector of a sharp corner is that of its two sides.
+std::array<Vec3, kPolygonVertices> enlarged_polygon(const Vec3& eye,
+                                                    const Corners& triangle,
+                                                    double angle) noexcept {
+    std::array<Vec3, kPolygonVertices> points;
     for (std::size_t i = 0; i < 3; ++i) {
         const Vec3& corner = triangle[i];
         const Vec3 view = corner - eye;
@@ -76,42 +77,44 @@ std::array<Vec3, kBorderPoints> enlarged(const Vec3& eye,
     return points;
 }
 
-std::optional<Vec3> expected_hit(const Ray& ray, const Corners& triangle, double most) noexcept {
+std::optional<Vec3> expected_hit(const Ray& ray,
+                                 const Corners& triangle,
+                                 double max_distance) noexcept {
     const Vec3 normal = glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
     const double speed = glm::dot(normal, ray.direction);
     const double height = glm::dot(normal, triangle[0] - ray.origin);
     const double t = height / speed;
     // Also false where the ray runs along the plane.
-    if (!(t > 0.0 && t * glm::length(ray.direction) <= most)) {
+    if (!(t > 0.0 && t * glm::length(ray.direction) <= max_distance)) {
         return std::nullopt;
     }
     return ray.origin + t * ray.direction;
 }
 
-// Wonka et al. 2006, section 4.2. Of the two ends of the blocker in the plane the one nearer to the
-// old ray is passed.
+// Wonka et al. 2006, section 4.2. The ray passes the end of the occluder, in the plane of both
+// rays, that is nearer to the old ray.
 std::optional<Ray> reverse_ray(const BlockedRay& blocked,
                                const ViewRegion& region,
                                double gap) noexcept {
     const Vec3& eye = blocked.ray.origin;
     const Vec3 old_view = blocked.old_hit - eye;
     const Vec3 normal = glm::cross(blocked.hit - eye, old_view);
-    const Cut line = cut(blocked.blocker, normal, eye);
+    const PlaneSection line = section(blocked.occluder, normal, eye);
     if (line.count < 2) {
         return std::nullopt;
     }
-    const auto nearness = [&](const Vec3& point) {
+    const auto alignment = [&](const Vec3& point) {
         const Vec3 view = point - eye;
         return glm::dot(view, old_view) / std::max(glm::length(view), 1e-300);
     };
-    const bool is_first = nearness(line.ends[0]) >= nearness(line.ends[1]);
+    const bool is_first = alignment(line.ends[0]) >= alignment(line.ends[1]);
     const Vec3& edge = line.ends[is_first ? 0 : 1];
     const Vec3 past = edge + gap * unit_or_zero(edge - line.ends[is_first ? 1 : 0]);
     const Vec3 towards = past - blocked.expected;
-    // The region must lie beyond the blocker's edge.
-    constexpr double kAnywhere = std::numeric_limits<double>::infinity();
+    // The region must lie beyond the occluder's edge.
+    constexpr double kUnbounded = std::numeric_limits<double>::infinity();
     const geometry::Interval inside =
-        clip(blocked.expected, towards, region, {-kAnywhere, kAnywhere});
+        clip(blocked.expected, towards, region, {-kUnbounded, kUnbounded});
     if (inside.is_empty() || !(inside.min >= 1.0) || !std::isfinite(inside.min)) {
         return std::nullopt;
     }

@@ -3,7 +3,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/halton.h"
-#include "earshot/visibility/internal/plane_search.h"
+#include "earshot/visibility/internal/split_plane_search.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -25,7 +25,7 @@ using geometry::Vec3;
 namespace {
 
 // ViewCells takes trees of up to 4096 nodes from the root to a leaf.
-constexpr int kMostDepth = 4096;
+constexpr int kMaxDepth = 4096;
 
 void check_options(const ViewRegion& region, const CellOptions& options) {
     validate(region);
@@ -46,7 +46,7 @@ void check_options(const ViewRegion& region, const CellOptions& options) {
     }
 }
 
-/// Points for viewers, each with its part of the density, evenly through the region.
+/// Sample points of the density of viewers, evenly distributed in the region, with their fractions.
 std::vector<Viewer> viewers_of(const ViewRegion& region, const CellOptions& options) {
     std::vector<Viewer> viewers;
     if (!options.density) {
@@ -57,27 +57,27 @@ std::vector<Viewer> viewers_of(const ViewRegion& region, const CellOptions& opti
     for (std::size_t i = 0; i < options.density_points; ++i) {
         Viewer viewer;
         for (int axis = 0; axis < 3; ++axis) {
-            const double way = radical_inverse(i + 1, kBases[static_cast<std::size_t>(axis)]);
-            viewer.place[axis] = region.lower[axis] + region.size()[axis] * way;
+            const double fraction = radical_inverse(i + 1, kBases[static_cast<std::size_t>(axis)]);
+            viewer.position[axis] = region.lower[axis] + region.size()[axis] * fraction;
         }
-        viewer.share = options.density(viewer.place);
-        if (!std::isfinite(viewer.share) || viewer.share < 0.0) {
+        viewer.fraction = options.density(viewer.position);
+        if (!std::isfinite(viewer.fraction) || viewer.fraction < 0.0) {
             throw Error("density", "it is negative or not finite somewhere", "give one from 0");
         }
-        sum += viewer.share;
+        sum += viewer.fraction;
         viewers.push_back(viewer);
     }
     if (!(sum > 0.0) || !std::isfinite(sum)) {
         throw Error("density", "no viewers are in the region", "give one that is not 0 there");
     }
     for (Viewer& viewer : viewers) {
-        viewer.share /= sum;
+        viewer.fraction /= sum;
     }
     return viewers;
 }
 
-/// Triangles whose boxes meet a region.
-std::vector<TriangleId> triangles_about(const geometry::MeshView& mesh, const ViewRegion& region) {
+/// The triangles whose boxes intersect a region.
+std::vector<TriangleId> triangles_near(const geometry::MeshView& mesh, const ViewRegion& region) {
     std::vector<TriangleId> triangles;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto& [a, b, c] = mesh.triangles[i];
@@ -104,40 +104,44 @@ public:
     BuiltCells run(std::span<const FreeSegment> segments, const Objects& objects);
 
 private:
-    /// A leaf that may be divided. The largest priority goes first, of equals the lowest leaf.
-    struct Waiting {
+    /// A leaf that may be split. The largest priority goes first, of equals the lowest leaf.
+    struct QueueEntry {
         double priority;
         LeafId leaf;
-        bool operator<(const Waiting& other) const {
+        bool operator<(const QueueEntry& other) const {
             return std::pair(priority, other.leaf) < std::pair(other.priority, leaf);
         }
     };
-    struct Place {
+    /// The child of a node that names a leaf.
+    struct TreeSlot {
         std::size_t node;
         bool is_front;
     };
 
     void make_root(std::span<const FreeSegment> segments, const Objects& objects);
-    void divide(LeafId id);
+    void split(LeafId id);
     LeafId grow_tree(LeafId id, CellNode plane);
-    void deal_pieces(const CellLeaf& leaf, const CellNode& plane, CellLeaf& back, CellLeaf& front);
-    void deal_triangles(const CellLeaf& leaf,
-                        const CellNode& plane,
-                        CellLeaf& back,
-                        CellLeaf& front) const;
+    void distribute_pieces(const CellLeaf& leaf,
+                           const CellNode& plane,
+                           CellLeaf& back,
+                           CellLeaf& front);
+    void distribute_triangles(const CellLeaf& leaf,
+                              const CellNode& plane,
+                              CellLeaf& back,
+                              CellLeaf& front) const;
     void measure(CellLeaf& leaf) const;
-    void propose(std::span<const LeafId> ids);
-    bool may_be_divided(const CellLeaf& leaf) const;
+    void find_splits(std::span<const LeafId> ids);
+    bool may_be_split(const CellLeaf& leaf) const;
 
     CellOptions options_;
     Executor& executor_;
-    CellBuild build_;
+    CellBuildContext build_;
     std::vector<CellLeaf> leaves_;
-    std::vector<Proposal> proposals_;  // of the leaf with the same number
-    std::vector<Place> places_;        // where the tree names that leaf
+    std::vector<SplitCandidate> candidates_;  // the best split of the leaf with the same number
+    std::vector<TreeSlot> slots_;             // the child that names that leaf
     std::vector<CellNode> nodes_;
-    std::priority_queue<Waiting> waiting_;
-    std::vector<std::uint8_t> sides_;  // per object, for deal_pieces
+    std::priority_queue<QueueEntry> queue_;
+    std::vector<std::uint8_t> sides_;  // per object, for distribute_pieces
     double cost_ = 0.0;
     std::vector<CellSplit> splits_;
 };
@@ -151,17 +155,17 @@ void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects
         if (!free.is_valid() || inside.is_empty()) {
             continue;
         }
-        Sight sight = {free.segment.from, free.segment.to - free.segment.from};
+        VisibilitySample sample = {free.segment.from, free.segment.to - free.segment.from};
         const std::array<TriangleId, 2> ends = {free.at_from, free.at_to};
         for (std::size_t k = 0; k < 2; ++k) {
             if (ends[k] != kNoTriangle) {
-                sight.objects[k] = objects.of(ends[k]);
-                sides_[sight.objects[k]] = 1;
+                sample.objects[k] = objects.of(ends[k]);
+                sides_[sample.objects[k]] = 1;
             }
         }
         root.pieces.push_back(
-            {static_cast<std::uint32_t>(build_.sights.size()), inside.min, inside.max});
-        build_.sights.push_back(sight);
+            {static_cast<std::uint32_t>(build_.samples.size()), inside.min, inside.max});
+        build_.samples.push_back(sample);
     }
     for (ObjectId object = 0; object < objects.size(); ++object) {
         if (std::exchange(sides_[object], 0) != 0) {
@@ -169,78 +173,80 @@ void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects
         }
     }
     if (options_.rule == CellRule::cost && options_.max_triangle_planes > 0) {
-        root.triangles = triangles_about(options_.mesh, build_.region);
+        root.triangles = triangles_near(options_.mesh, build_.region);
     }
     root.viewers.resize(build_.viewers.size());
     for (std::size_t i = 0; i < root.viewers.size(); ++i) {
         root.viewers[i] = static_cast<std::uint32_t>(i);
     }
     measure(root);
-    cost_ = root.share * root.set_cost;
+    cost_ = root.viewer_fraction * root.set_cost;
     leaves_.push_back(std::move(root));
 }
 
-/// The numbers of a leaf whose shape, set and viewers are known.
+/// Computes volume, viewer fraction and cost of a leaf whose shape, set and viewers are known.
 void CellBuilder::measure(CellLeaf& leaf) const {
     leaf.volume = leaf.shape.volume();
     leaf.set_cost = set_cost(leaf.set, build_.costs);
-    leaf.share = build_.viewers.empty() ? leaf.volume / build_.region.volume() : 0.0;
+    leaf.viewer_fraction = build_.viewers.empty() ? leaf.volume / build_.region.volume() : 0.0;
     for (const std::uint32_t viewer : leaf.viewers) {
-        leaf.share += build_.viewers[viewer].share;
+        leaf.viewer_fraction += build_.viewers[viewer].fraction;
     }
 }
 
-bool CellBuilder::may_be_divided(const CellLeaf& leaf) const {
-    return leaf.depth < kMostDepth &&
+bool CellBuilder::may_be_split(const CellLeaf& leaf) const {
+    return leaf.depth < kMaxDepth &&
            (options_.rule == CellRule::middle ||
             (leaf.poor_splits < options_.max_poor_splits &&
              leaf.pieces.size() >= options_.min_segments && !leaf.set.empty()));
 }
 
-void CellBuilder::propose(std::span<const LeafId> ids) {
+void CellBuilder::find_splits(std::span<const LeafId> ids) {
     std::vector<LeafId> asked;
     std::vector<const CellLeaf*> leaves;
     for (const LeafId id : ids) {
-        if (may_be_divided(leaves_[id])) {
+        if (may_be_split(leaves_[id])) {
             asked.push_back(id);
             leaves.push_back(&leaves_[id]);
         }
     }
-    proposals_.resize(leaves_.size());
+    candidates_.resize(leaves_.size());
     if (options_.rule == CellRule::middle) {
         for (const LeafId id : asked) {
-            proposals_[id] = {middle_plane(leaves_[id]), 0.0};
-            waiting_.push({leaves_[id].volume, id});
+            candidates_[id] = {spatial_median_plane(leaves_[id]), 0.0};
+            queue_.push({leaves_[id].volume, id});
         }
         return;
     }
-    const auto best = best_planes(build_, options_, leaves, executor_);
+    const auto best = best_split_planes(build_, options_, leaves, executor_);
     for (std::size_t i = 0; i < asked.size(); ++i) {
         if (best[i]) {
-            proposals_[asked[i]] = *best[i];
-            waiting_.push({best[i]->saving, asked[i]});
+            candidates_[asked[i]] = *best[i];
+            queue_.push({best[i]->saving, asked[i]});
         }
     }
 }
 
-/// Pieces go to the side they reach, cut where they cross the plane, and with them the objects.
-void CellBuilder::deal_pieces(const CellLeaf& leaf,
-                              const CellNode& plane,
-                              CellLeaf& back,
-                              CellLeaf& front) {
+/// Distributes the pieces to the sides that they reach, clipped where they cross the plane, and
+/// with them the objects.
+void CellBuilder::distribute_pieces(const CellLeaf& leaf,
+                                    const CellNode& plane,
+                                    CellLeaf& back,
+                                    CellLeaf& front) {
     constexpr int kBack = 1;
     constexpr int kFront = 2;
-    for (const SightPiece& piece : leaf.pieces) {
-        const Sight& sight = build_.sights[piece.sight];
-        const Reach reach(sight, piece, plane.normal, build_.slack);
+    for (const SamplePiece& piece : leaf.pieces) {
+        const VisibilitySample& sample = build_.samples[piece.sample];
+        const Extent extent(sample, piece, plane.normal, build_.slack);
         const int sides =
-            (reach.first <= plane.offset ? kBack : 0) | (reach.last >= plane.offset ? kFront : 0);
-        SightPiece behind = piece;
-        SightPiece before = piece;
-        if (sides == (kBack | kFront) && reach.low < plane.offset && reach.high > plane.offset) {
-            const double part = (plane.offset - reach.at_begin) / (reach.at_end - reach.at_begin);
+            (extent.first <= plane.offset ? kBack : 0) | (extent.last >= plane.offset ? kFront : 0);
+        SamplePiece behind = piece;
+        SamplePiece before = piece;
+        if (sides == (kBack | kFront) && extent.low < plane.offset && extent.high > plane.offset) {
+            const double part =
+                (plane.offset - extent.at_begin) / (extent.at_end - extent.at_begin);
             const double crossing = piece.begin + part * (piece.end - piece.begin);
-            const bool is_forward = reach.at_begin < reach.at_end;
+            const bool is_forward = extent.at_begin < extent.at_end;
             (is_forward ? behind.end : behind.begin) = crossing;
             (is_forward ? before.begin : before.end) = crossing;
         }
@@ -250,7 +256,7 @@ void CellBuilder::deal_pieces(const CellLeaf& leaf,
         if ((sides & kFront) != 0) {
             front.pieces.push_back(before);
         }
-        for (const ObjectId object : sight.objects) {
+        for (const ObjectId object : sample.objects) {
             if (object != kNoObject) {
                 sides_[object] |= static_cast<std::uint8_t>(sides);
             }
@@ -267,10 +273,10 @@ void CellBuilder::deal_pieces(const CellLeaf& leaf,
     }
 }
 
-void CellBuilder::deal_triangles(const CellLeaf& leaf,
-                                 const CellNode& plane,
-                                 CellLeaf& back,
-                                 CellLeaf& front) const {
+void CellBuilder::distribute_triangles(const CellLeaf& leaf,
+                                       const CellNode& plane,
+                                       CellLeaf& back,
+                                       CellLeaf& front) const {
     for (const TriangleId triangle : leaf.triangles) {
         double lowest = std::numeric_limits<double>::infinity();
         double highest = -lowest;
@@ -280,7 +286,7 @@ void CellBuilder::deal_triangles(const CellLeaf& leaf,
             lowest = std::min(lowest, height);
             highest = std::max(highest, height);
         }
-        // Those in the plane itself are used up.
+        // Triangles in the plane itself are used up.
         if (lowest < -build_.slack) {
             back.triangles.push_back(triangle);
         }
@@ -290,44 +296,45 @@ void CellBuilder::deal_triangles(const CellLeaf& leaf,
     }
 }
 
-/// Where the tree named a leaf it names a node, and that a new leaf too, whose number is returned.
+/// Replaces a leaf in the tree by a node with that leaf and a new one, whose number is returned.
 LeafId CellBuilder::grow_tree(LeafId id, CellNode plane) {
     const auto node = static_cast<std::uint32_t>(nodes_.size());
     const auto added = static_cast<LeafId>(leaves_.size());
     plane.back = kCellLeaf + id;
     plane.front = kCellLeaf + added;
     if (node > 0) {
-        CellNode& parent = nodes_[places_[id].node];
-        (places_[id].is_front ? parent.front : parent.back) = node;
+        CellNode& parent = nodes_[slots_[id].node];
+        (slots_[id].is_front ? parent.front : parent.back) = node;
     }
     nodes_.push_back(plane);
-    places_[id] = {node, false};
-    places_.push_back({node, true});
+    slots_[id] = {node, false};
+    slots_.push_back({node, true});
     return added;
 }
 
-void CellBuilder::divide(LeafId id) {
+void CellBuilder::split(LeafId id) {
     CellLeaf& leaf = leaves_[id];
-    const CellNode plane = proposals_[id].plane;
+    const CellNode plane = candidates_[id].plane;
     const auto node = static_cast<std::uint32_t>(nodes_.size());
     auto halves = leaf.shape.split(plane, node, build_.slack);
     if (!halves) {
-        return;  // thinner than the slack: it stays as it is
+        return;  // thinner than the slack
     }
     CellLeaf back{.shape = std::move(halves->back)};
     CellLeaf front{.shape = std::move(halves->front)};
-    deal_pieces(leaf, plane, back, front);
-    deal_triangles(leaf, plane, back, front);
+    distribute_pieces(leaf, plane, back, front);
+    distribute_triangles(leaf, plane, back, front);
     for (const std::uint32_t viewer : leaf.viewers) {
-        const Vec3& place = build_.viewers[viewer].place;
+        const Vec3& place = build_.viewers[viewer].position;
         (glm::dot(plane.normal, place) < plane.offset ? back : front).viewers.push_back(viewer);
     }
     measure(back);
     measure(front);
-    // Sets only shrink, so that a rise would be rounding.
-    const double saved = std::max(
-        0.0,
-        leaf.share * leaf.set_cost - back.share * back.set_cost - front.share * front.set_cost);
+    // Sets only shrink, so that an increase would be rounding.
+    const double saved =
+        std::max(0.0,
+                 leaf.viewer_fraction * leaf.set_cost - back.viewer_fraction * back.set_cost -
+                     front.viewer_fraction * front.set_cost);
     const bool is_poor = saved < options_.min_saving * cost_;
     for (CellLeaf* half : {&back, &front}) {
         half->depth = leaf.depth + 1;
@@ -335,22 +342,23 @@ void CellBuilder::divide(LeafId id) {
         half->key = 2 * std::uint64_t{node} + (half == &front ? 2 : 1);
     }
     cost_ -= saved;
-    splits_.push_back({id, options_.rule == CellRule::cost ? proposals_[id].saving : saved, cost_});
+    splits_.push_back(
+        {id, options_.rule == CellRule::cost ? candidates_[id].saving : saved, cost_});
     const LeafId added = grow_tree(id, plane);
     leaf = std::move(back);
     leaves_.push_back(std::move(front));
-    propose(std::array{id, added});
+    find_splits(std::array{id, added});
 }
 
 BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects& objects) {
     make_root(segments, objects);
-    places_.push_back({0, false});
+    slots_.push_back({0, false});
     const double region_cost = cost_;
-    propose(std::array{LeafId{0}});
-    while (!waiting_.empty() && leaves_.size() < options_.max_cells) {
-        const LeafId next = waiting_.top().leaf;
-        waiting_.pop();
-        divide(next);
+    find_splits(std::array{LeafId{0}});
+    while (!queue_.empty() && leaves_.size() < options_.max_cells) {
+        const LeafId next = queue_.top().leaf;
+        queue_.pop();
+        split(next);
         if (options_.progress != nullptr) {
             options_.progress->report("view cells", leaves_.size(), options_.max_cells);
         }
@@ -367,7 +375,7 @@ BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects
     for (CellLeaf& leaf : leaves_) {
         volumes.push_back(leaf.volume);
         built.sets.push_back(std::move(leaf.set));
-        built.viewer_fractions.push_back(leaf.share);
+        built.viewer_fractions.push_back(leaf.viewer_fraction);
     }
     built.cells = ViewCells(build_.region, std::move(nodes_), std::move(volumes));
     return built;

@@ -232,11 +232,11 @@ std::vector<CellShape> leaf_shapes(const ViewCells& cells) {
         std::uint32_t child;
         CellShape shape;
     };
-    std::vector<Part> waiting;
-    waiting.push_back({cells.nodes().empty() ? kCellLeaf : 0, CellShape(cells.region())});
-    while (!waiting.empty()) {
-        Part part = std::move(waiting.back());
-        waiting.pop_back();
+    std::vector<Part> stack;
+    stack.push_back({cells.nodes().empty() ? kCellLeaf : 0, CellShape(cells.region())});
+    while (!stack.empty()) {
+        Part part = std::move(stack.back());
+        stack.pop_back();
         if ((part.child & kCellLeaf) != 0) {
             shapes[part.child & ~kCellLeaf] = std::move(part.shape);
             continue;
@@ -246,12 +246,12 @@ std::vector<CellShape> leaf_shapes(const ViewCells& cells) {
         plane.normal /= length;
         plane.offset /= length;
         if (auto halves = part.shape.split(plane, part.child, slack)) {
-            waiting.push_back({plane.front, std::move(halves->front)});
-            waiting.push_back({plane.back, std::move(halves->back)});
+            stack.push_back({plane.front, std::move(halves->front)});
+            stack.push_back({plane.back, std::move(halves->back)});
         } else {
             // All of it is on one side.
             const bool is_back = glm::dot(plane.normal, part.shape.vertex_mean()) < plane.offset;
-            waiting.push_back({is_back ? plane.back : plane.front, std::move(part.shape)});
+            stack.push_back({is_back ? plane.back : plane.front, std::move(part.shape)});
         }
     }
     return shapes;

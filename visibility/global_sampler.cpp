@@ -20,15 +20,15 @@ namespace {
 
 constexpr std::size_t kSamplesPerChunk = 1024;
 
-// A stream of random numbers: which distribution is drawn.
-constexpr std::uint64_t kKind = 90;
+// The stream of random numbers that selects distributions.
+constexpr std::uint64_t kDistribution = 90;
 
-// No distribution is drawn more seldom, as what finds nothing now may find something later.
-constexpr double kLeastChance = 0.02;
+// The least probability of a distribution: one that contributes nothing now may do so later.
+constexpr double kMinProbability = 0.02;
 
-// A silhouette's line that goes on so far, in radii of the object, fell off an edge: Bittner et al.
-// 2009, section 4.3.
-constexpr double kFallen = 3.0;
+// A ray past a silhouette that goes on so far, in radii of the object, passed a depth
+// discontinuity: Bittner et al. 2009, section 4.3.
+constexpr double kDepthDiscontinuity = 3.0;
 
 constexpr std::size_t at(SampleDistribution distribution) noexcept {
     return static_cast<std::size_t>(distribution);
@@ -53,54 +53,54 @@ GlobalSampler::GlobalSampler(const bvh::WideTree& tree,
       cells_(cells),
       options_(options),
       executor_(executor),
-      source_(mesh, objects, cells.region(), options.seed),
+      generator_(mesh, objects, cells.region(), options.seed),
       words_((objects.size() + 63) / 64),
       bits_(words_ * cells.size(), 0),
       sizes_(cells.size(), 0),
       window_end_(options.window),
-      sizes_then_(cells.size(), 0) {
-    choose_anew({});
+      sizes_at_window_start_(cells.size(), 0) {
+    update_probabilities({});
 }
 
 GlobalPvs GlobalSampler::run() {
     while (!is_finished()) {
-        const auto before = view_.counts;
+        const auto before = pvs_.counts;
         const std::vector<Sample> samples = draw_batch();
         std::vector<geometry::Ray> rays(samples.size());
         std::transform(
             samples.begin(), samples.end(), rays.begin(), [](const auto& s) { return s.ray; });
         const auto segments = cast_free_segments(tree_, mesh_, rays, cells_.region(), executor_);
-        marks_.push_back({view_.rays,
-                          view_.counts[at(SampleDistribution::view_space_direction)].samples,
+        marks_.push_back({pvs_.rays,
+                          pvs_.counts[at(SampleDistribution::view_space_direction)].samples,
                           own_finds_});
-        take_in(samples, segments, look(samples, segments));
-        view_.rays += 2 * samples.size();
-        view_.curve.push_back({view_.rays, entries_});
-        choose_anew(before);
-        close_window();
+        add_contributions(samples, segments, find_contributions(samples, segments));
+        pvs_.rays += 2 * samples.size();
+        pvs_.curve.push_back({pvs_.rays, entries_});
+        update_probabilities(before);
+        check_convergence();
         if (options_.progress != nullptr) {
             options_.progress->report(
-                "rays", view_.rays, std::max(view_.rays + 1, options_.max_rays));
+                "rays", pvs_.rays, std::max(pvs_.rays + 1, options_.max_rays));
         }
         is_interrupted_ = options_.interrupt && options_.interrupt();
     }
     if (options_.progress != nullptr) {
-        options_.progress->report("rays", view_.rays, view_.rays);
+        options_.progress->report("rays", pvs_.rays, pvs_.rays);
     }
     const auto half = std::partition_point(
-        marks_.begin(), marks_.end(), [&](const Mark& mark) { return 2 * mark.rays < view_.rays; });
-    const std::uint64_t own = view_.counts[at(SampleDistribution::view_space_direction)].samples;
+        marks_.begin(), marks_.end(), [&](const Mark& mark) { return 2 * mark.rays < pvs_.rays; });
+    const std::uint64_t own = pvs_.counts[at(SampleDistribution::view_space_direction)].samples;
     if (half != marks_.end() && own > half->own_samples) {
-        view_.missed_share = static_cast<double>(own_finds_ - half->own_finds) /
-                             static_cast<double>(own - half->own_samples);
+        pvs_.missed_share = static_cast<double>(own_finds_ - half->own_finds) /
+                            static_cast<double>(own - half->own_samples);
     }
-    view_.visible.resize(cells_.size());
+    pvs_.visible.resize(cells_.size());
     executor_.for_each(cells_.size(), 64, [&](std::size_t begin, std::size_t end) {
         for (std::size_t cell = begin; cell < end; ++cell) {
-            view_.visible[cell] = set_of(static_cast<CellId>(cell));
+            pvs_.visible[cell] = set_of(static_cast<CellId>(cell));
         }
     });
-    return std::move(view_);
+    return std::move(pvs_);
 }
 
 std::vector<ObjectId> GlobalSampler::set_of(CellId cell) const {
@@ -117,16 +117,16 @@ std::vector<ObjectId> GlobalSampler::set_of(CellId cell) const {
 
 bool GlobalSampler::is_finished() const {
     return has_converged_ || is_interrupted_ || objects_.size() == 0 ||
-           view_.rays + 2 > options_.max_rays;
+           pvs_.rays + 2 > options_.max_rays;
 }
 
-SampleDistribution GlobalSampler::choose(double die) const {
+SampleDistribution GlobalSampler::select_distribution(double uniform) const {
     std::size_t distribution = 0;
-    while (distribution + 1 < kSampleDistributions && die >= chances_[distribution]) {
-        die -= chances_[distribution];
+    while (distribution + 1 < kSampleDistributions && uniform >= probabilities_[distribution]) {
+        uniform -= probabilities_[distribution];
         ++distribution;
     }
-    // A rounding may lead past the last distribution that may be drawn.
+    // Rounding may lead past the last distribution that is allowed.
     while (!options_.distributions[distribution]) {
         distribution = (distribution + kSampleDistributions - 1) % kSampleDistributions;
     }
@@ -134,35 +134,36 @@ SampleDistribution GlobalSampler::choose(double die) const {
 }
 
 std::vector<Sample> GlobalSampler::draw_batch() {
-    const std::uint64_t allowed = (options_.max_rays - view_.rays) / 2;
+    const std::uint64_t allowed = (options_.max_rays - pvs_.rays) / 2;
     std::vector<Sample> samples(static_cast<std::size_t>(
         std::min<std::uint64_t>(std::max<std::size_t>(1, options_.samples_per_batch), allowed)));
     std::vector<std::uint64_t> index(samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i) {
-        SampleDistribution distribution = choose(random(options_.seed, kKind, view_.rays / 2 + i));
+        SampleDistribution distribution =
+            select_distribution(random(options_.seed, kDistribution, pvs_.rays / 2 + i));
         if (is_mutation(distribution)) {
-            samples[i].origin = store_.take();
-            // Nothing was found yet that could be varied.
-            distribution = samples[i].origin ? distribution : SampleDistribution::two_point;
+            samples[i].candidate = candidates_.select();
+            // There is no candidate yet.
+            distribution = samples[i].candidate ? distribution : SampleDistribution::two_point;
         }
         samples[i].distribution = distribution;
-        index[i] = view_.counts[at(distribution)].samples++;
+        index[i] = pvs_.counts[at(distribution)].samples++;
     }
     executor_.for_each(samples.size(), kSamplesPerChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            source_.draw(samples[i], index[i]);
+            generator_.draw(samples[i], index[i]);
         }
     });
     return samples;
 }
 
-// What is not known yet, in the order of samples, cells and ends.
-std::vector<GlobalSampler::Find> GlobalSampler::look(std::span<const Sample> samples,
-                                                     std::span<const FreeSegment> segments) {
+// The entries that the sets lacked before the batch, in the order of samples, cells and ends.
+std::vector<GlobalSampler::Contribution> GlobalSampler::find_contributions(
+    std::span<const Sample> samples, std::span<const FreeSegment> segments) {
     const double slack = plane_slack(cells_.region());
-    std::vector<std::vector<Find>> parts(chunk_count(samples.size(), kSamplesPerChunk));
+    std::vector<std::vector<Contribution>> parts(chunk_count(samples.size(), kSamplesPerChunk));
     executor_.for_each(samples.size(), kSamplesPerChunk, [&](std::size_t begin, std::size_t end) {
-        std::vector<Find>& finds = parts[begin / kSamplesPerChunk];
+        std::vector<Contribution>& contributions = parts[begin / kSamplesPerChunk];
         std::vector<CellId> pierced;
         for (std::size_t i = begin; i < end; ++i) {
             if (!segments[i].is_valid()) {
@@ -171,27 +172,27 @@ std::vector<GlobalSampler::Find> GlobalSampler::look(std::span<const Sample> sam
             cells_.pierced(shortened(segments[i].segment, slack), pierced);
             for (const CellId cell : pierced) {
                 for (const bool is_ahead : {false, true}) {
-                    const TriangleId met = is_ahead ? segments[i].at_to : segments[i].at_from;
-                    if (met != kNoTriangle && !is_known(cell, objects_.of(met))) {
-                        finds.push_back(
-                            {static_cast<std::uint32_t>(i), cell, objects_.of(met), is_ahead});
+                    const TriangleId triangle = is_ahead ? segments[i].at_to : segments[i].at_from;
+                    if (triangle != kNoTriangle && !is_in_set(cell, objects_.of(triangle))) {
+                        contributions.push_back(
+                            {static_cast<std::uint32_t>(i), cell, objects_.of(triangle), is_ahead});
                     }
                 }
             }
         }
     });
-    std::vector<Find> all;
-    for (const std::vector<Find>& part : parts) {
+    std::vector<Contribution> all;
+    for (const std::vector<Contribution>& part : parts) {
         all.insert(all.end(), part.begin(), part.end());
     }
     return all;
 }
 
-void GlobalSampler::take_in(std::span<const Sample> samples,
-                            std::span<const FreeSegment> segments,
-                            std::span<const Find> finds) {
-    for (std::size_t k = 0; k < finds.size();) {
-        const std::uint32_t i = finds[k].sample;
+void GlobalSampler::add_contributions(std::span<const Sample> samples,
+                                      std::span<const FreeSegment> segments,
+                                      std::span<const Contribution> contributions) {
+    for (std::size_t k = 0; k < contributions.size();) {
+        const std::uint32_t i = contributions[k].sample;
         bool ahead = false;
         bool behind = false;
         std::uint64_t added = 0;
@@ -199,23 +200,24 @@ void GlobalSampler::take_in(std::span<const Sample> samples,
         const auto own = samples[i].distribution == SampleDistribution::view_space_direction
                              ? cells_.cell_at(samples[i].ray.origin)
                              : std::nullopt;
-        for (; k < finds.size() && finds[k].sample == i; ++k) {
-            const Find& find = finds[k];
-            // An earlier sample of the batch may have found the same.
-            if (is_known(find.cell, find.object)) {
+        for (; k < contributions.size() && contributions[k].sample == i; ++k) {
+            const Contribution& contribution = contributions[k];
+            // An earlier sample of the batch may have added the same.
+            if (is_in_set(contribution.cell, contribution.object)) {
                 continue;
             }
-            word(find.cell, find.object) |= std::uint64_t{1} << find.object % 64;
-            ++sizes_[find.cell];
+            word(contribution.cell, contribution.object) |= std::uint64_t{1}
+                                                            << contribution.object % 64;
+            ++sizes_[contribution.cell];
             ++added;
-            (find.is_ahead ? ahead : behind) = true;
-            is_for_own_cell = is_for_own_cell || own == find.cell;
+            (contribution.is_ahead ? ahead : behind) = true;
+            is_for_own_cell = is_for_own_cell || own == contribution.cell;
         }
         entries_ += added;
         own_finds_ += is_for_own_cell ? 1 : 0;
-        view_.counts[at(samples[i].distribution)].contribution += added;
+        pvs_.counts[at(samples[i].distribution)].contribution += added;
         if (added > 0) {
-            note_candidates(segments[i], ahead, behind);
+            add_candidates(segments[i], ahead, behind);
             if (samples[i].distribution == SampleDistribution::silhouette_mutation) {
                 follow_silhouette(samples[i], segments[i]);
             }
@@ -225,51 +227,53 @@ void GlobalSampler::take_in(std::span<const Sample> samples,
 
 double GlobalSampler::radius_at(TriangleId triangle) const {
     if (triangle != kNoTriangle) {
-        return source_.radius(objects_.of(triangle));
+        return generator_.radius(objects_.of(triangle));
     }
-    // About that of a cell.
+    // About the radius of a cell.
     return 0.5 * glm::length(cells_.region().size()) /
            math::pow(static_cast<double>(cells_.size()), 1.0 / 3.0);
 }
 
-void GlobalSampler::note_candidates(const FreeSegment& free, bool ahead, bool behind) {
+void GlobalSampler::add_candidates(const FreeSegment& free, bool ahead, bool behind) {
     if (free.segment.from == free.segment.to) {
         return;
     }
     if (ahead) {
-        store_.add(
+        candidates_.add(
             {free.segment.from, free.segment.to, objects_.of(free.at_to), radius_at(free.at_from)});
     }
     if (behind) {
-        store_.add(
+        candidates_.add(
             {free.segment.to, free.segment.from, objects_.of(free.at_from), radius_at(free.at_to)});
     }
 }
 
-// Far behind the object's border something else came into view; seen from there the object is a
-// silhouette again.
+// The ray hit another object far behind the silhouette. As in reverse sampling, the silhouette is
+// mutated again, as seen from that hit.
 void GlobalSampler::follow_silhouette(const Sample& sample, const FreeSegment& free) {
-    const ObjectId object = sample.origin->object;
+    const ObjectId object = sample.candidate->object;
     if (free.at_to == kNoTriangle || objects_.of(free.at_to) == object ||
-        !(glm::distance(free.segment.to, sample.aimed_at) > kFallen * source_.radius(object))) {
+        !(glm::distance(free.segment.to, sample.silhouette_point) >
+          kDepthDiscontinuity * generator_.radius(object))) {
         return;
     }
-    if (free.segment.to != sample.origin->to) {
-        store_.add({free.segment.to, sample.origin->to, object, radius_at(free.at_to)});
+    if (free.segment.to != sample.candidate->to) {
+        candidates_.add({free.segment.to, sample.candidate->to, object, radius_at(free.at_to)});
     }
 }
 
-// In proportion to what each distribution found for its rays in the last batch, but never too
-// seldom.
-void GlobalSampler::choose_anew(const std::array<GlobalPvs::Count, kSampleDistributions>& before) {
+// Bittner et al. 2009, section 4.1: the probability of a distribution is proportional to its
+// contribution per sample in the last batch, here with a lower limit.
+void GlobalSampler::update_probabilities(
+    const std::array<GlobalPvs::Count, kSampleDistributions>& before) {
     std::array<double, kSampleDistributions> weights{};
     for (std::size_t distribution = 0; distribution < kSampleDistributions; ++distribution) {
         const auto samples =
-            static_cast<double>(view_.counts[distribution].samples - before[distribution].samples);
-        const auto finds = static_cast<double>(view_.counts[distribution].contribution -
-                                               before[distribution].contribution);
+            static_cast<double>(pvs_.counts[distribution].samples - before[distribution].samples);
+        const auto contributions = static_cast<double>(pvs_.counts[distribution].contribution -
+                                                       before[distribution].contribution);
         weights[distribution] = !options_.distributions[distribution] ? 0.0
-                                : samples > 0.0                       ? finds / samples
+                                : samples > 0.0                       ? contributions / samples
                                                                       : 0.0;
     }
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
@@ -277,29 +281,29 @@ void GlobalSampler::choose_anew(const std::array<GlobalPvs::Count, kSampleDistri
         std::count(options_.distributions.begin(), options_.distributions.end(), true));
     double total = 0.0;
     for (std::size_t distribution = 0; distribution < kSampleDistributions; ++distribution) {
-        chances_[distribution] =
+        probabilities_[distribution] =
             !options_.distributions[distribution]
                 ? 0.0
-                : std::max(kLeastChance,
+                : std::max(kMinProbability,
                            sum > 0.0 ? weights[distribution] / sum : 1.0 / distributions);
-        total += chances_[distribution];
+        total += probabilities_[distribution];
     }
-    for (double& chance : chances_) {
-        chance /= total;
+    for (double& probability : probabilities_) {
+        probability /= total;
     }
 }
 
-void GlobalSampler::close_window() {
-    if (view_.rays < window_end_) {
+void GlobalSampler::check_convergence() {
+    if (pvs_.rays < window_end_) {
         return;
     }
-    std::uint64_t most = 0;
+    std::uint64_t largest_growth = 0;
     for (std::size_t cell = 0; cell < sizes_.size(); ++cell) {
-        most = std::max(most, sizes_[cell] - sizes_then_[cell]);
+        largest_growth = std::max(largest_growth, sizes_[cell] - sizes_at_window_start_[cell]);
     }
-    has_converged_ = most <= options_.max_growth;
-    sizes_then_ = sizes_;
-    window_end_ = view_.rays + options_.window;
+    has_converged_ = largest_growth <= options_.max_growth;
+    sizes_at_window_start_ = sizes_;
+    window_end_ = pvs_.rays + options_.window;
 }
 
 }  // namespace earshot::visibility

@@ -12,7 +12,7 @@ namespace earshot::visibility {
 
 namespace {
 
-constexpr std::size_t kMostBits = std::size_t{1} << 35U;
+constexpr std::size_t kMaxBits = std::size_t{1} << 35U;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ GlobalPvs sample_cells(const bvh::WideTree& tree,
                        const GlobalSamplingOptions& options,
                        Executor& executor) {
     EARSHOT_ASSERT(objects.object_of_triangle().size() == mesh.triangles.size());
-    if (objects.size() > kMostBits / cells.size()) {
+    if (objects.size() > kMaxBits / cells.size()) {
         throw Error("visible sets",
                     std::to_string(cells.size()) + " cells of " + std::to_string(objects.size()) +
                         " objects take more than 4 GiB",
@@ -32,7 +32,7 @@ GlobalPvs sample_cells(const bvh::WideTree& tree,
     if (std::none_of(options.distributions.begin(), options.distributions.end(), [](bool is_on) {
             return is_on;
         })) {
-        throw Error("visible sets", "no distribution of sample may be drawn", "allow one");
+        throw Error("visible sets", "no distribution of samples is allowed", "allow one");
     }
     return GlobalSampler(tree, mesh, objects, cells, options, executor).run();
 }

@@ -4,7 +4,7 @@
 #include "earshot/base/halton.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_batch.h"
-#include "earshot/visibility/internal/unit.h"
+#include "earshot/visibility/internal/directions.h"
 
 #include <glm/geometric.hpp>
 
@@ -21,25 +21,26 @@ using geometry::Vec3;
 
 namespace {
 
-// Enough for ray packets and interleaved rays, few enough for what is found to guide the next.
-constexpr std::size_t kSeedsAtATime = 1024;
+// Enough seeds for ray packets and interleaved rays, few enough for their hits to guide the next.
+constexpr std::size_t kSeedsPerBatch = 1024;
 
-// Random rays begin few and follow the rest: where triangles are small they are met one by one.
-constexpr std::uint64_t kFewestRandom = 64;
-constexpr std::uint64_t kMostRandom = 1U << 14U;
-constexpr std::uint64_t kRandomShare = 8;
+// The first batch of random rays is small; later ones grow with all rays so far, because small
+// triangles are hit one by one.
+constexpr std::uint64_t kMinRandomRays = 64;
+constexpr std::uint64_t kMaxRandomRays = 1U << 14U;
+constexpr std::uint64_t kRaysPerRandomRay = 8;
 
-// So many random rays to one look at a known triangle, which takes a dozen or two.
-constexpr std::uint64_t kRandomPerLook = 16;
+// One known triangle is sampled again per so many random rays; its border takes a dozen or two.
+constexpr std::uint64_t kRandomRaysPerReseed = 16;
 
 // Streams of random numbers.
-constexpr std::uint64_t kLook = 40;
+constexpr std::uint64_t kReseed = 40;
 
-// A border that falls apart is halved so many times: to a 128th of a side.
-constexpr int kHalvings = 7;
+// An interval of a border is bisected so many times: to a 128th of a side.
+constexpr int kMaxSubdivisions = 7;
 
-// Planes that are met farther away, in diagonals, say nothing about what is hidden.
-constexpr double kFarthest = 4.0;
+// An expected hit farther away than this, in diagonals of the scene, is no sign of an occluder.
+constexpr double kMaxPlaneDistance = 4.0;
 
 }  // namespace
 
@@ -49,7 +50,7 @@ GuidedSampler::GuidedSampler(const bvh::WideTree& tree,
                              const GuidedSamplingOptions& options,
                              Executor& executor)
     : tree_(tree), mesh_(mesh), region_(region), options_(options), executor_(executor) {
-    place_.assign(mesh.triangles.size(), kUnknown);
+    index_of_triangle_.assign(mesh.triangles.size(), kUnknown);
     if (!tree.box().is_empty()) {
         Vec3 size(0.0);
         for (int axis = 0; axis < 3; ++axis) {
@@ -62,44 +63,44 @@ GuidedSampler::GuidedSampler(const bvh::WideTree& tree,
     double sum = 0.0;
     for (int face = 0; face < 6; ++face) {
         sum += size[(face / 2 + 1) % 3] * size[(face / 2 + 2) % 3];
-        faces_[static_cast<std::size_t>(face)] = sum;
+        face_areas_[static_cast<std::size_t>(face)] = sum;
     }
     if (sum == 0.0) {
-        // A line or a point looks to all sides alike.
+        // Of a line or a point every face sends out as many rays.
         for (std::size_t face = 0; face < 6; ++face) {
-            faces_[face] = static_cast<double>(face + 1);
+            face_areas_[face] = static_cast<double>(face + 1);
         }
     }
 }
 
 RegionPvs GuidedSampler::run() {
-    RegionPvs view;
+    RegionPvs pvs;
     while (!is_finished()) {
         cast_random();
         if (options_.guided) {
-            look_again();
+            reseed_known_triangles();
         }
-        while (options_.guided && !waiting_.empty() && !is_finished()) {
-            const std::size_t count = std::min(kSeedsAtATime, waiting_.size());
-            const auto end = waiting_.begin() + static_cast<std::ptrdiff_t>(count);
-            const std::vector<Seed> seeds(waiting_.begin(), end);
-            waiting_.erase(waiting_.begin(), end);
+        while (options_.guided && !queue_.empty() && !is_finished()) {
+            const std::size_t count = std::min(kSeedsPerBatch, queue_.size());
+            const auto end = queue_.begin() + static_cast<std::ptrdiff_t>(count);
+            const std::vector<Seed> seeds(queue_.begin(), end);
+            queue_.erase(queue_.begin(), end);
             sample_borders(seeds);
         }
     }
     if (options_.progress != nullptr) {
         options_.progress->report("rays", rays_, rays_);
     }
-    view.rays = rays_;
-    view.curve = curve_;
-    // The last half of the work, by rays.
+    pvs.rays = rays_;
+    pvs.curve = curve_;
+    // The last half of the sampling, by rays.
     const auto half = std::partition_point(
         marks_.begin(), marks_.end(), [&](const Mark& mark) { return 2 * mark.rays < rays_; });
     if (half != marks_.end() && random_rays_ > half->random_rays) {
-        view.missed_share = static_cast<double>(random_finds_ - half->random_finds) /
-                            static_cast<double>(random_rays_ - half->random_rays);
+        pvs.missed_share = static_cast<double>(random_finds_ - half->random_finds) /
+                           static_cast<double>(random_rays_ - half->random_rays);
     }
-    return view;
+    return pvs;
 }
 
 bool GuidedSampler::is_finished() const {
@@ -116,12 +117,12 @@ bool GuidedSampler::is_finished() const {
     return witnesses_.size() - then < options_.min_new_triangles;
 }
 
-std::size_t GuidedSampler::allowance(std::size_t rays) const {
+std::size_t GuidedSampler::rays_allowed(std::size_t rays) const {
     return static_cast<std::size_t>(std::min<std::uint64_t>(rays, options_.max_rays - rays_));
 }
 
 std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
-    const std::size_t count = is_interrupted_ ? 0 : allowance(rays.size());
+    const std::size_t count = is_interrupted_ ? 0 : rays_allowed(rays.size());
     hits_.resize(count);
     is_interrupted_ =
         is_interrupted_ ||
@@ -131,7 +132,7 @@ std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
     }
     rays_ += count;
     for (std::size_t i = 0; i < count; ++i) {
-        note(rays[i], hits_[i]);
+        record(rays[i], hits_[i]);
     }
     curve_.push_back({rays_, witnesses_.size()});
     if (options_.progress != nullptr) {
@@ -140,23 +141,25 @@ std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
     return count;
 }
 
-void GuidedSampler::note(const Ray& ray, const std::optional<Hit>& met) {
-    if (!met || is_known(met->triangle)) {
+void GuidedSampler::record(const Ray& ray, const std::optional<Hit>& hit) {
+    if (!hit || is_known(hit->triangle)) {
         return;
     }
-    place_[met->triangle] = static_cast<std::uint32_t>(witnesses_.size());
+    index_of_triangle_[hit->triangle] = static_cast<std::uint32_t>(witnesses_.size());
     witnesses_.push_back(ray);
-    found_.push_back(met->triangle);
-    waiting_.push_back({ray.origin, ray.origin + met->t * ray.direction, met->triangle});
+    found_.push_back(hit->triangle);
+    queue_.push_back({ray.origin, ray.origin + hit->t * ray.direction, hit->triangle});
 }
 
-// From a place on the border, all alike, in a direction outward, all alike.
+// From a point uniform on the boundary of the region in a direction uniform on the outer
+// hemisphere.
 Ray GuidedSampler::random_ray(std::uint64_t index) const {
     const auto number = [&](std::uint32_t base) {
         return shifted_radical_inverse(index + 1, base, random(options_.seed, base, 0));
     };
-    const auto place = std::upper_bound(faces_.begin(), faces_.end() - 1, number(2) * faces_[5]);
-    const auto face = static_cast<int>(place - faces_.begin());
+    const auto place =
+        std::upper_bound(face_areas_.begin(), face_areas_.end() - 1, number(2) * face_areas_[5]);
+    const auto face = static_cast<int>(place - face_areas_.begin());
     const int axis = face / 2;
     const int across = (axis + 1) % 3;
     const int along = (axis + 2) % 3;
@@ -164,7 +167,7 @@ Ray GuidedSampler::random_ray(std::uint64_t index) const {
     ray.origin[axis] = face % 2 == 0 ? region_.lower[axis] : region_.upper[axis];
     ray.origin[across] = region_.lower[across] + number(3) * region_.size()[across];
     ray.origin[along] = region_.lower[along] + number(5) * region_.size()[along];
-    // The height is never 0.
+    // The height of the direction is never 0.
     const Vec3 outward = on_sphere(1.0 - number(7), 2.0 * std::numbers::pi * number(11));
     ray.direction[axis] = face % 2 == 0 ? -outward.z : outward.z;
     ray.direction[across] = outward.x;
@@ -173,11 +176,12 @@ Ray GuidedSampler::random_ray(std::uint64_t index) const {
 }
 
 std::size_t GuidedSampler::batch_size() const {
-    return static_cast<std::size_t>(std::clamp(rays_ / kRandomShare, kFewestRandom, kMostRandom));
+    return static_cast<std::size_t>(
+        std::clamp(rays_ / kRaysPerRandomRay, kMinRandomRays, kMaxRandomRays));
 }
 
 void GuidedSampler::cast_random() {
-    std::vector<Ray> rays(allowance(batch_size()));
+    std::vector<Ray> rays(rays_allowed(batch_size()));
     for (std::size_t i = 0; i < rays.size(); ++i) {
         rays[i] = random_ray(random_rays_ + i);
     }
@@ -187,18 +191,19 @@ void GuidedSampler::cast_random() {
     random_finds_ += witnesses_.size() - known;
 }
 
-// From other places of the region, at known triangles in turn: past their borders something else
-// may be seen from there. What is hardest to see is mostly seen from a corner or an edge of the
-// region.
-void GuidedSampler::look_again() {
-    const std::size_t count = witnesses_.empty() ? 0 : allowance(batch_size() / kRandomPerLook);
+// Samples the borders of known triangles again, in turn, as seen from other points of the region:
+// other triangles may be visible past them from there. The triangles that are hardest to find are
+// mostly visible from a corner or an edge of the region, so half of the points lie there.
+void GuidedSampler::reseed_known_triangles() {
+    const std::size_t count =
+        witnesses_.empty() ? 0 : rays_allowed(batch_size() / kRandomRaysPerReseed);
     std::vector<Ray> rays(count);
     for (Ray& ray : rays) {
-        const std::uint64_t index = looks_++;
+        const std::uint64_t index = reseeds_++;
         const auto number = [&](std::uint64_t k) {
-            return random(options_.seed, kLook + k, index);
+            return random(options_.seed, kReseed + k, index);
         };
-        // Two coordinates are moved to a border for an edge, all three for a corner.
+        // Two coordinates are moved to the boundary for an edge, all three for a corner.
         const std::uint64_t borders = index % 4 < 2 ? 1 : index % 4;
         const auto first = static_cast<std::uint64_t>(3.0 * number(0));
         for (std::uint64_t k = 0; k < 3; ++k) {
@@ -207,121 +212,124 @@ void GuidedSampler::look_again() {
             ray.origin[axis] = region_.lower[axis] +
                                (k < borders ? std::round(place) : place) * region_.size()[axis];
         }
-        const Corners corners = corners_of(found_[index % found_.size()]);
+        const Corners corners = corners_of(mesh_, found_[index % found_.size()]);
         const double u = std::sqrt(number(4));
         const double v = number(5);
         ray.direction = corners[0] + (u * (1.0 - v)) * (corners[1] - corners[0]) +
                         (u * v) * (corners[2] - corners[0]) - ray.origin;
     }
-    const std::size_t known = waiting_.size();
+    const std::size_t known = queue_.size();
     rays.resize(cast(rays));
-    waiting_.resize(known);  // all of them are looked about, new or not
+    queue_.resize(known);  // replaced by seeds for every hit, new or not
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits_[i]) {
-            waiting_.push_back({rays[i].origin,
-                                rays[i].origin + hits_[i]->t * rays[i].direction,
-                                hits_[i]->triangle});
+            queue_.push_back({rays[i].origin,
+                              rays[i].origin + hits_[i]->t * rays[i].direction,
+                              hits_[i]->triangle});
         }
     }
 }
 
-// Adaptive border sampling: rays about every triangle, and between two of them where what they meet
-// falls apart.
+// Adaptive border sampling (Wonka et al. 2006, section 4.1): rays through the vertices of an
+// enlarged polygon around every triangle, and between two neighbours whose hits are discontinuous.
 void GuidedSampler::sample_borders(std::span<const Seed> seeds) {
-    std::vector<Probe> probes;
-    probes.reserve(kBorderPoints * seeds.size());
+    std::vector<BorderSample> samples;
+    samples.reserve(kPolygonVertices * seeds.size());
     for (std::size_t i = 0; i < seeds.size(); ++i) {
-        for (const Vec3& point :
-             enlarged(seeds[i].eye, corners_of(seeds[i].triangle), options_.border_angle)) {
-            probes.push_back({.seed = i, .towards = point});
+        for (const Vec3& point : enlarged_polygon(
+                 seeds[i].eye, corners_of(mesh_, seeds[i].triangle), options_.border_angle)) {
+            samples.push_back({.seed = i, .target = point});
         }
     }
-    cast_probes(seeds, probes);
-    std::vector<Gap> gaps;
-    for (std::size_t i = 0; i + kBorderPoints <= probes.size(); i += kBorderPoints) {
-        for (std::size_t k = 0; k < kBorderPoints; ++k) {
-            const Probe& left = probes[i + k];
-            const Probe& right = probes[i + (k + 1) % kBorderPoints];
-            if (falls_apart(left, right)) {
-                gaps.push_back({left, right});
+    cast_samples(seeds, samples);
+    std::vector<BorderInterval> intervals;
+    for (std::size_t i = 0; i + kPolygonVertices <= samples.size(); i += kPolygonVertices) {
+        for (std::size_t k = 0; k < kPolygonVertices; ++k) {
+            const BorderSample& left = samples[i + k];
+            const BorderSample& right = samples[i + (k + 1) % kPolygonVertices];
+            if (is_discontinuous(left, right)) {
+                intervals.push_back({left, right});
             }
         }
     }
-    for (int halving = 0; halving < kHalvings && !gaps.empty(); ++halving) {
-        gaps = halve(seeds, gaps);
+    for (int level = 0; level < kMaxSubdivisions && !intervals.empty(); ++level) {
+        intervals = subdivide(seeds, intervals);
     }
-    const std::vector<Ray> past = std::move(past_);
-    past_.clear();
+    const std::vector<Ray> past = std::move(reverse_rays_);
+    reverse_rays_.clear();
     cast(past);
 }
 
-void GuidedSampler::cast_probes(std::span<const Seed> seeds, std::vector<Probe>& probes) {
-    std::vector<Ray> rays(probes.size());
-    for (std::size_t i = 0; i < probes.size(); ++i) {
-        const Vec3& eye = seeds[probes[i].seed].eye;
-        rays[i] = {eye, probes[i].towards - eye};
+void GuidedSampler::cast_samples(std::span<const Seed> seeds, std::vector<BorderSample>& samples) {
+    std::vector<Ray> rays(samples.size());
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        const Vec3& eye = seeds[samples[i].seed].eye;
+        rays[i] = {eye, samples[i].target - eye};
     }
-    probes.resize(cast(rays));
-    for (std::size_t i = 0; i < probes.size(); ++i) {
-        probes[i].met = hits_[i];
+    samples.resize(cast(rays));
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        samples[i].hit = hits_[i];
         if (hits_[i]) {
-            probes[i].hit = rays[i].origin + hits_[i]->t * rays[i].direction;
+            samples[i].hit_point = rays[i].origin + hits_[i]->t * rays[i].direction;
         }
         if (options_.reverse) {
-            look_past(seeds[probes[i].seed], probes[i]);
+            sample_reverse(seeds[samples[i].seed], samples[i]);
         }
     }
 }
 
-std::vector<GuidedSampler::Gap> GuidedSampler::halve(std::span<const Seed> seeds,
-                                                     const std::vector<Gap>& gaps) {
-    std::vector<Probe> middles(gaps.size());
-    for (std::size_t i = 0; i < gaps.size(); ++i) {
-        middles[i].seed = gaps[i].left.seed;
-        middles[i].towards = 0.5 * (gaps[i].left.towards + gaps[i].right.towards);
+std::vector<GuidedSampler::BorderInterval> GuidedSampler::subdivide(
+    std::span<const Seed> seeds, const std::vector<BorderInterval>& intervals) {
+    std::vector<BorderSample> middles(intervals.size());
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        middles[i].seed = intervals[i].left.seed;
+        middles[i].target = 0.5 * (intervals[i].left.target + intervals[i].right.target);
     }
-    cast_probes(seeds, middles);
-    std::vector<Gap> halves;
+    cast_samples(seeds, middles);
+    std::vector<BorderInterval> subintervals;
     for (std::size_t i = 0; i < middles.size(); ++i) {
-        if (falls_apart(gaps[i].left, middles[i])) {
-            halves.push_back({gaps[i].left, middles[i]});
+        if (is_discontinuous(intervals[i].left, middles[i])) {
+            subintervals.push_back({intervals[i].left, middles[i]});
         }
-        if (falls_apart(middles[i], gaps[i].right)) {
-            halves.push_back({middles[i], gaps[i].right});
+        if (is_discontinuous(middles[i], intervals[i].right)) {
+            subintervals.push_back({middles[i], intervals[i].right});
         }
     }
-    return halves;
+    return subintervals;
 }
 
-bool GuidedSampler::falls_apart(const Probe& a, const Probe& b) const {
-    if (!a.met || !b.met) {
-        return a.met.has_value() != b.met.has_value();
+bool GuidedSampler::is_discontinuous(const BorderSample& a, const BorderSample& b) const {
+    if (!a.hit || !b.hit) {
+        return a.hit.has_value() != b.hit.has_value();
     }
-    return a.met->triangle != b.met->triangle &&
-           glm::distance(a.hit, b.hit) >= options_.threshold * diagonal_;
+    return a.hit->triangle != b.hit->triangle &&
+           glm::distance(a.hit_point, b.hit_point) >= options_.threshold * diagonal_;
 }
 
-// Reverse sampling.
-void GuidedSampler::look_past(const Seed& seed, const Probe& probe) {
-    if (!probe.met || probe.met->triangle == seed.triangle) {
+// Reverse sampling (Wonka et al. 2006, section 4.2): where the hit lies clearly before the plane of
+// the seed's triangle, a ray past the occluder from another point of the region.
+void GuidedSampler::sample_reverse(const Seed& seed, const BorderSample& sample) {
+    if (!sample.hit || sample.hit->triangle == seed.triangle) {
         return;
     }
-    const Ray ray = {seed.eye, probe.towards - seed.eye};
-    const auto expected = expected_hit(ray, corners_of(seed.triangle), kFarthest * diagonal_);
-    if (!expected || !(glm::distance(*expected, seed.eye) - glm::distance(probe.hit, seed.eye) >
-                       options_.threshold * diagonal_)) {
+    const Ray ray = {seed.eye, sample.target - seed.eye};
+    const auto expected =
+        expected_hit(ray, corners_of(mesh_, seed.triangle), kMaxPlaneDistance * diagonal_);
+    if (!expected ||
+        !(glm::distance(*expected, seed.eye) - glm::distance(sample.hit_point, seed.eye) >
+          options_.threshold * diagonal_)) {
         return;
     }
     const double gap = options_.border_angle * diagonal_;
-    if (const auto past = reverse_ray(
-            {ray, probe.hit, corners_of(probe.met->triangle), seed.hit, *expected}, region_, gap)) {
-        past_.push_back(*past);
+    if (const auto past = reverse_ray({ray,
+                                       sample.hit_point,
+                                       corners_of(mesh_, sample.hit->triangle),
+                                       seed.hit_point,
+                                       *expected},
+                                      region_,
+                                      gap)) {
+        reverse_rays_.push_back(*past);
     }
-}
-
-Corners GuidedSampler::corners_of(TriangleId triangle) const {
-    const geometry::Triangle& corners = mesh_.triangles[triangle];
-    return {mesh_.positions[corners[0]], mesh_.positions[corners[1]], mesh_.positions[corners[2]]};
 }
 
 }  // namespace earshot::visibility

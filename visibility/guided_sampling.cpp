@@ -15,7 +15,7 @@ RegionPvs sample_region(const bvh::WideTree& tree,
                         Executor& executor) {
     validate(region);
     GuidedSampler sampler(tree, mesh, region, options, executor);
-    RegionPvs view = sampler.run();
+    RegionPvs pvs = sampler.run();
     const geometry::BoxRegion box(region.lower, region.upper);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto id = static_cast<TriangleId>(i);
@@ -23,13 +23,13 @@ RegionPvs sample_region(const bvh::WideTree& tree,
         const bool is_inside = box.touches(
             mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]);
         if (sampler.is_known(id) || is_inside) {
-            view.triangles.push_back(id);
-            view.witnesses.push_back(sampler.is_known(id)
-                                         ? sampler.witness_of(id)
-                                         : geometry::Ray{region.lower, {0.0, 0.0, -1.0}, 0.0});
+            pvs.triangles.push_back(id);
+            pvs.witnesses.push_back(sampler.is_known(id)
+                                        ? sampler.witness_of(id)
+                                        : geometry::Ray{region.lower, {0.0, 0.0, -1.0}, 0.0});
         }
     }
-    return view;
+    return pvs;
 }
 
 }  // namespace earshot::visibility

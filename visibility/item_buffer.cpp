@@ -3,7 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/bvh/wide_batch.h"
-#include "earshot/visibility/internal/unit.h"
+#include "earshot/visibility/internal/directions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -65,17 +65,17 @@ ItemBuffer render_item_buffer(const bvh::WideTree& tree,
                               Progress* progress) {
     EARSHOT_ASSERT(view.width > 0 && view.height > 0);
     EARSHOT_ASSERT(view.field_of_view > 0.0 && view.field_of_view < math::kPi);
-    constexpr std::size_t kPixelsAtATime = std::size_t{1} << 16U;
+    constexpr std::size_t kPixelsPerBatch = std::size_t{1} << 16U;
     const Lens lens(view);
-    const std::size_t rows_at_a_time = std::max<std::size_t>(1, kPixelsAtATime / view.width);
+    const std::size_t rows_per_batch = std::max<std::size_t>(1, kPixelsPerBatch / view.width);
     const std::size_t pixels = view.width * view.height;
     ItemBuffer buffer{
         .view = view, .directions = std::vector<Vec3>(pixels), .triangles = {}, .distances = {}};
     buffer.triangles.reserve(pixels);
     buffer.distances.reserve(pixels);
     std::vector<Ray> rays;
-    for (std::size_t row = 0; row < view.height; row += rows_at_a_time) {
-        const std::size_t rows = std::min(rows_at_a_time, view.height - row);
+    for (std::size_t row = 0; row < view.height; row += rows_per_batch) {
+        const std::size_t rows = std::min(rows_per_batch, view.height - row);
         const std::size_t first = row * view.width;
         rays.resize(rows * view.width);
         executor.for_each(rows, 1, [&](std::size_t begin, std::size_t end) {

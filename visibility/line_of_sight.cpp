@@ -3,7 +3,7 @@
 
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
-#include "earshot/visibility/internal/ask.h"
+#include "earshot/visibility/internal/batch_query.h"
 #include "earshot/visibility/internal/coherent_order.h"
 #include "earshot/visibility/internal/segment_walk.h"
 
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kGrain = 512;
 
-/// Whether something that is not excluded blocks the segment.
+/// Whether a triangle outside of the mask blocks the segment.
 bool is_blocked(const WideTree& tree,
                 const MeshView& mesh,
                 const Segment& segment,
@@ -34,53 +34,53 @@ bool is_blocked(const WideTree& tree,
     return is_blocked;
 }
 
-/// first_blocker() of a segment that something blocks, ignored or not.
+/// first_blocker() of a segment that is blocked by some triangle, excluded or not.
 std::optional<Blocker> find_first(const WideTree& tree,
                                   const MeshView& mesh,
                                   const Segment& segment,
                                   const ExclusionMask& excluded) noexcept {
-    // A triangle whose parameter comes out first may begin this much later: twice what
-    // geometry::first_touch is off at most.
+    // Twice the error bound of geometry::first_touch: a triangle whose box begins this much later
+    // may still have a smaller computed parameter.
     constexpr double kSlack = 0x1p-36;
     std::optional<Blocker> first;
-    double most = 1.0;
-    walk(tree, segment, most, opens_all, [&](TriangleId id) {
+    double t_max = 1.0;
+    walk(tree, segment, t_max, opens_all, [&](TriangleId id) {
         if (excluded.contains(id)) {
             return true;
         }
         const auto t = first_touch(segment, mesh, id);
         if (t && (!first || *t < first->t || (*t == first->t && id < first->triangle))) {
             first = {id, *t};
-            most = std::min(1.0, *t + kSlack);
+            t_max = std::min(1.0, *t + kSlack);
         }
         return true;
     });
     return first;
 }
 
-/// Asks for segments in an order in which neighbours are near each other, and puts the answers in
+/// Queries segments in an order in which neighbours are close to each other; the answers stand in
 /// the order of the segments.
 template <typename Answer>
-void ask_sorted(const WideTree& tree,
-                const MeshView& mesh,
-                std::span<const Segment> segments,
-                const ExclusionMask& excluded,
-                std::span<Answer> answers,
-                Executor& executor) {
-    std::vector<Segment> sorted(std::min(kBatch, segments.size()));
+void query_sorted(const WideTree& tree,
+                  const MeshView& mesh,
+                  std::span<const Segment> segments,
+                  const ExclusionMask& excluded,
+                  std::span<Answer> answers,
+                  Executor& executor) {
+    std::vector<Segment> sorted(std::min(kBatchSize, segments.size()));
     std::vector<Answer> of_sorted(sorted.size());
-    for (std::size_t begin = 0; begin < segments.size(); begin += kBatch) {
-        const auto batch = segments.subspan(begin, std::min(kBatch, segments.size() - begin));
+    for (std::size_t begin = 0; begin < segments.size(); begin += kBatchSize) {
+        const auto batch = segments.subspan(begin, std::min(kBatchSize, segments.size() - begin));
         const std::vector<std::uint32_t> order = coherent_order(batch, executor);
         for (std::size_t i = 0; i < batch.size(); ++i) {
             sorted[i] = batch[order[i]];
         }
-        ask(tree,
-            mesh,
-            std::span<const Segment>(sorted).first(batch.size()),
-            excluded,
-            std::span(of_sorted).first(batch.size()),
-            executor);
+        query_batch(tree,
+                    mesh,
+                    std::span<const Segment>(sorted).first(batch.size()),
+                    excluded,
+                    std::span(of_sorted).first(batch.size()),
+                    executor);
         for (std::size_t i = 0; i < batch.size(); ++i) {
             answers[begin + order[i]] = of_sorted[i];
         }
@@ -88,18 +88,18 @@ void ask_sorted(const WideTree& tree,
 }
 
 template <typename Answer>
-std::vector<Answer> ask_all(const WideTree& tree,
-                            const MeshView& mesh,
-                            std::span<const Segment> segments,
-                            const ExclusionMask& excluded,
-                            Executor& executor) {
-    // Where most of the tree stays in the caches, sorting costs more than it saves.
-    constexpr std::size_t kBytesWorthSorting = std::size_t{128} << 20U;
+std::vector<Answer> query_all(const WideTree& tree,
+                              const MeshView& mesh,
+                              std::span<const Segment> segments,
+                              const ExclusionMask& excluded,
+                              Executor& executor) {
+    // While most of the tree stays in the caches, sorting costs more than it saves.
+    constexpr std::size_t kMinBytesForSorting = std::size_t{128} << 20U;
     std::vector<Answer> answers(segments.size());
-    if (tree.bytes() < kBytesWorthSorting) {
-        ask(tree, mesh, segments, excluded, std::span(answers), executor);
+    if (tree.bytes() < kMinBytesForSorting) {
+        query_batch(tree, mesh, segments, excluded, std::span(answers), executor);
     } else {
-        ask_sorted(tree, mesh, segments, excluded, std::span(answers), executor);
+        query_sorted(tree, mesh, segments, excluded, std::span(answers), executor);
     }
     return answers;
 }
@@ -122,28 +122,29 @@ std::optional<Blocker> first_blocker(const WideTree& tree,
                                               : std::nullopt;
 }
 
-void ask(const WideTree& tree,
-         const MeshView& mesh,
-         std::span<const Segment> segments,
-         const ExclusionMask& excluded,
-         std::span<std::uint8_t> seen,
-         Executor& executor) {
-    bvh::occluded(tree, mesh, segments, seen, executor);
+void query_batch(const WideTree& tree,
+                 const MeshView& mesh,
+                 std::span<const Segment> segments,
+                 const ExclusionMask& excluded,
+                 std::span<std::uint8_t> visible,
+                 Executor& executor) {
+    bvh::occluded(tree, mesh, segments, visible, executor);
     executor.for_each(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const bool is_free = seen[i] == 0 || (!excluded.is_empty() &&
-                                                  !is_blocked(tree, mesh, segments[i], excluded));
-            seen[i] = is_free ? 1 : 0;
+            const bool is_visible =
+                visible[i] == 0 ||
+                (!excluded.is_empty() && !is_blocked(tree, mesh, segments[i], excluded));
+            visible[i] = is_visible ? 1 : 0;
         }
     });
 }
 
-void ask(const WideTree& tree,
-         const MeshView& mesh,
-         std::span<const Segment> segments,
-         const ExclusionMask& excluded,
-         std::span<std::optional<Blocker>> blockers,
-         Executor& executor) {
+void query_batch(const WideTree& tree,
+                 const MeshView& mesh,
+                 std::span<const Segment> segments,
+                 const ExclusionMask& excluded,
+                 std::span<std::optional<Blocker>> blockers,
+                 Executor& executor) {
     const auto blocked = bvh::occluded(tree, mesh, segments, executor);
     executor.for_each(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -158,7 +159,7 @@ std::vector<std::uint8_t> visible(const WideTree& tree,
                                   std::span<const Segment> segments,
                                   const ExclusionMask& excluded,
                                   Executor& executor) {
-    return ask_all<std::uint8_t>(tree, mesh, segments, excluded, executor);
+    return query_all<std::uint8_t>(tree, mesh, segments, excluded, executor);
 }
 
 std::vector<std::optional<Blocker>> first_blockers(const WideTree& tree,
@@ -166,7 +167,7 @@ std::vector<std::optional<Blocker>> first_blockers(const WideTree& tree,
                                                    std::span<const Segment> segments,
                                                    const ExclusionMask& excluded,
                                                    Executor& executor) {
-    return ask_all<std::optional<Blocker>>(tree, mesh, segments, excluded, executor);
+    return query_all<std::optional<Blocker>>(tree, mesh, segments, excluded, executor);
 }
 
 }  // namespace earshot::visibility

@@ -3,7 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-#include "earshot/visibility/internal/leaf_contacts.h"
+#include "earshot/visibility/internal/cell_adjacency.h"
 #include "earshot/visibility/render_cost.h"
 
 #include <glm/geometric.hpp>
@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::size_t kPairsPerChunk = 64;
 
-/// The costs of what only one of two ascending sets holds.
+/// The costs of the objects that only one of two ascending sets holds.
 struct Difference {
     double only_a = 0.0, only_b = 0.0;
 };
@@ -50,20 +50,21 @@ Difference difference(std::span<const ObjectId> a,
 }
 
 struct Group {
-    double share = 0.0;
+    double viewer_fraction = 0.0;
     std::vector<ObjectId> set{};
     std::vector<std::uint32_t> neighbours{};  // ascending
-    bool is_there = true;
+    bool is_alive = true;
 };
 
-/// Two neighbours that may be merged: the smallest rise first, of equals the lowest numbers. What
-/// merging two groups adds does not change while both are there, so that an entry is either right
-/// or about a group that is gone.
-struct Candidate {
-    double rise = 0.0;
+/// Two adjacent groups that may be merged: the smallest cost increase first, of equals the lowest
+/// numbers. The increase of two groups does not change while both exist, so that an entry is either
+/// right or stale.
+struct MergeCandidate {
+    double cost_increase = 0.0;
     std::uint32_t first = 0, second = 0;
-    bool operator<(const Candidate& other) const {
-        return std::tie(rise, first, second) > std::tie(other.rise, other.first, other.second);
+    bool operator<(const MergeCandidate& other) const {
+        return std::tie(cost_increase, first, second) >
+               std::tie(other.cost_increase, other.first, other.second);
     }
 };
 
@@ -77,11 +78,11 @@ public:
         for (std::size_t i = 0; i < groups_.size(); ++i) {
             groups_[i].set = sets[i];
         }
-        std::vector<Candidate> pairs;
-        for (const LeafContact& contact : leaf_contacts(cells)) {
-            groups_[contact.first].neighbours.push_back(contact.second);
-            groups_[contact.second].neighbours.push_back(contact.first);
-            pairs.push_back({0.0, contact.first, contact.second});
+        std::vector<MergeCandidate> pairs;
+        for (const CellAdjacency& adjacency : cell_adjacencies(cells)) {
+            groups_[adjacency.first].neighbours.push_back(adjacency.second);
+            groups_[adjacency.second].neighbours.push_back(adjacency.first);
+            pairs.push_back({0.0, adjacency.first, adjacency.second});
         }
         for (Group& group : groups_) {
             std::sort(group.neighbours.begin(), group.neighbours.end());
@@ -92,40 +93,41 @@ public:
     MergeHistory run(std::span<const double> viewer_fractions);
 
 private:
-    /// What the average cost rises by when two groups become one: each sees what only the other
-    /// saw. Never negative, and 0 for equal sets.
-    double rise(std::uint32_t a, std::uint32_t b) const noexcept {
+    /// The increase of the average cost by merging two groups, each of which gets the objects of
+    /// the other. Never negative, and 0 for equal sets.
+    double cost_increase(std::uint32_t a, std::uint32_t b) const noexcept {
         const Difference extra = difference(groups_[a].set, groups_[b].set, costs_);
-        return groups_[a].share * extra.only_b + groups_[b].share * extra.only_a;
+        return groups_[a].viewer_fraction * extra.only_b +
+               groups_[b].viewer_fraction * extra.only_a;
     }
 
-    void add(std::vector<Candidate> pairs) {
+    void add(std::vector<MergeCandidate> pairs) {
         executor_.for_each(pairs.size(), kPairsPerChunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                pairs[i].rise = rise(pairs[i].first, pairs[i].second);
+                pairs[i].cost_increase = cost_increase(pairs[i].first, pairs[i].second);
             }
         });
-        for (const Candidate& pair : pairs) {
-            waiting_.push(pair);
+        for (const MergeCandidate& pair : pairs) {
+            queue_.push(pair);
         }
     }
 
-    void merge(const Candidate& pair);
+    void merge(const MergeCandidate& pair);
 
     std::span<const double> costs_;
     Executor& executor_;
     std::vector<Group> groups_;
-    std::vector<Candidate> initial_;
-    std::priority_queue<Candidate> waiting_;
+    std::vector<MergeCandidate> initial_;
+    std::priority_queue<MergeCandidate> queue_;
     double cost_ = 0.0;
     std::vector<CellMerge> merges_;
 };
 
-void Merger::merge(const Candidate& pair) {
+void Merger::merge(const MergeCandidate& pair) {
     const auto number = static_cast<std::uint32_t>(groups_.size());
     Group& a = groups_[pair.first];
     Group& b = groups_[pair.second];
-    Group both{a.share + b.share, union_of(a.set, b.set)};
+    Group both{a.viewer_fraction + b.viewer_fraction, union_of(a.set, b.set)};
     std::set_union(a.neighbours.begin(),
                    a.neighbours.end(),
                    b.neighbours.begin(),
@@ -136,9 +138,9 @@ void Merger::merge(const Candidate& pair) {
     });
     a = {0.0, {}, {}, false};
     b = {0.0, {}, {}, false};
-    cost_ += pair.rise;
+    cost_ += pair.cost_increase;
     merges_.push_back({pair.first, pair.second, cost_, both.set.size()});
-    std::vector<Candidate> pairs;
+    std::vector<MergeCandidate> pairs;
     for (const std::uint32_t neighbour : both.neighbours) {
         auto& others = groups_[neighbour].neighbours;
         std::erase_if(others, [&](std::uint32_t other) {
@@ -155,35 +157,36 @@ MergeHistory Merger::run(std::span<const double> viewer_fractions) {
     const std::size_t leaves = groups_.size();
     std::vector<std::uint64_t> entries(leaves);
     for (std::size_t i = 0; i < leaves; ++i) {
-        groups_[i].share = viewer_fractions[i];
+        groups_[i].viewer_fraction = viewer_fractions[i];
         entries[i] = groups_[i].set.size();
         cost_ += viewer_fractions[i] * set_cost(groups_[i].set, costs_);
     }
     const double leaf_cost = cost_;
     add(std::move(initial_));
-    while (!waiting_.empty()) {
-        const Candidate next = waiting_.top();
-        waiting_.pop();
-        if (groups_[next.first].is_there && groups_[next.second].is_there) {
+    while (!queue_.empty()) {
+        const MergeCandidate next = queue_.top();
+        queue_.pop();
+        if (groups_[next.first].is_alive && groups_[next.second].is_alive) {
             merge(next);
         }
     }
-    // What is left has no neighbours.
-    std::vector<std::uint32_t> apart;
+    // The groups that are left are not adjacent to any other.
+    std::vector<std::uint32_t> isolated;
     for (std::size_t i = 0; i < groups_.size(); ++i) {
-        if (groups_[i].is_there) {
-            apart.push_back(static_cast<std::uint32_t>(i));
+        if (groups_[i].is_alive) {
+            isolated.push_back(static_cast<std::uint32_t>(i));
         }
     }
-    for (std::size_t i = 1; i < apart.size(); ++i) {
-        const auto last = i == 1 ? apart[0] : static_cast<std::uint32_t>(groups_.size() - 1);
-        const auto [first, second] = std::minmax(last, apart[i]);
-        merge({rise(first, second), first, second});
+    for (std::size_t i = 1; i < isolated.size(); ++i) {
+        const auto last = i == 1 ? isolated[0] : static_cast<std::uint32_t>(groups_.size() - 1);
+        const auto [first, second] = std::minmax(last, isolated[i]);
+        merge({cost_increase(first, second), first, second});
     }
     return {leaf_cost, std::move(entries), std::move(merges_)};
 }
 
-/// A flat region's cells at some thickness: leaves touch in faces then, not only in edges.
+/// The cells of a flat region extruded to some thickness, so that leaves share faces, not only
+/// edges.
 ViewCells thickened(const ViewCells& cells) {
     ViewRegion region = cells.region();
     const Vec3 size = region.size();
@@ -211,7 +214,7 @@ MergeHistory merge_cells(const ViewCells& cells,
                          Executor& executor) {
     if (sets.size() != cells.leaves() ||
         (!viewer_fractions.empty() && viewer_fractions.size() != cells.leaves())) {
-        fail("there is not one set and share per leaf");
+        fail("there is not one set and viewer fraction per leaf");
     }
     for (const auto& set : sets) {
         if (!set.empty() && set.back() >= costs.size()) {
@@ -220,9 +223,9 @@ MergeHistory merge_cells(const ViewCells& cells,
     }
     std::vector<double> by_volume(cells.leaf_volumes().begin(), cells.leaf_volumes().end());
     const double volume = std::accumulate(by_volume.begin(), by_volume.end(), 0.0);
-    for (double& share : by_volume) {
+    for (double& fraction : by_volume) {
         // A flat region is divided as if it were a little thick.
-        share = volume > 0.0 ? share / volume : 1.0 / static_cast<double>(by_volume.size());
+        fraction = volume > 0.0 ? fraction / volume : 1.0 / static_cast<double>(by_volume.size());
     }
     return Merger(volume > 0.0 ? cells : thickened(cells), sets, costs, executor)
         .run(viewer_fractions.empty() ? by_volume : viewer_fractions);

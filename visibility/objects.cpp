@@ -29,29 +29,29 @@ Objects Objects::groups(const geometry::MeshView& mesh,
     if (tree.nodes().empty()) {
         return Objects({});
     }
-    // What lies below a node stands together among the primitives. Children stand behind parents.
-    struct Run {
+    // The primitives of a subtree are consecutive. Children have higher indices than their parents.
+    struct Range {
         std::size_t begin, count;
     };
-    std::vector<Run> below(tree.nodes().size());
+    std::vector<Range> below(tree.nodes().size());
     for (std::size_t i = tree.nodes().size(); i-- > 0;) {
         const bvh::Node& node = tree.nodes()[i];
-        below[i] = node.is_leaf() ? Run{node.first, node.count}
-                                  : Run{below[node.first].begin,
-                                        below[node.first].count + below[node.first + 1].count};
+        below[i] = node.is_leaf() ? Range{node.first, node.count}
+                                  : Range{below[node.first].begin,
+                                          below[node.first].count + below[node.first + 1].count};
     }
     ObjectId objects = 0;
-    std::vector<std::uint32_t> waiting = {0};
-    while (!waiting.empty()) {
-        const bvh::Node& node = tree.nodes()[waiting.back()];
-        const Run run = below[waiting.back()];
-        waiting.pop_back();
-        if (run.count > max_triangles && !node.is_leaf()) {
-            waiting.push_back(node.first + 1);
-            waiting.push_back(node.first);
+    std::vector<std::uint32_t> stack = {0};
+    while (!stack.empty()) {
+        const bvh::Node& node = tree.nodes()[stack.back()];
+        const Range range = below[stack.back()];
+        stack.pop_back();
+        if (range.count > max_triangles && !node.is_leaf()) {
+            stack.push_back(node.first + 1);
+            stack.push_back(node.first);
             continue;
         }
-        for (const std::uint32_t primitive : tree.primitives().subspan(run.begin, run.count)) {
+        for (const std::uint32_t primitive : tree.primitives().subspan(range.begin, range.count)) {
             object_of_triangle[primitive] = objects;
         }
         ++objects;

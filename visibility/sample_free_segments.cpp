@@ -4,7 +4,7 @@
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_batch.h"
-#include "earshot/visibility/internal/unit.h"
+#include "earshot/visibility/internal/directions.h"
 
 #include <glm/geometric.hpp>
 
@@ -20,27 +20,28 @@ using geometry::Vec3;
 
 namespace {
 
-// So many samples are under way at a time: enough for batches, little memory.
-constexpr std::size_t kSamplesAtATime = 65536;
+// Samples per batch: enough for the batched traversal, little memory.
+constexpr std::size_t kSamplesPerBatch = 65536;
 constexpr std::size_t kSamplesPerChunk = 4096;
 
-/// A line through more solids than this before it comes out is given up.
-constexpr int kMostMoves = 8;
+/// A sample whose line has not left the solids after so many moves is given up.
+constexpr int kMaxMoves = 8;
 
-/// Past a face by this part of the region's diagonal: well above what the place of a hit is rounded
-/// by (1e-15 of the coordinates), well below the width of anything.
+/// A move ends past a face by this fraction of the region's diagonal: well above the rounding of a
+/// hit point (1e-15 of the coordinates), well below the width of any object.
 constexpr double kStepOut = 1e-9;
 
 // Streams of random().
-constexpr std::uint64_t kPlace = 0;  // and the next two
+constexpr std::uint64_t kOrigin = 0;  // and the next two
 constexpr std::uint64_t kHeight = 3;
 constexpr std::uint64_t kTurn = 4;
 
-Ray drawn(const ViewRegion& region, std::uint64_t seed, std::uint64_t sample) {
+/// The ray of a sample.
+Ray draw(const ViewRegion& region, std::uint64_t seed, std::uint64_t sample) {
     Ray ray;
     for (int axis = 0; axis < 3; ++axis) {
         ray.origin[axis] = random_between(seed,
-                                          kPlace + static_cast<std::uint64_t>(axis),
+                                          kOrigin + static_cast<std::uint64_t>(axis),
                                           sample,
                                           region.lower[axis],
                                           region.upper[axis]);
@@ -50,16 +51,16 @@ Ray drawn(const ViewRegion& region, std::uint64_t seed, std::uint64_t sample) {
     return ray;
 }
 
-/// Whether a ray that meets a triangle comes from behind it.
-bool meets_back(const MeshView& mesh, TriangleId triangle, const Vec3& direction) {
+/// Whether a ray hits a triangle from behind.
+bool hits_back(const MeshView& mesh, TriangleId triangle, const Vec3& direction) {
     const auto& [a, b, c] = mesh.triangles[triangle];
     const Vec3 normal =
         glm::cross(mesh.positions[b] - mesh.positions[a], mesh.positions[c] - mesh.positions[a]);
     return glm::dot(normal, direction) > 0.0;
 }
 
-/// Moves the origins that are in solids out of them, along their rays, and forgets the rays that
-/// stay in.
+/// Moves origins inside of solids out of them, along their rays, and removes the rays that stay
+/// inside.
 void leave_solids(const bvh::WideTree& tree,
                   const MeshView& mesh,
                   double step_out,
@@ -69,20 +70,20 @@ void leave_solids(const bvh::WideTree& tree,
     for (std::size_t i = 0; i < rays.size(); ++i) {
         inside[i] = i;
     }
-    std::vector<std::uint8_t> stays(rays.size(), 0);
+    std::vector<std::uint8_t> is_rejected(rays.size(), 0);
     for (int move = 0; !inside.empty(); ++move) {
-        std::vector<Ray> asked(inside.size());
+        std::vector<Ray> moving(inside.size());
         std::transform(
-            inside.begin(), inside.end(), asked.begin(), [&](std::size_t i) { return rays[i]; });
-        const auto hits = bvh::closest_hits(tree, mesh, asked, executor);
+            inside.begin(), inside.end(), moving.begin(), [&](std::size_t i) { return rays[i]; });
+        const auto hits = bvh::closest_hits(tree, mesh, moving, executor);
         std::vector<std::size_t> still;
         for (std::size_t k = 0; k < inside.size(); ++k) {
             Ray& ray = rays[inside[k]];
-            if (!hits[k] || !meets_back(mesh, hits[k]->triangle, ray.direction)) {
+            if (!hits[k] || !hits_back(mesh, hits[k]->triangle, ray.direction)) {
                 continue;
             }
-            if (move == kMostMoves) {
-                stays[inside[k]] = 1;
+            if (move == kMaxMoves) {
+                is_rejected[inside[k]] = 1;
                 continue;
             }
             ray.origin += (hits[k]->t + step_out) * ray.direction;
@@ -92,7 +93,7 @@ void leave_solids(const bvh::WideTree& tree,
     }
     std::size_t kept = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        if (stays[i] == 0) {
+        if (is_rejected[i] == 0) {
             rays[kept++] = rays[i];
         }
     }
@@ -100,8 +101,8 @@ void leave_solids(const bvh::WideTree& tree,
 }
 
 bool is_free_of_solids(const MeshView& mesh, const FreeSegment& free, const Vec3& direction) {
-    return (free.at_to == kNoTriangle || !meets_back(mesh, free.at_to, direction)) &&
-           (free.at_from == kNoTriangle || !meets_back(mesh, free.at_from, -direction));
+    return (free.at_to == kNoTriangle || !hits_back(mesh, free.at_to, direction)) &&
+           (free.at_from == kNoTriangle || !hits_back(mesh, free.at_from, -direction));
 }
 
 }  // namespace
@@ -116,11 +117,11 @@ std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
     std::vector<FreeSegment> result;
     std::vector<Ray> rays;
     for (std::size_t done = 0; done < sampling.count;) {
-        const std::size_t count = std::min(kSamplesAtATime, sampling.count - done);
+        const std::size_t count = std::min(kSamplesPerBatch, sampling.count - done);
         rays.resize(count);
         executor.for_each(count, kSamplesPerChunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                rays[i] = drawn(region, sampling.seed, sampling.first + done + i);
+                rays[i] = draw(region, sampling.seed, sampling.first + done + i);
             }
         });
         if (sampling.skip_solids) {

@@ -28,7 +28,7 @@ double height(const CellNode& node, const Vec3& point) noexcept {
 }
 
 // Segments are followed down by recursion.
-constexpr std::uint32_t kMostDepth = 4096;
+constexpr std::uint32_t kMaxDepth = 4096;
 
 /// Every leaf once, and every node but the root once and after its parent.
 void check_tree(std::span<const CellNode> nodes, std::size_t leaves) {
@@ -39,7 +39,7 @@ void check_tree(std::span<const CellNode> nodes, std::size_t leaves) {
     std::vector<std::uint8_t> has_leaf(leaves, 0);
     std::vector<std::uint32_t> depth(nodes.size(), 0);
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        if (depth[i] >= kMostDepth) {
+        if (depth[i] >= kMaxDepth) {
             fail("the tree is too deep");
         }
         for (const std::uint32_t child : {nodes[i].back, nodes[i].front}) {

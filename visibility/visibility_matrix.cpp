@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/visibility_matrix.h"
 
-#include "earshot/visibility/internal/ask.h"
+#include "earshot/visibility/internal/batch_query.h"
 #include "earshot/visibility/internal/coherent_order.h"
 
 #include <algorithm>
@@ -15,15 +15,15 @@ using geometry::TriangleId;
 
 namespace {
 
-std::uint8_t cell_of(std::uint8_t seen) noexcept {
-    return seen;
+std::uint8_t cell_of(std::uint8_t visible) noexcept {
+    return visible;
 }
 TriangleId cell_of(const std::optional<Blocker>& blocker) noexcept {
     return blocker ? blocker->triangle : kNoBlocker;
 }
 
-/// A matrix of cells that are made from answers. The points of a row are asked for along a curve,
-/// so that neighbouring segments, which start together, end together too.
+/// A matrix whose cells are converted from answers. The columns of a row are queried along a Morton
+/// curve, so that consecutive segments, which start together, end close together too.
 template <typename Answer, typename Cell>
 void make_matrix(const WideTree& tree,
                  const MeshView& mesh,
@@ -33,23 +33,23 @@ void make_matrix(const WideTree& tree,
                  const std::function<void(std::span<const Cell>)>& take_row) {
     const std::size_t columns = points.to.size();
     const std::vector<std::uint32_t> order = coherent_order(points.to, executor);
-    const std::size_t rows_at_a_time =
-        std::max<std::size_t>(1, kBatch / std::max<std::size_t>(1, columns));
-    const std::size_t most_rows = std::min(rows_at_a_time, points.from.size());
-    std::vector<Cell> cells(most_rows * columns);
+    const std::size_t rows_per_batch =
+        std::max<std::size_t>(1, kBatchSize / std::max<std::size_t>(1, columns));
+    const std::size_t max_rows = std::min(rows_per_batch, points.from.size());
+    std::vector<Cell> cells(max_rows * columns);
     std::vector<Segment> segments;
     std::vector<Answer> answers;
-    for (std::size_t row = 0; row < points.from.size(); row += rows_at_a_time) {
-        const std::size_t rows = std::min(rows_at_a_time, points.from.size() - row);
-        for (std::size_t begin = 0; begin < rows * columns; begin += kBatch) {
-            const std::size_t count = std::min(kBatch, rows * columns - begin);
+    for (std::size_t row = 0; row < points.from.size(); row += rows_per_batch) {
+        const std::size_t rows = std::min(rows_per_batch, points.from.size() - row);
+        for (std::size_t begin = 0; begin < rows * columns; begin += kBatchSize) {
+            const std::size_t count = std::min(kBatchSize, rows * columns - begin);
             segments.resize(count);
             answers.resize(count);
             for (std::size_t i = 0; i < count; ++i) {
                 const std::size_t pair = begin + i;
                 segments[i] = {points.from[row + pair / columns], points.to[order[pair % columns]]};
             }
-            ask(tree, mesh, segments, excluded, std::span<Answer>(answers), executor);
+            query_batch(tree, mesh, segments, excluded, std::span<Answer>(answers), executor);
             for (std::size_t i = 0; i < count; ++i) {
                 const std::size_t pair = begin + i;
                 cells[pair / columns * columns + order[pair % columns]] = cell_of(answers[i]);

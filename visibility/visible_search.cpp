@@ -3,7 +3,7 @@
 
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/visibility/internal/border_sampling.h"
-#include "earshot/visibility/internal/unit.h"
+#include "earshot/visibility/internal/directions.h"
 
 #include <algorithm>
 #include <array>
@@ -18,13 +18,13 @@ using geometry::Vec3;
 
 namespace {
 
-/// Rays that are made at a time.
+/// Rays per batch.
 constexpr std::size_t kBatch = std::size_t{1} << 16U;
 
 constexpr std::size_t kGrain = 4096;
 
-/// Triangles whose borders are followed at a time.
-constexpr std::size_t kTrianglesAtATime = 4096;
+/// Triangles whose borders are sampled at a time.
+constexpr std::size_t kTrianglesPerBatch = 4096;
 
 /// The square of the distance between opposite unit vectors is 4; this close to it, no direction
 /// between them can be told.
@@ -42,10 +42,10 @@ VisibleSearch::VisibleSearch(const bvh::WideTree& tree,
       point_(point),
       options_(options),
       executor_(executor),
-      place_(mesh.triangles.size(), kNoTriangle) {}
+      index_of_triangle_(mesh.triangles.size(), kNoTriangle) {}
 
-std::vector<TriangleId> VisibleSearch::look(std::span<const Vec3> directions) {
-    std::vector<TriangleId> seen(directions.size(), kNoTriangle);
+std::vector<TriangleId> VisibleSearch::cast(std::span<const Vec3> directions) {
+    std::vector<TriangleId> visible(directions.size(), kNoTriangle);
     std::vector<Ray> rays(std::min(kBatch, directions.size()));
     std::vector<std::optional<Hit>> hits(rays.size());
     for (std::size_t done = 0; done < directions.size(); done += kBatch) {
@@ -62,13 +62,13 @@ std::vector<TriangleId> VisibleSearch::look(std::span<const Vec3> directions) {
                           executor_);
         for (std::size_t i = 0; i < batch.size(); ++i) {
             if (hits[i]) {
-                seen[done + i] = hits[i]->triangle;
-                note(hits[i]->triangle, batch[i]);
+                visible[done + i] = hits[i]->triangle;
+                record(hits[i]->triangle, batch[i]);
             }
         }
     }
     found_.rays += directions.size();
-    return seen;
+    return visible;
 }
 
 std::optional<std::vector<TriangleId>> VisibleSearch::refine(std::span<const Vec3> directions) {
@@ -77,12 +77,12 @@ std::optional<std::vector<TriangleId>> VisibleSearch::refine(std::span<const Vec
         return std::nullopt;
     }
     refining_rays_ += directions.size();
-    return look(directions);
+    return cast(directions);
 }
 
-void VisibleSearch::note(TriangleId triangle, const Vec3& direction) {
-    if (place_[triangle] == kNoTriangle) {
-        place_[triangle] = static_cast<std::uint32_t>(found_.triangles.size());
+void VisibleSearch::record(TriangleId triangle, const Vec3& direction) {
+    if (index_of_triangle_[triangle] == kNoTriangle) {
+        index_of_triangle_[triangle] = static_cast<std::uint32_t>(found_.triangles.size());
         found_.triangles.push_back({.triangle = triangle, .direction = direction});
     }
 }
@@ -92,16 +92,16 @@ void VisibleSearch::count_pixel(TriangleId triangle, double solid_angle) {
         found_.free_solid_angle += solid_angle;
         return;
     }
-    VisibleTriangle& entry = found_.triangles[place_[triangle]];
+    VisibleTriangle& entry = found_.triangles[index_of_triangle_[triangle]];
     ++entry.pixels;
     entry.solid_angle += solid_angle;
 }
 
-bool VisibleSearch::are_joined(TriangleId a, TriangleId b) const noexcept {
+bool VisibleSearch::share_edge(TriangleId a, TriangleId b) const noexcept {
     if (a == kNoTriangle || b == kNoTriangle) {
         return false;
     }
-    // By position: files of some formats give every triangle corners of its own.
+    // Compared by position, because files of some formats give every triangle its own vertices.
     int shared = 0;
     for (const geometry::VertexId i : mesh_.triangles[a]) {
         for (const geometry::VertexId j : mesh_.triangles[b]) {
@@ -111,94 +111,102 @@ bool VisibleSearch::are_joined(TriangleId a, TriangleId b) const noexcept {
     return shared >= 2;
 }
 
-bool VisibleSearch::is_open(const Gap& gap, double longest) const noexcept {
+bool VisibleSearch::needs_subdivision(const DirectionInterval& interval,
+                                      double max_angle) const noexcept {
     // The chord, which is a little shorter than the angle.
-    const Vec3 step = gap.second.direction - gap.first.direction;
+    const Vec3 step = interval.second.direction - interval.first.direction;
     const double squared = glm::dot(step, step);
     if (!(squared > options_.min_gap * options_.min_gap && squared < kOpposite)) {
         return false;
     }
-    const TriangleId a = gap.first.triangle, b = gap.second.triangle;
-    return squared > longest * longest || (a != b && !are_joined(a, b));
+    const TriangleId a = interval.first.triangle, b = interval.second.triangle;
+    return squared > max_angle * max_angle || (a != b && !share_edge(a, b));
 }
 
-void VisibleSearch::narrow(std::vector<Gap> gaps, double longest) {
+void VisibleSearch::subdivide(std::vector<DirectionInterval> intervals, double max_angle) {
     std::vector<Vec3> middles;
-    while (!gaps.empty()) {
+    while (!intervals.empty()) {
         middles.clear();
-        for (const Gap& gap : gaps) {
-            middles.push_back(unit(gap.first.direction + gap.second.direction));
+        for (const DirectionInterval& interval : intervals) {
+            middles.push_back(unit(interval.first.direction + interval.second.direction));
         }
-        const auto seen = refine(middles);
-        if (!seen) {
+        const auto visible = refine(middles);
+        if (!visible) {
             return;
         }
-        std::vector<Gap> halves;
-        for (std::size_t i = 0; i < gaps.size(); ++i) {
-            const Look middle{middles[i], (*seen)[i]};
-            for (const Gap& half : {Gap{gaps[i].first, middle}, Gap{middle, gaps[i].second}}) {
-                if (is_open(half, longest)) {
-                    halves.push_back(half);
+        std::vector<DirectionInterval> subintervals;
+        for (std::size_t i = 0; i < intervals.size(); ++i) {
+            const DirectionSample middle{middles[i], (*visible)[i]};
+            for (const DirectionInterval& subinterval :
+                 {DirectionInterval{intervals[i].first, middle},
+                  DirectionInterval{middle, intervals[i].second}}) {
+                if (needs_subdivision(subinterval, max_angle)) {
+                    subintervals.push_back(subinterval);
                 }
             }
         }
-        gaps = std::move(halves);
+        intervals = std::move(subintervals);
     }
 }
 
-std::array<Vec3, 3> VisibleSearch::corners_of(TriangleId triangle) const noexcept {
-    const geometry::Triangle& t = mesh_.triangles[triangle];
-    return {mesh_.positions[t[0]] - point_,
-            mesh_.positions[t[1]] - point_,
-            mesh_.positions[t[2]] - point_};
+Corners VisibleSearch::relative_corners(TriangleId triangle) const noexcept {
+    Corners corners = corners_of(mesh_, triangle);
+    for (Vec3& corner : corners) {
+        corner -= point_;
+    }
+    return corners;
 }
 
-void VisibleSearch::follow_borders(Progress* progress) {
+void VisibleSearch::sample_borders(Progress* progress) {
     std::vector<Vec3> directions;
-    while (followed_ < found_.triangles.size() && found_.is_complete) {
-        const std::size_t end = std::min(found_.triangles.size(), followed_ + kTrianglesAtATime);
+    while (borders_followed_ < found_.triangles.size() && found_.is_complete) {
+        const std::size_t end =
+            std::min(found_.triangles.size(), borders_followed_ + kTrianglesPerBatch);
         directions.clear();
-        for (; followed_ < end; ++followed_) {
-            // Seen from the origin, since the corners are counted from the point.
-            auto outline = enlarged(
-                {}, corners_of(found_.triangles[followed_].triangle), options_.border_angle);
+        for (; borders_followed_ < end; ++borders_followed_) {
+            // The eye is the origin, because the corners are relative to the point.
+            auto outline =
+                enlarged_polygon({},
+                                 relative_corners(found_.triangles[borders_followed_].triangle),
+                                 options_.border_angle);
             std::transform(outline.begin(), outline.end(), outline.begin(), unit);
             if (std::all_of(outline.begin(), outline.end(), is_finite)) {
                 directions.insert(directions.end(), outline.begin(), outline.end());
             }
         }
-        const auto seen = refine(directions);
-        if (!seen) {
+        const auto visible = refine(directions);
+        if (!visible) {
             return;
         }
-        // The sides of the polygons: also where both ends see the same, no piece of a border is
-        // left that is longer than a pixel.
-        std::vector<Gap> gaps;
+        // The sides of the polygons are subdivided down to a pixel even where both ends show the
+        // same triangle.
+        std::vector<DirectionInterval> intervals;
         for (std::size_t i = 0; i < directions.size(); ++i) {
-            const bool is_last = i % kBorderPoints == kBorderPoints - 1;
-            const std::size_t next = is_last ? i + 1 - kBorderPoints : i + 1;
-            const Gap side{{directions[i], (*seen)[i]}, {directions[next], (*seen)[next]}};
-            if (is_open(side, options_.resolution)) {
-                gaps.push_back(side);
+            const bool is_last = i % kPolygonVertices == kPolygonVertices - 1;
+            const std::size_t next = is_last ? i + 1 - kPolygonVertices : i + 1;
+            const DirectionInterval side{{directions[i], (*visible)[i]},
+                                         {directions[next], (*visible)[next]}};
+            if (needs_subdivision(side, options_.resolution)) {
+                intervals.push_back(side);
             }
         }
-        narrow(std::move(gaps), options_.resolution);
+        subdivide(std::move(intervals), options_.resolution);
         if (progress != nullptr) {
-            progress->report("borders", followed_, found_.triangles.size());
+            progress->report("borders", borders_followed_, found_.triangles.size());
         }
     }
 }
 
-void VisibleSearch::aim_at_others(Progress* progress) {
+void VisibleSearch::aim_at_missing(Progress* progress) {
     std::vector<Vec3> directions;
     std::size_t next = 0;
-    while (next < place_.size() && found_.is_complete) {
+    while (next < index_of_triangle_.size() && found_.is_complete) {
         directions.clear();
-        for (; next < place_.size() && directions.size() < kBatch; ++next) {
-            if (place_[next] != kNoTriangle) {
+        for (; next < index_of_triangle_.size() && directions.size() < kBatch; ++next) {
+            if (index_of_triangle_[next] != kNoTriangle) {
                 continue;
             }
-            const auto corners = corners_of(static_cast<TriangleId>(next));
+            const auto corners = relative_corners(static_cast<TriangleId>(next));
             const Vec3 direction = unit(corners[0] + corners[1] + corners[2]);
             if (is_finite(direction)) {
                 directions.push_back(direction);
@@ -206,7 +214,7 @@ void VisibleSearch::aim_at_others(Progress* progress) {
         }
         refine(directions);
         if (progress != nullptr) {
-            progress->report("aims", next, place_.size());
+            progress->report("aims", next, index_of_triangle_.size());
         }
     }
 }

@@ -19,21 +19,22 @@ using geometry::Vec3;
 
 namespace {
 
-/// Pixels are looked through in tiles of 8 x 8, which traverse the tree as one ray packet.
+/// Pixels are cast in tiles of 8 x 8, which traverse the tree as one ray packet.
 constexpr std::size_t kTile = 8;
 
 /// About so many pixels are held at a time.
-constexpr std::size_t kPixelsAtATime = std::size_t{1} << 18U;
+constexpr std::size_t kPixelsPerBatch = std::size_t{1} << 18U;
 
-/// So many that they are `resolution` apart at most, in the middle of a face, and that no tile
-/// reaches over a face's middle lines, where directions change their signs.
+/// The number of pixels along a face's edge: neighbours are `resolution` apart at most, in the
+/// middle of a face, and no tile crosses a middle line of the face, where directions change their
+/// signs.
 std::size_t pixels_along_edge(double resolution) {
     const double pixels = 1.0 / math::tan(resolution / 2.0);
     constexpr std::size_t kStep = 2 * kTile;
     return static_cast<std::size_t>(std::ceil(pixels / static_cast<double>(kStep))) * kStep;
 }
 
-/// Rows of a face, a whole number of tiles high, in the order of their tiles.
+/// Pixels of some rows of a face, a whole number of tiles high, in the order of their tiles.
 class Strip {
 public:
     Strip(const CubeFace& face, std::size_t pixels, std::size_t begin, std::size_t rows)
@@ -52,12 +53,12 @@ public:
         });
     }
 
-    std::size_t place(std::size_t row, std::size_t column) const noexcept {
+    std::size_t pixel_index(std::size_t row, std::size_t column) const noexcept {
         return row / kTile * kTile * pixels_ + column / kTile * kTile * kTile +
                row % kTile * kTile + column % kTile;
     }
     const std::vector<Vec3>& directions() const noexcept { return directions_; }
-    double solid_angle(std::size_t place) const noexcept { return solid_angles_[place]; }
+    double solid_angle(std::size_t pixel) const noexcept { return solid_angles_[pixel]; }
 
     /// The direction of a pixel, counted from the strip's first row; it may lie off the face.
     Vec3 direction(std::ptrdiff_t row, std::ptrdiff_t column) const noexcept {
@@ -72,7 +73,7 @@ private:
         for (std::size_t column = 0; column < pixels_; ++column) {
             const double next = face_.corner_angle(column + 1, begin_ + row + 1) -
                                 face_.corner_angle(column + 1, begin_ + row);
-            const std::size_t at = place(row, column);
+            const std::size_t at = pixel_index(row, column);
             directions_[at] =
                 direction(static_cast<std::ptrdiff_t>(row), static_cast<std::ptrdiff_t>(column));
             solid_angles_[at] = next - last;
@@ -86,29 +87,29 @@ private:
     std::vector<double> solid_angles_;
 };
 
-/// An item buffer over the sphere, a few rows at a time.
-class Sweep {
+/// The item buffer over the sphere of directions, a few rows at a time.
+class ItemBufferPass {
 public:
-    Sweep(VisibleSearch& search,
-          const VisibleTrianglesOptions& options,
-          Executor& executor,
-          Progress* progress)
+    ItemBufferPass(VisibleSearch& search,
+                   const VisibleTrianglesOptions& options,
+                   Executor& executor,
+                   Progress* progress)
         : search_(search),
-          is_refined_(options.refine),
+          refine_(options.refine),
           pixels_(pixels_along_edge(options.resolution)),
           executor_(executor),
           progress_(progress) {}
 
     void run() {
-        const std::size_t strips = std::max<std::size_t>(1, kPixelsAtATime / (pixels_ * kTile));
+        const std::size_t strips = std::max<std::size_t>(1, kPixelsPerBatch / (pixels_ * kTile));
         for (std::size_t face = 0; face < CubeFace::kFaces; ++face) {
             const CubeFace cube_face(face, pixels_);
-            above_.clear();
+            row_above_.clear();
             for (std::size_t row = 0; row < pixels_; row += strips * kTile) {
                 const std::size_t rows = std::min(strips * kTile, pixels_ - row);
                 Strip strip(cube_face, pixels_, row, rows);
                 strip.prepare(executor_);
-                take(strip, rows, row + rows == pixels_);
+                add_strip(strip, rows, row + rows == pixels_);
                 if (progress_ != nullptr) {
                     progress_->report(
                         "rows", face * pixels_ + row + rows, CubeFace::kFaces * pixels_);
@@ -118,52 +119,54 @@ public:
     }
 
 private:
-    /// Looks through the pixels of a strip, counts them, and refines the gaps between them.
-    void take(const Strip& strip, std::size_t rows, bool is_last) {
-        const std::vector<TriangleId> seen = search_.look(strip.directions());
-        const bool is_first = above_.empty();
-        std::vector<Gap> gaps;
-        std::vector<Look> row(pixels_);
+    /// Casts and counts the pixels of a strip, and refines the intervals between them.
+    void add_strip(const Strip& strip, std::size_t rows, bool is_last) {
+        const std::vector<TriangleId> visible = search_.cast(strip.directions());
+        const bool is_first = row_above_.empty();
+        std::vector<DirectionInterval> intervals;
+        std::vector<DirectionSample> row(pixels_);
         for (std::size_t r = 0; r < rows; ++r) {
             for (std::size_t c = 0; c < pixels_; ++c) {
-                const std::size_t place = strip.place(r, c);
-                row[c] = {strip.directions()[place], seen[place]};
-                search_.count_pixel(seen[place], strip.solid_angle(place));
+                const std::size_t pixel = strip.pixel_index(r, c);
+                row[c] = {strip.directions()[pixel], visible[pixel]};
+                search_.count_pixel(visible[pixel], strip.solid_angle(pixel));
                 if (c > 0) {
-                    add_gap(row[c - 1], row[c], gaps);
+                    add_interval(row[c - 1], row[c], intervals);
                 }
-                if (!above_.empty()) {
-                    add_gap(above_[c], row[c], gaps);
+                if (!row_above_.empty()) {
+                    add_interval(row_above_[c], row[c], intervals);
                 }
             }
-            above_.swap(row);
+            row_above_.swap(row);
             row.resize(pixels_);
         }
-        if (is_refined_) {
-            search_.narrow(std::move(gaps));
-            look_over_edges(strip, rows, seen, is_first, is_last);
+        if (refine_) {
+            search_.subdivide(std::move(intervals));
+            refine_face_edges(strip, rows, visible, is_first, is_last);
         }
     }
 
-    void add_gap(const Look& first, const Look& second, std::vector<Gap>& gaps) const {
-        const Gap gap{first, second};
-        if (is_refined_ && first.triangle != second.triangle &&
-            search_.is_open(gap, std::numeric_limits<double>::infinity())) {
-            gaps.push_back(gap);
+    void add_interval(const DirectionSample& first,
+                      const DirectionSample& second,
+                      std::vector<DirectionInterval>& intervals) const {
+        const DirectionInterval interval{first, second};
+        if (refine_ && first.triangle != second.triangle &&
+            search_.needs_subdivision(interval, std::numeric_limits<double>::infinity())) {
+            intervals.push_back(interval);
         }
     }
 
-    /// The same for the gaps between this face and its neighbours.
-    void look_over_edges(const Strip& strip,
-                         std::size_t rows,
-                         const std::vector<TriangleId>& seen,
-                         bool is_first,
-                         bool is_last) {
-        std::vector<Look> inside;
+    /// Refines the intervals between this face and its neighbours.
+    void refine_face_edges(const Strip& strip,
+                           std::size_t rows,
+                           const std::vector<TriangleId>& visible,
+                           bool is_first,
+                           bool is_last) {
+        std::vector<DirectionSample> inside;
         std::vector<Vec3> outside;
         const auto add = [&](std::size_t r, std::size_t c, int down, int right) {
-            const std::size_t place = strip.place(r, c);
-            inside.push_back({strip.directions()[place], seen[place]});
+            const std::size_t pixel = strip.pixel_index(r, c);
+            inside.push_back({strip.directions()[pixel], visible[pixel]});
             outside.push_back(strip.direction(static_cast<std::ptrdiff_t>(r) + down,
                                               static_cast<std::ptrdiff_t>(c) + right));
         };
@@ -179,20 +182,20 @@ private:
                 add(rows - 1, c, 1, 0);
             }
         }
-        const std::vector<TriangleId> beyond = search_.look(outside);
-        std::vector<Gap> gaps;
+        const std::vector<TriangleId> beyond = search_.cast(outside);
+        std::vector<DirectionInterval> intervals;
         for (std::size_t i = 0; i < inside.size(); ++i) {
-            add_gap(inside[i], {outside[i], beyond[i]}, gaps);
+            add_interval(inside[i], {outside[i], beyond[i]}, intervals);
         }
-        search_.narrow(std::move(gaps));
+        search_.subdivide(std::move(intervals));
     }
 
     VisibleSearch& search_;
-    bool is_refined_;
+    bool refine_;
     std::size_t pixels_;
     Executor& executor_;
     Progress* progress_;
-    std::vector<Look> above_;  // the last row looked through; empty at a face's beginning
+    std::vector<DirectionSample> row_above_;  // the last row cast; empty at a face's beginning
 };
 
 }  // namespace
@@ -207,11 +210,11 @@ VisibleTriangles visible_triangles(const bvh::WideTree& tree,
                    options.resolution <= VisibleTrianglesOptions::kMaxResolution);
     EARSHOT_ASSERT(options.min_gap > 0.0 && options.border_angle > 0.0);
     VisibleSearch search(tree, mesh, point, options, executor);
-    Sweep(search, options, executor, progress).run();
+    ItemBufferPass(search, options, executor, progress).run();
     if (options.refine) {
-        search.follow_borders(progress);
-        search.aim_at_others(progress);
-        search.follow_borders(progress);
+        search.sample_borders(progress);
+        search.aim_at_missing(progress);
+        search.sample_borders(progress);
     }
     return search.finish();
 }

@@ -61,7 +61,7 @@ protected:
 const Json kLeftRoom = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
 const Json kRightRoom = {12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23};
 
-TEST_F(Pvs, ARegionSeesItsRoom) {
+TEST_F(Pvs, FindsTheRoomOfARegion) {
     ASSERT_EQ(build({"--region", "1,1,1:2,2,2", "--rays", "20000"}).status, 0);
     EXPECT_EQ(query("rooms.pvs", "1.5,1.5,1.5"), kLeftRoom);
     const RunResult outside = run_earshot({"pvs", "query", path("rooms.pvs"), "--at", "5,1,1"});
@@ -69,7 +69,7 @@ TEST_F(Pvs, ARegionSeesItsRoom) {
     EXPECT_NE(outside.err.find("lies outside of the region"), std::string::npos);
 }
 
-TEST_F(Pvs, CellsSeeTheirRooms) {
+TEST_F(Pvs, FindsTheRoomsOfCells) {
     // Cells of 1 m; those that hold a wall see both of its sides.
     ASSERT_EQ(build({"--region", "0.5,0.5,0.5:6.5,2.5,2.5", "--grid", "6,1,1", "--rays", "400000"})
                   .status,
@@ -78,7 +78,7 @@ TEST_F(Pvs, CellsSeeTheirRooms) {
     EXPECT_EQ(query("rooms.pvs", "6,1,1"), kRightRoom);
 }
 
-TEST_F(Pvs, CellsFollowWhatIsSeenAndMerge) {
+TEST_F(Pvs, DividesAndMergesCells) {
     ASSERT_EQ(
         build({"--region", "0.5,0.5,0.5:6.5,2.5,2.5", "--cells", "8", "--rays", "400000"}).status,
         0);

@@ -114,7 +114,7 @@ TEST_F(Visible, WritesJsonWithSharesOfMaterials) {
     EXPECT_NEAR(sum, kSphere, 1e-9);
 }
 
-TEST_F(Visible, TellsWhatItSawWithoutAFile) {
+TEST_F(Visible, PrintsASummaryWithoutAFile) {
     const RunResult result = run({});
     EXPECT_EQ(result.status, 0);
     EXPECT_NE(result.out.find("12 of 14 are seen"), std::string::npos) << result.out;

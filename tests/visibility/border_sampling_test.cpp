@@ -48,7 +48,7 @@ std::optional<double> outside(const Vec3& eye, const Corners& triangle, const Ve
     return lefts == 0 || lefts == 3 ? -nearest : nearest;
 }
 
-TEST(BorderSampling, PointsLieJustOutsideOfTheTriangle) {
+TEST(BorderSampling, VerticesLieJustOutsideOfTheTriangle) {
     std::size_t seen = 0;
     for (std::uint64_t i = 0; i < 20000; ++i) {
         const Vec3 eye = test::random_point(kSeed, 4 * i);
@@ -58,7 +58,7 @@ TEST(BorderSampling, PointsLieJustOutsideOfTheTriangle) {
         if (i % 3 == 0) {  // a sliver
             triangle[2] = triangle[0] + 0.4 * (triangle[1] - triangle[0]) + 1e-3 * triangle[2];
         }
-        const auto points = enlarged(eye, triangle, kAngle);
+        const auto points = enlarged_polygon(eye, triangle, kAngle);
         for (std::size_t k = 0; k < points.size(); ++k) {
             if (const auto distance = outside(eye, triangle, points[k])) {
                 ASSERT_GE(*distance, 0.5 * kAngle) << "triangle " << i << ", point " << k;
@@ -70,7 +70,7 @@ TEST(BorderSampling, PointsLieJustOutsideOfTheTriangle) {
     EXPECT_GT(seen, 90'000U);
 }
 
-TEST(BorderSampling, ReverseRaysPassTheBlockerTowardsWhatItHides) {
+TEST(BorderSampling, ReverseRaysPassTheOccluderTowardsTheHiddenPoint) {
     // A screen from x = -1 to 0 at z = -5 hides what lies at z = -10 from the eye; the region
     // reaches to x = 2.
     const ViewRegion region = {{-2.0, -2.0, 0.0}, {2.0, 2.0, 0.0}};
@@ -102,7 +102,7 @@ TEST(BorderSampling, NoReverseRayWhereTheRegionDoesNotReach) {
         {ray, {0.0, 0.0, -5.0}, blocker, {3.0, 0.0, -10.0}, {-0.5, 0.0, -10.0}}, region, 1e-6));
 }
 
-TEST(BorderSampling, PlanesBehindOrAlongARayAreNotMet) {
+TEST(BorderSampling, PlanesBehindOrParallelToARayHaveNoHit) {
     const Corners floor = {Vec3(0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 1.0)};
     EXPECT_FALSE(expected_hit({{0.0, 1.0, 0.0}, {0.0, 1.0, 0.0}}, floor, 100.0));
     EXPECT_FALSE(expected_hit({{0.0, 1.0, 0.0}, {1.0, 0.0, 0.0}}, floor, 100.0));

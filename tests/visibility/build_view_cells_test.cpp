@@ -86,7 +86,7 @@ double cost_of(const BuiltCells& built, std::span<const double> costs) {
     return sum;
 }
 
-TEST(BuildViewCells, HalvesTheCostOfTwoHalvesThatSeeOneObjectEach) {
+TEST(BuildViewCells, HalvesTheCostWhereEachHalfSeesOneObject) {
     const std::vector<FreeSegment> segments = {along_x(0.0, 0.5, 0), along_x(0.5, 1.0, 1)};
     const auto built = build_view_cells(
         kUnit, segments, Objects::triangles(2), {.max_cells = 2, .min_segments = 1});
@@ -99,7 +99,7 @@ TEST(BuildViewCells, HalvesTheCostOfTwoHalvesThatSeeOneObjectEach) {
     EXPECT_EQ(built.viewer_fractions, (std::vector<double>{0.5, 0.5}));
 }
 
-TEST(BuildViewCells, CutsTwoRoomsAtTheWallBetweenThem) {
+TEST(BuildViewCells, SplitsTwoRoomsAtTheWallBetweenThem) {
     const Room room = rooms_with_door();
     const auto segments = sampled(room.mesh, kRooms, 30000);
     const Objects objects = Objects::triangles(room.mesh.triangles.size());
@@ -114,7 +114,7 @@ TEST(BuildViewCells, CutsTwoRoomsAtTheWallBetweenThem) {
     }
 }
 
-TEST(BuildViewCells, ProposesTheBestOfAllSegmentEnds) {
+TEST(BuildViewCells, FindsTheBestPlaneOfAllSegmentEnds) {
     const Soup soup;
     const auto costs = object_costs(soup.objects, soup.options.cost);
     CellOptions options = soup.options;
@@ -167,7 +167,7 @@ TEST(BuildViewCells, ProposesTheBestOfAllSegmentEnds) {
     EXPECT_NEAR(built.splits[0].saving, best, 1e-6 * built.region_cost);
 }
 
-TEST(BuildViewCells, TakesPlanesOfTriangles) {
+TEST(BuildViewCells, UsesPlanesOfTriangles) {
     // A wall across the corner: what is seen differs on its sides, and no axis fits.
     Room room = support::tessellated_box_room(Vec3(0.0), {4.0, 3.0, 4.0}, 12);
     const std::array<Vec3, 4> wall = {
@@ -189,19 +189,19 @@ TEST(BuildViewCells, TakesPlanesOfTriangles) {
     EXPECT_NEAR(by_all.cells.volumes()[0], 24.0, 1e-12);
 }
 
-TEST(BuildViewCells, KeepsVolumeAndNeverRaisesTheCost) {
+TEST(BuildViewCells, KeepsVolumeAndNeverIncreasesTheCost) {
     const Soup soup;
     const auto built = soup.build();
     ASSERT_EQ(built.cells.leaves(), 60U);
     double volume = 0.0;
-    double share = 0.0;
+    double fraction = 0.0;
     for (std::size_t leaf = 0; leaf < 60; ++leaf) {
         volume += built.cells.leaf_volumes()[leaf];
-        share += built.viewer_fractions[leaf];
+        fraction += built.viewer_fractions[leaf];
         EXPECT_GT(built.cells.leaf_volumes()[leaf], 0.0);
     }
     EXPECT_NEAR(volume, soup.region.volume(), 1e-9 * soup.region.volume());
-    EXPECT_NEAR(share, 1.0, 1e-9);
+    EXPECT_NEAR(fraction, 1.0, 1e-9);
     double cost = built.region_cost;
     for (const CellSplit& split : built.splits) {
         EXPECT_LE(split.cost, cost);
@@ -266,7 +266,7 @@ TEST(BuildViewCells, PutsCellsAtWallsThatShortenedSegmentsDoNotReachThrough) {
     }
 }
 
-TEST(BuildViewCells, AlwaysSplitsWhereMostIsSaved) {
+TEST(BuildViewCells, AlwaysSplitsTheLeafOfLargestSaving) {
     const auto built = Soup().build();
     // A leaf waits from the split that made it to the one that divides it; in between, none that
     // saves less is taken.
@@ -283,7 +283,7 @@ TEST(BuildViewCells, AlwaysSplitsWhereMostIsSaved) {
     }
 }
 
-TEST(BuildViewCells, PutsPointsIntoTheLeafWhoseShapeHoldsThem) {
+TEST(BuildViewCells, LocatesPointsInTheLeafWhoseShapeContainsThem) {
     const Soup soup;
     const auto built = soup.build();
     const auto shapes = leaf_shapes(built.cells);
@@ -320,7 +320,7 @@ double length_within(const CellShape& shape, const geometry::Segment& segment, d
     return (end - begin) * glm::length(segment.to - segment.from);
 }
 
-TEST(BuildViewCells, GivesEachLeafWhatTheSegmentsThroughItSee) {
+TEST(BuildViewCells, GivesEachLeafTheObjectsOfTheSegmentsThroughIt) {
     const Soup soup;
     const auto built = soup.build();
     const auto shapes = leaf_shapes(built.cells);
@@ -364,7 +364,7 @@ TEST(BuildViewCells, IsTheSameForAnyThreads) {
     }
 }
 
-TEST(BuildViewCells, OfFewerCellsAreTheFirstSplitsOfMore) {
+TEST(BuildViewCells, FewerCellsAreThePrefixOfMore) {
     Soup soup;
     const auto more = soup.build();
     soup.options.max_cells = 20;
@@ -372,7 +372,7 @@ TEST(BuildViewCells, OfFewerCellsAreTheFirstSplitsOfMore) {
     EXPECT_TRUE(std::equal(fewer.splits.begin(), fewer.splits.end(), more.splits.begin()));
 }
 
-TEST(BuildViewCells, SplitsTheLargestInTheMiddleIfToldSo) {
+TEST(BuildViewCells, SplitsTheLargestLeafAtItsSpatialMedian) {
     CellOptions options{.rule = CellRule::middle, .max_cells = 8};
     const auto built = build_view_cells(kUnit, {}, Objects::triangles(0), options);
     ASSERT_EQ(built.cells.leaves(), 8U);
@@ -388,7 +388,7 @@ TEST(BuildViewCells, SplitsTheLargestInTheMiddleIfToldSo) {
     EXPECT_EQ(octants.size(), 8U);
 }
 
-TEST(BuildViewCells, WeighsByWhereViewersAre) {
+TEST(BuildViewCells, WeightsByTheDensityOfViewers) {
     // Three times as many in the left half; it sees A, the right one A, B and C.
     const std::vector<FreeSegment> segments = {
         along_x(0.0, 0.5, 0), along_x(0.5, 1.0, 0), along_x(0.5, 1.0, 1), along_x(0.5, 1.0, 2)};
@@ -417,7 +417,7 @@ TEST(BuildViewCells, StopsInBranchesWhereSplitsSaveLittle) {
     EXPECT_EQ(soup.build().cells.leaves(), 1U);
 }
 
-TEST(BuildViewCells, LeaveARegionWholeWhereNothingIsSeen) {
+TEST(BuildViewCells, LeavesARegionWholeWhereNothingIsVisible) {
     const Objects none = Objects::triangles(0);
     for (const CellOptions& options : {CellOptions{}, CellOptions{.max_cells = 1}}) {
         const auto built = build_view_cells(kUnit, {}, none, options);
@@ -431,7 +431,7 @@ TEST(BuildViewCells, LeaveARegionWholeWhereNothingIsSeen) {
     EXPECT_EQ(build_view_cells(kUnit, beside, Objects::triangles(1)).cells.leaves(), 1U);
 }
 
-TEST(BuildViewCells, RefusesWhatMakesNoSense) {
+TEST(BuildViewCells, RefusesInvalidOptions) {
     const Objects none = Objects::triangles(0);
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double far = std::numeric_limits<double>::infinity();

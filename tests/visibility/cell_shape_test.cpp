@@ -2,7 +2,7 @@
 #include "earshot/visibility/cell_shape.h"
 
 #include "earshot/base/random.h"
-#include "earshot/visibility/internal/share_behind.h"
+#include "earshot/visibility/internal/volume_behind_plane.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -57,7 +57,7 @@ TEST(CellShape, BeginsAsABox) {
     EXPECT_TRUE(box.contains({0.0, 1.0, 1.9}, 0.11));
 }
 
-TEST(CellShape, IsDividedIntoWhatFormulasSay) {
+TEST(CellShape, SplitsIntoTheVolumesOfFormulas) {
     // A corner cut off a unit cube by x + y + z = 1 has the volume 1/6, and three planes' worth of
     // halves meet in one eighth.
     const CellShape cube({Vec3(0.0), Vec3(1.0)});
@@ -78,7 +78,7 @@ TEST(CellShape, IsDividedIntoWhatFormulasSay) {
     EXPECT_EQ(wedges->back.faces().size(), 5U);
 }
 
-TEST(CellShape, IsNotDividedByPlanesThatMissOrTouchIt) {
+TEST(CellShape, IsNotSplitByPlanesThatMissOrTouchIt) {
     const CellShape cube({Vec3(0.0), Vec3(1.0)});
     const Vec3 x(1.0, 0.0, 0.0);
     const Vec3 diagonal = glm::normalize(Vec3(1.0));
@@ -89,7 +89,7 @@ TEST(CellShape, IsNotDividedByPlanesThatMissOrTouchIt) {
     EXPECT_FALSE(CellShape::empty().split({x, 0.5, 0, 0}, 0, kSlack));
 }
 
-TEST(CellShape, KeepsVolumeAndSidesThroughManyCuts) {
+TEST(CellShape, KeepsVolumeAndSidesThroughManySplits) {
     std::vector<CellShape> parts = {CellShape(kBox)};
     for (std::uint64_t i = 0; parts.size() < 400; ++i) {
         // Always the part with a random point.
@@ -124,7 +124,7 @@ TEST(CellShape, KeepsVolumeAndSidesThroughManyCuts) {
     EXPECT_NEAR(sum, 180.0, 180.0 * 1e-12);
 }
 
-TEST(CellShape, OfLeavesHoldsThePointsThatAreFoundThere) {
+TEST(CellShape, OfALeafContainsThePointsLocatedThere) {
     const ViewCells cells = ViewCells::grid(kBox, {3, 2, 4});
     const auto shapes = leaf_shapes(cells);
     ASSERT_EQ(shapes.size(), 24U);
@@ -145,7 +145,7 @@ TEST(CellShape, OfLeavesThatPlanesOutsideMakeIsEmpty) {
     EXPECT_DOUBLE_EQ(shapes[1].volume(), 180.0);
 }
 
-TEST(ShareBehind, IsTheVolumeThatCuttingGives) {
+TEST(VolumeBehindPlane, EqualsTheVolumeAfterSplitting) {
     CellLeaf leaf{.shape = CellShape(kBox)};
     for (std::uint64_t i = 0; i < 300; ++i) {
         leaf.shape = CellShape(kBox);
@@ -155,28 +155,28 @@ TEST(ShareBehind, IsTheVolumeThatCuttingGives) {
             }
         }
         leaf.volume = leaf.shape.volume();
-        leaf.share = 0.5;
+        leaf.viewer_fraction = 0.5;
         const CellNode plane = random_plane(10 * i + 9);
         const auto halves = leaf.shape.split(plane, 0, kSlack);
         const double expected = halves ? halves->back.volume()
                                 : height(plane, leaf.shape.vertex_mean()) < 0.0 ? leaf.volume
                                                                                 : 0.0;
-        const ShareBehind behind(leaf, {}, plane.normal);
+        const VolumeBehindPlane behind(leaf, {}, plane.normal);
         const double volume = behind.volume(plane.offset);
         ASSERT_NEAR(volume, expected, 1e-7) << "shape " << i;
-        ASSERT_DOUBLE_EQ(behind.share(plane.offset, volume), 0.5 * volume / leaf.volume);
+        ASSERT_DOUBLE_EQ(behind.viewer_fraction(plane.offset, volume), 0.5 * volume / leaf.volume);
     }
 }
 
-TEST(ShareBehind, CountsViewersWhereThereAreSome) {
+TEST(VolumeBehindPlane, CountsViewersIfGiven) {
     const std::vector<Viewer> viewers = {
         {{0.0, 1.0, 3.0}, 0.25}, {{2.0, 1.0, 3.0}, 0.5}, {{1.0, 1.0, 3.0}, 0.125}};
     const CellLeaf leaf{.shape = CellShape(kBox), .volume = 180.0, .viewers = {0, 1, 2}};
-    const ShareBehind behind(leaf, viewers, {1.0, 0.0, 0.0});
-    EXPECT_EQ(behind.share(0.0, 30.0), 0.0);
-    EXPECT_EQ(behind.share(0.5, 45.0), 0.25);
-    EXPECT_EQ(behind.share(1.5, 75.0), 0.375);
-    EXPECT_EQ(behind.share(4.0, 150.0), 0.875);
+    const VolumeBehindPlane behind(leaf, viewers, {1.0, 0.0, 0.0});
+    EXPECT_EQ(behind.viewer_fraction(0.0, 30.0), 0.0);
+    EXPECT_EQ(behind.viewer_fraction(0.5, 45.0), 0.25);
+    EXPECT_EQ(behind.viewer_fraction(1.5, 75.0), 0.375);
+    EXPECT_EQ(behind.viewer_fraction(4.0, 150.0), 0.875);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sight_scenes.h"
+#include "line_of_sight_scenes.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <iostream>
@@ -35,7 +35,7 @@ private:
     std::vector<Vec3> positions_;
 };
 
-TEST(CoherentLineOfSight, AnswersAsIfItRememberedNothing) {
+TEST(CoherentLineOfSight, EqualsTheAnswersWithoutCoherence) {
     Executor two(2);
     for (const std::string name : {"curtain", "door"}) {
         Moving scene(name);
@@ -103,7 +103,7 @@ TEST(CoherentLineOfSight, AnswersMatricesOfAnyShape) {
     }
 }
 
-TEST(CoherentLineOfSight, LooksIntoAThirdOfTheNodesAtMost) {
+TEST(CoherentLineOfSight, VisitsAThirdOfTheNodesAtMost) {
     for (const std::string name : {"curtain", "door"}) {
         Moving scene(name);
         Dice dice(9);

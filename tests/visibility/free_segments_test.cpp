@@ -42,7 +42,7 @@ TEST(FreeSegments, EndAtTheFirstTriangleBothWays) {
     }
 }
 
-TEST(FreeSegments, AreEmptyOutsideAndWithoutAnythingToSee) {
+TEST(FreeSegments, AreEmptyOutsideOfTheBoxAndInAnEmptyMesh) {
     const ViewRegion region = {Vec3(-1.0), Vec3(1.0)};
     const std::vector<Ray> rays = {{Vec3(0.0), {1.0, 0.0, 0.0}}, {Vec3(3.0), {1.0, 0.0, 0.0}}};
     const auto segments = cast_free_segments({}, {}, rays, region);

@@ -39,7 +39,7 @@ std::vector<ObjectId> up_to(ObjectId end, ObjectId begin = 0) {
     return ids;
 }
 
-TEST(GlobalSampling, CellsOfAConvexRoomSeeAllOfIt) {
+TEST(GlobalSampling, AllOfAConvexRoomIsVisibleFromItsCells) {
     const Mesh room = test::cube(4, 2.0);
     const ViewCells cells = ViewCells::grid({Vec3(-1.9), Vec3(1.9)}, {3, 3, 3});
     const GlobalPvs view = sample_cells(tree_of(room),
@@ -52,7 +52,7 @@ TEST(GlobalSampling, CellsOfAConvexRoomSeeAllOfIt) {
     }
 }
 
-TEST(GlobalSampling, SealedRoomsNeverSeeEachOther) {
+TEST(GlobalSampling, SealedRoomsAreNeverMutuallyVisible) {
     const Mesh mesh = two_rooms();
     const auto half = static_cast<ObjectId>(mesh.triangles.size() / 2);
     // Two columns of cells in each room and one between them.
@@ -119,7 +119,7 @@ TEST(GlobalSampling, IsTheSameForAnyExecutorAndTree) {
     }
 }
 
-TEST(GlobalSampling, MutationsFindWhatViewDirectionsMiss) {
+TEST(GlobalSampling, MutationsFindObjectsThatViewSpaceDirectionsMiss) {
     const Mesh mesh = test::sphere(4, 1.0, {0.0, 0.0, -8.0});
     const Objects objects = Objects::triangles(mesh.triangles.size());
     const ViewCells cells = ViewCells::grid({Vec3(-0.5), Vec3(0.5)}, {2, 2, 2});
@@ -142,7 +142,7 @@ TEST(GlobalSampling, EndsWhenNothingGrows) {
     EXPECT_EQ(view.missed_share, 0.0);
 }
 
-TEST(GlobalSampling, HandlesNothingToSeeAndRefusesWhatIsTooLarge) {
+TEST(GlobalSampling, HandlesEmptyMeshesAndRefusesTooManyBits) {
     const ViewCells one({Vec3(-1.0), Vec3(1.0)});
     const GlobalPvs view = sample_cells({}, {}, Objects::triangles(0), one);
     ASSERT_EQ(view.visible.size(), 1U);

@@ -24,7 +24,7 @@ bool has(const RegionPvs& view, TriangleId triangle) {
     return std::binary_search(view.triangles.begin(), view.triangles.end(), triangle);
 }
 
-TEST(GuidedSampling, SeesAllOfAConvexRoom) {
+TEST(GuidedSampling, FindsAllOfAConvexRoom) {
     const Mesh room = test::cube(12, 3.0);
     const ViewRegion region = {Vec3(-0.5), Vec3(0.5)};
     const RegionPvs view = sample_region(tree_of(room), room.view(), region, {.max_rays = 100'000});
@@ -33,7 +33,7 @@ TEST(GuidedSampling, SeesAllOfAConvexRoom) {
 
 // Seen through a slit the tiles of a wall that lie wholly within two tangents are found, and none
 // that lie wholly beyond them.
-TEST(GuidedSampling, SeesThroughASlitWhatTangentsTell) {
+TEST(GuidedSampling, FindsThroughASlitTheTrianglesOfItsTangents) {
     Mesh mesh;
     constexpr double kSlit = 0.02;
     add_screen(mesh, {-50.0, -50.0, -2.0}, {-0.5 * kSlit, 50.0, -2.0}, 1);
@@ -87,7 +87,7 @@ TEST(GuidedSampling, WitnessesProveEveryTriangle) {
     EXPECT_GT(proved, 100U);
 }
 
-TEST(GuidedSampling, WhatReachesIntoTheRegionIsSeen) {
+TEST(GuidedSampling, TrianglesThatReachIntoTheRegionAreVisible) {
     Mesh mesh;
     // A speck inside of the region that no ray from its border outward meets.
     mesh.positions = {{0.0, 0.0, 0.0}, {0.01, 0.0, 0.0}, {0.0, 0.01, 0.0}};
@@ -98,7 +98,7 @@ TEST(GuidedSampling, WhatReachesIntoTheRegionIsSeen) {
     EXPECT_EQ(view.witnesses[0].t_max, 0.0);
 }
 
-TEST(GuidedSampling, FindsWithFewRaysWhatRandomOnesNeedManyFor) {
+TEST(GuidedSampling, NeedsFewerRaysThanRandomSampling) {
     const Mesh mesh = test::sphere(5, 1.0, {0.0, 0.0, -5.0});
     const ViewRegion region = {Vec3(-0.1), Vec3(0.1)};
     const auto tree = tree_of(mesh);
@@ -108,7 +108,7 @@ TEST(GuidedSampling, FindsWithFewRaysWhatRandomOnesNeedManyFor) {
     EXPECT_GE(guided.triangles.size(), random.triangles.size());
 }
 
-TEST(GuidedSampling, IsTheSameForAnyExecutorTreeAndSeedOnlyDecides) {
+TEST(GuidedSampling, DependsOnTheSeedButNotOnExecutorOrTree) {
     const Mesh mesh = test::triangle_soup(9, 2000);
     const ViewRegion region = {Vec3(-0.3), Vec3(0.3)};
     const GuidedSamplingOptions options = {.max_rays = 50'000};
@@ -137,7 +137,7 @@ TEST(GuidedSampling, EndsWhenLittleIsNew) {
     EXPECT_EQ(view.missed_share, 0.0);
 }
 
-TEST(GuidedSampling, HandlesNothingToSeeAndRefusesRegionsThatAreNone) {
+TEST(GuidedSampling, HandlesEmptyMeshesAndRefusesInvalidRegions) {
     EXPECT_TRUE(sample_region({}, {}, {Vec3(0.0), Vec3(1.0)}).triangles.empty());
     EXPECT_THROW(sample_region({}, {}, {Vec3(0.0), Vec3(1.0, -1.0, 1.0)}), Error);
     EXPECT_THROW(sample_region({}, {}, {Vec3(0.0), Vec3(1.0, NAN, 1.0)}), Error);

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "sight_scenes.h"
+#include "line_of_sight_scenes.h"
 #include <cmath>
 
 namespace earshot::visibility {
@@ -45,7 +45,7 @@ TriangleId at(const ItemBuffer& buffer, double across, double down) {
     return buffer.triangles[row * buffer.view.width + column];
 }
 
-TEST(ItemBuffer, OfAPanoramaHasAnglesForPixels) {
+TEST(ItemBuffer, HasEqualAnglesPerPixelInAPanorama) {
     const Mesh mesh =
         marks({{0, 0, -5}, {5, 0, 0}, {-5, 0, 0}, {0, 5, -5}, {0, -5, -5}, {1, 0, 5}});
     const ItemBuffer buffer = look(mesh, {.width = 400, .height = 200});
@@ -61,7 +61,7 @@ TEST(ItemBuffer, OfAPanoramaHasAnglesForPixels) {
     EXPECT_NEAR(buffer.distances[100 * 400 + 200], 5.0, 0.02);
 }
 
-TEST(ItemBuffer, OfAViewIsAPerspective) {
+TEST(ItemBuffer, IsAPerspectiveForAView) {
     // 90 degrees across: x / -z is -1 ... 1 over the width, and half of that over the height.
     const Mesh mesh = marks({{0, 0, -5}, {3, 0, -5}, {0, 2, -5}, {-4, -2, -5}, {5, 0, 0}});
     const ItemBuffer front = look(mesh, {.width = 600, .height = 300, .forward = Vec3{0, 0, -2}});

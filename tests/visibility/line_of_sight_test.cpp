@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sight_scenes.h"
+#include "line_of_sight_scenes.h"
 
 namespace earshot::visibility {
 namespace {
@@ -75,7 +75,7 @@ TEST(SlowLineOfSight, EqualsALoopOverAllTrianglesAMillionTimes) {
     }
 }
 
-TEST(LineOfSight, AsksOneByOneWhatItAsksInBatches) {
+TEST(LineOfSight, IsTheSameOneByOneAndInBatches) {
     const Mesh mesh = scene_mesh("classroom");
     const auto tree = wide_tree_of(mesh.view());
     const auto segments = some_segments(mesh, 3000, 5);
@@ -136,7 +136,7 @@ TEST(LineOfSight, GrazingBlocks) {
     EXPECT_FALSE(blocker({{1, 0.25, 0.5}, {1, 0.25, 0.5}}));
 }
 
-TEST(LineOfSight, LooksThroughWhatIsIgnored) {
+TEST(LineOfSight, PassesExcludedTriangles) {
     const Mesh panes{{{1, -9, -9}, {1, 9, -9}, {1, 0, 9}, {2, -9, -9}, {2, 9, -9}, {2, 0, 9}},
                      {{0, 1, 2}, {3, 4, 5}}};
     const auto tree = wide_tree_of(panes.view());
@@ -151,7 +151,7 @@ TEST(LineOfSight, LooksThroughWhatIsIgnored) {
     EXPECT_FALSE(visible(tree, panes.view(), through, excluding({5})));
 }
 
-TEST(LineOfSight, IsFreeWhereThereIsNothing) {
+TEST(LineOfSight, IsVisibleInAnEmptyMesh) {
     const bvh::WideTree nothing = wide_tree_of({});
     EXPECT_TRUE(visible(nothing, {}, Segment{{0, 0, 0}, {1, 1, 1}}));
     EXPECT_TRUE(visible(nothing, {}, std::span<const Segment>{}).empty());

@@ -3,7 +3,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
-#include "earshot/visibility/internal/leaf_contacts.h"
+#include "earshot/visibility/internal/cell_adjacency.h"
 #include "earshot/visibility/render_cost.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ public:
                std::vector<double> costs,
                const std::vector<double>& viewer_fractions)
         : costs_(std::move(costs)) {
-        for (const LeafContact& contact : leaf_contacts(cells)) {
+        for (const CellAdjacency& contact : cell_adjacencies(cells)) {
             contacts_.insert({contact.first, contact.second});
         }
         for (LeafId i = 0; i < sets.size(); ++i) {
@@ -149,7 +149,7 @@ TEST(MergeCells, OfFourInARow) {
     EXPECT_EQ(history.cost_of(1) / history.cost_of(2), 3.0 / 2.0);
 }
 
-TEST(MergeCells, TakesWhatTryingEveryPairFindsBest) {
+TEST(MergeCells, MergesTheBestOfAllPairs) {
     const ViewCells cells = test::random_cells(kSeed, 16);
     const Sets sets = random_sets(16, 20);
     const auto costs = random_numbers(20, 1);
@@ -170,7 +170,7 @@ TEST(MergeCells, TakesWhatTryingEveryPairFindsBest) {
     EXPECT_EQ(slow.groups.size(), 1U);
 }
 
-TEST(MergeCells, NeverLowersTheCostAndEndsInTheUnion) {
+TEST(MergeCells, NeverDecreasesTheCostAndEndsInTheUnion) {
     const ViewCells cells = test::random_cells(kSeed, 250);
     const Sets sets = random_sets(250, 100);
     const auto costs = random_numbers(100, 1);
@@ -196,7 +196,7 @@ TEST(MergeCells, OfEqualPairsTheLowestNumbersFirst) {
     EXPECT_EQ(history.merges()[2], (CellMerge{4, 5, 1.0, 1}));
 }
 
-TEST(MergeCells, JoinsWhatDoesNotTouchLast) {
+TEST(MergeCells, MergesNonAdjacentGroupsLast) {
     // A plane outside of the region leaves one leaf empty, without neighbours; the others differ
     // more from each other than each does from it.
     const Vec3 x(1.0, 0.0, 0.0);
@@ -250,12 +250,12 @@ TEST(MergeCells, OfOneCellIsNothing) {
     EXPECT_EQ(history.extract(5), std::vector<CellId>{0});
 }
 
-TEST(MergeCells, UnitesTheSetsOfLeaves) {
+TEST(MergeCells, MergedSetsAreUnionsOverLeaves) {
     const Sets sets = {{0, 1}, {4}, {1, 2}, {}};
     EXPECT_EQ(merged_sets(sets, std::vector<CellId>{0, 1, 0, 2}), (Sets{{0, 1, 2}, {4}, {}}));
 }
 
-TEST(MergeCells, RefusesWhatDoesNotBelongTogether) {
+TEST(MergeCells, RefusesSetsAndCostsOfOtherCells) {
     const std::vector<double> costs = {1.0, 1.0};
     EXPECT_THROW(merge_cells(row_of_four(), Sets(3), costs), Error);
     EXPECT_THROW(merge_cells(row_of_four(), Sets(4), costs, costs), Error);

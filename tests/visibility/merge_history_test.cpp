@@ -118,7 +118,7 @@ TEST(MergeHistory, GivesTheFewestCellsThatCostNoMuchMore) {
     EXPECT_EQ(four().cells_by_cost(2.0), 1U);
 }
 
-TEST(MergeHistory, IsTakenApartFromTheHighestCost) {
+TEST(MergeHistory, ExtractsByUndoingTheLastMerges) {
     const MergeHistory history = random_history(60);
     for (std::size_t cells = 1; cells <= 60; ++cells) {
         std::set<std::set<LeafId>> expected;
@@ -136,7 +136,7 @@ TEST(MergeHistory, IsTakenApartFromTheHighestCost) {
     }
 }
 
-TEST(MergeHistory, IsWhatWasThereAfterSoManyMerges) {
+TEST(MergeHistory, ExtractsThePartitionAfterSoManyMerges) {
     const MergeHistory history = random_history(60);
     std::map<std::uint32_t, std::set<LeafId>> groups;
     for (LeafId leaf = 0; leaf < 60; ++leaf) {

@@ -13,7 +13,7 @@ namespace {
 
 using geometry::TriangleId;
 
-TEST(Objects, MayBeTrianglesEachByItself) {
+TEST(Objects, MayBeSingleTriangles) {
     const Objects objects = Objects::triangles(3);
     ASSERT_EQ(objects.size(), 3U);
     EXPECT_EQ(objects.of(2), 2U);
@@ -62,7 +62,7 @@ TEST(Objects, OfAnEmptyMeshAreNone) {
     EXPECT_EQ(Objects::groups({}, 10).size(), 0U);
 }
 
-TEST(Objects, RefusesNumbersThatAreLeftOut) {
+TEST(Objects, RefusesMissingNumbers) {
     EXPECT_EQ(Objects(std::vector<ObjectId>{1, 0, 1}).size(), 2U);
     EXPECT_THROW(Objects(std::vector<ObjectId>{0, 2, 2}), Error);
     EXPECT_THROW(Objects(std::vector<ObjectId>{0, 3, 1}), Error);

@@ -23,13 +23,13 @@ TEST(RenderCost, OfASetIsTheSum) {
     EXPECT_EQ(set_cost(std::vector<ObjectId>{0, 3}, costs), 9.0);
 }
 
-TEST(RenderCost, RefusesWhatIsNoCost) {
+TEST(RenderCost, RefusesInvalidCosts) {
     const Objects objects = Objects::triangles(1);
     EXPECT_THROW(object_costs(objects, {-1.0, 1.0}), Error);
     EXPECT_THROW(object_costs(objects, {1.0, std::numeric_limits<double>::infinity()}), Error);
 }
 
-TEST(RenderCost, UnitesSets) {
+TEST(RenderCost, FormsUnionsOfSets) {
     using Set = std::vector<ObjectId>;
     EXPECT_EQ(union_of(Set{0, 2, 5}, Set{1, 2, 9}), (Set{0, 1, 2, 5, 9}));
     EXPECT_EQ(union_of(Set{}, Set{4}), Set{4});

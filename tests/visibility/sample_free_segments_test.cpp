@@ -151,7 +151,7 @@ TEST(SampleFreeSegments, AreTheSameForAnyThreadsAndInParts) {
     EXPECT_FALSE(are_same(segments, sample(room.mesh, kInside, {.seed = 6, .count = 150000})));
 }
 
-TEST(SampleFreeSegments, GoThroughFlatRegionsAndSeeNothingWithoutAMesh) {
+TEST(SampleFreeSegments, PassFlatRegionsAndAreEmptyWithoutAMesh) {
     const Room room = support::box_room(kLower, kUpper);
     const ViewRegion ear = {{0.1, 1.5, 0.1}, {3.9, 1.5, 4.9}};
     for (const FreeSegment& free : sample(room.mesh, ear, {.seed = kSeed, .count = 500})) {
@@ -162,7 +162,7 @@ TEST(SampleFreeSegments, GoThroughFlatRegionsAndSeeNothingWithoutAMesh) {
     EXPECT_TRUE(sample({}, kInside, {.count = 100, .skip_solids = true}).empty());
 }
 
-TEST(SampleFreeSegments, RefuseRegionsThatAreNone) {
+TEST(SampleFreeSegments, RefuseInvalidRegions) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double far = std::numeric_limits<double>::infinity();
     EXPECT_THROW(sample({}, {Vec3(0.0), {1.0, 1.0, nan}}, {}), Error);

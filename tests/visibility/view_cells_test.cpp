@@ -66,7 +66,7 @@ TEST(ViewCells, GridsAreEqualBoxesInOrder) {
     }
 }
 
-TEST(ViewCells, SegmentsPierceWhatPointsAlongThemLieIn) {
+TEST(ViewCells, SegmentsPierceTheCellsOfTheirPoints) {
     const ViewCells cells = ViewCells::grid(kHall, kCounts);
     std::vector<CellId> pierced;
     for (std::uint64_t i = 0; i < 500; ++i) {
@@ -97,7 +97,7 @@ TEST(ViewCells, SegmentsThatMissTheRegionPierceNothing) {
     EXPECT_TRUE(pierced.empty());
 }
 
-TEST(ViewCells, PlanesMayLeanAndBelongToTheirFront) {
+TEST(ViewCells, PlanesMayBeObliqueAndBelongToTheirFront) {
     // x + z = 4 cuts the region into two wedges.
     const ViewCells cells(kHall, {{{1.0, 0.0, 1.0}, 4.0, kCellLeaf + 1, kCellLeaf}}, {2.0, 1.0});
     EXPECT_EQ(cells.cell_at({0.0, 1.0, 3.9}), CellId{1});
@@ -117,7 +117,7 @@ TEST(ViewCells, MergedLeavesAreOneCell) {
     EXPECT_EQ(pierced, (std::vector<CellId>{0, 1}));
 }
 
-TEST(ViewCells, RefusesWhatIsNoTree) {
+TEST(ViewCells, RefusesInvalidTrees) {
     const Vec3 x(1.0, 0.0, 0.0);
     EXPECT_THROW(ViewCells(kHall, {}, {}), Error);
     EXPECT_THROW(ViewCells(kHall, {{x, 1.0, kCellLeaf, kCellLeaf}}, {1.0, 1.0}), Error);

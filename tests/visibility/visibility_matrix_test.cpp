@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sight_scenes.h"
+#include "line_of_sight_scenes.h"
 
 namespace earshot::visibility {
 namespace {
@@ -21,7 +21,7 @@ std::vector<Vec3> some_points(std::size_t count, std::uint64_t seed) {
     return points;
 }
 
-TEST(SightMatrix, HoldsEveryPairInItsPlace) {
+TEST(VisibilityMatrix, HoldsEveryPairInItsPlace) {
     const geometry::Mesh mesh = scene_mesh("classroom");
     const auto tree = wide_tree_of(mesh.view());
     Executor two(2);
@@ -46,7 +46,7 @@ TEST(SightMatrix, HoldsEveryPairInItsPlace) {
     }
 }
 
-TEST(SightMatrix, NamesTheFirstBlockers) {
+TEST(VisibilityMatrix, NamesTheFirstBlockers) {
     const geometry::Mesh mesh = scene_mesh("classroom");
     const auto tree = wide_tree_of(mesh.view());
     const auto from = some_points(20, 4), to = some_points(50, 5);

@@ -38,7 +38,7 @@ TEST(VisibleSets, LeadFromAPointToItsTriangles) {
     EXPECT_EQ(sets.entries(), 7U);
 }
 
-TEST(VisibleSets, MergeAsTheirHistoryTells) {
+TEST(VisibleSets, MergeByTheirHistory) {
     const VisibleSets merged = four_cells().merged(2);
     ASSERT_EQ(merged.cells().size(), 2U);
     const auto left = merged.cells().cell_at({1.5, 0.5, 0.5});
@@ -50,7 +50,7 @@ TEST(VisibleSets, MergeAsTheirHistoryTells) {
     EXPECT_THROW(merged.merged(1), Error);
 }
 
-TEST(VisibleSets, RefuseWhatDoesNotFitTogether) {
+TEST(VisibleSets, RefuseInconsistentParts) {
     const Objects objects = Objects::triangles(3);
     const ViewCells cells = ViewCells::grid(kRegion, {2, 1, 1});
     EXPECT_NO_THROW(VisibleSets(cells, objects, Sets{{0, 2}, {}}, {}));

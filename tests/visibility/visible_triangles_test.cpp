@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-#include "sight_scenes.h"
+#include "line_of_sight_scenes.h"
 #include <array>
 #include <cmath>
 #include <limits>
@@ -100,7 +100,7 @@ TEST(VisibleTriangles, AreAllOfAClosedConvexRoom) {
     }
 }
 
-TEST(VisibleTriangles, HaveTheSolidAnglesOfAClosedForm) {
+TEST(VisibleTriangles, HaveTheSolidAnglesOfTheClosedForm) {
     // From its middle, every wall of a cube covers a sixth of the sphere, and so do its tiles of
     // what the tile's corners say: with two tiles an edge, a quarter of that.
     const VisibleTriangles visible = seen_in(tiled_room({2, 2, 2}, 2), {0, 0, 0});
@@ -176,7 +176,7 @@ TEST(VisibleTriangles, NarrowerThanAPixelAreFound) {
     }
 }
 
-TEST(VisibleTriangles, AreFoundWhereTheirMiddlesAreSeen) {
+TEST(VisibleTriangles, AreFoundIfTheirCentroidsAreVisible) {
     // Needles of 10 micrometres by 1 mm in the air before one wall, 10 m away, each touching
     // nothing.
     Mesh mesh;
@@ -241,7 +241,7 @@ TEST(VisibleTriangles, DoNotDependOnBuilderThreadsOrInstructions) {
     }
 }
 
-TEST(VisibleTriangles, StopWhenTheirRaysAreSpent) {
+TEST(VisibleTriangles, StopAtTheLimitOfRays) {
     const Mesh mesh = scene_mesh("classroom");
     const Vec3 point{1.5, 1.2, 2.5};
     const VisibleTriangles swept = seen_in(mesh, point, {.refine = false});
@@ -263,7 +263,7 @@ TEST(VisibleTriangles, FromASurfaceAreProvedToo) {
     }
 }
 
-TEST(VisibleTriangles, AreNoneWhereThereIsNothing) {
+TEST(VisibleTriangles, AreNoneInAnEmptyMesh) {
     const VisibleTriangles nothing = seen_in({}, {0, 0, 0});
     EXPECT_TRUE(nothing.triangles.empty());
     EXPECT_NEAR(nothing.free_solid_angle, 4.0 * math::kPi, 1e-9);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/geometry/mesh.h"
 #include "earshot/geometry/types.h"
 #include "earshot/visibility/region.h"
 
@@ -9,36 +10,43 @@
 
 namespace earshot::visibility {
 
-// Where guided visibility sampling (Wonka et al. 2006) sends its next rays.
+// The rays of guided visibility sampling (Wonka et al. 2006): adaptive border sampling and reverse
+// sampling.
 
 using Corners = std::array<geometry::Vec3, 3>;
 
-inline constexpr std::size_t kBorderPoints = 9;
+/// The corners of a triangle of a mesh.
+inline Corners corners_of(const geometry::MeshView& mesh, geometry::TriangleId triangle) noexcept {
+    const geometry::Triangle& corners = mesh.triangles[triangle];
+    return {mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]};
+}
 
-/// Points about a triangle, in order, three at each corner: seen from `eye` they lie outside of it,
-/// `angle` radians from its sides or corners (at the ends of its sides, and on the bisector of the
-/// corner). The triangle may turn either side.
-std::array<geometry::Vec3, kBorderPoints> enlarged(const geometry::Vec3& eye,
-                                                   const Corners& triangle,
-                                                   double angle) noexcept;
+inline constexpr std::size_t kPolygonVertices = 9;
 
-/// A ray that passed just by a triangle and met another one nearer than the triangle's plane.
+/// The vertices of the enlarged polygon around a triangle, in order, three at each corner: as seen
+/// from `eye` they lie `angle` radians outside of its sides or corners (at the ends of its sides,
+/// and on the bisector of the corner). The triangle may face either way.
+std::array<geometry::Vec3, kPolygonVertices> enlarged_polygon(const geometry::Vec3& eye,
+                                                              const Corners& triangle,
+                                                              double angle) noexcept;
+
+/// A ray past the border of a triangle that hit an occluder nearer than the triangle's plane.
 struct BlockedRay {
-    geometry::Ray ray{};        ///< by the triangle
-    geometry::Vec3 hit{};       ///< where it was met
-    Corners blocker{};          ///< what was met
-    geometry::Vec3 old_hit{};   ///< on the triangle, seen from the same place
-    geometry::Vec3 expected{};  ///< where the ray meets the triangle's plane
+    geometry::Ray ray{};        ///< past the triangle
+    geometry::Vec3 hit{};       ///< where it hit the occluder
+    Corners occluder{};         ///< the occluder
+    geometry::Vec3 old_hit{};   ///< on the triangle, of a ray with the same origin
+    geometry::Vec3 expected{};  ///< where the ray intersects the triangle's plane
 };
 
-/// Where a ray meets a triangle's plane. Empty if it runs along it or away from it, or farther than
-/// `most` metres.
+/// The intersection of a ray with a triangle's plane. Empty if the ray runs along the plane or away
+/// from it, or if the intersection is farther than `max_distance` metres.
 std::optional<geometry::Vec3> expected_hit(const geometry::Ray& ray,
                                            const Corners& triangle,
-                                           double most) noexcept;
+                                           double max_distance) noexcept;
 
-/// A ray from the border of the region to what the blocker hides: past the blocker, `gap` metres
-/// beside it in the plane of both rays. Empty if none does.
+/// A ray from the boundary of the region to the point that the occluder hides, `gap` metres past
+/// the occluder in the plane of both rays. Empty if there is none.
 std::optional<geometry::Ray> reverse_ray(const BlockedRay& blocked,
                                          const ViewRegion& region,
                                          double gap) noexcept;

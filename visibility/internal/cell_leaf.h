@@ -16,50 +16,53 @@ namespace earshot::visibility {
 
 inline constexpr ObjectId kNoObject = std::numeric_limits<ObjectId>::max();
 
-/// A free segment as the builder of view cells needs it.
-struct Sight {
+/// A maximal free segment with the objects at its ends.
+struct VisibilitySample {
     geometry::Vec3 from{};
-    geometry::Vec3 step{};  ///< to its other end
+    geometry::Vec3 step{};  ///< to the other end
     std::array<ObjectId, 2> objects = {kNoObject, kNoObject};
 };
 
-/// The part of a sight within a leaf, as parameters along it.
-struct SightPiece {
-    std::uint32_t sight = 0;
+/// The part of a visibility sample within a leaf, as parameters along its segment.
+struct SamplePiece {
+    std::uint32_t sample = 0;
     double begin = 0.0, end = 1.0;
 };
 
-/// A point that stands for viewers, and for what part of all of them.
+/// A sample point of the density of viewers, with the fraction of the viewers it stands for.
 struct Viewer {
-    geometry::Vec3 place{};
-    double share = 0.0;
+    geometry::Vec3 position{};
+    double fraction = 0.0;
 };
 
 /// A leaf while view cells are being built.
 struct CellLeaf {
     CellShape shape;
-    double volume = 0.0;  ///< cubic metres
-    double share = 0.0;   ///< of the viewers
-    std::vector<SightPiece> pieces{};
-    std::vector<ObjectId> set{};  ///< what the pieces' sights end at, ascending
+    double volume = 0.0;           ///< cubic metres
+    double viewer_fraction = 0.0;  ///< of the viewers
+    std::vector<SamplePiece> pieces{};
+    std::vector<ObjectId> set{};  ///< the objects at the ends of the samples, ascending
     double set_cost = 0.0;
-    std::vector<geometry::TriangleId> triangles{};  ///< that may be inside; only with a mesh
-    std::vector<std::uint32_t> viewers{};           ///< only with a density
-    std::uint64_t key = 0;                          ///< chooses its triangles
+    std::vector<geometry::TriangleId> triangles{};  ///< inside, perhaps; only with a mesh
+    std::vector<std::uint32_t> viewers{};           ///< inside; only with a density
+    std::uint64_t key = 0;                          ///< random stream of its triangles
     int poor_splits = 0;
     int depth = 0;
 };
 
-/// From where to where a piece reaches along a normal. Ends within `slack` of a plane do not reach
-/// beyond it, and a piece that lies within the slack of a plane altogether is on both sides.
-struct Reach {
+/// The extent of a piece along a normal. An end within `slack` of a plane does not reach beyond it,
+/// and a piece that lies within the slack of a plane as a whole is on both sides.
+struct Extent {
     double at_begin = 0.0, at_end = 0.0;
     double low = 0.0, high = 0.0;    ///< the same in order
     double first = 0.0, last = 0.0;  ///< behind planes of offset >= first, before those <= last
 
-    Reach(const Sight& sight, const SightPiece& piece, const geometry::Vec3& normal, double slack)
-        : at_begin(glm::dot(normal, sight.from + piece.begin * sight.step)),
-          at_end(glm::dot(normal, sight.from + piece.end * sight.step)),
+    Extent(const VisibilitySample& sample,
+           const SamplePiece& piece,
+           const geometry::Vec3& normal,
+           double slack)
+        : at_begin(glm::dot(normal, sample.from + piece.begin * sample.step)),
+          at_end(glm::dot(normal, sample.from + piece.end * sample.step)),
           low(std::min(at_begin, at_end)),
           high(std::max(at_begin, at_end)),
           first(std::min(low + slack, high - slack)),

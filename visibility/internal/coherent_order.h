@@ -10,14 +10,15 @@
 
 namespace earshot::visibility {
 
-// Orders in which neighbours are near each other: along a Morton curve (Morton 1966) on a coarse
-// grid over the box of all, by index within a cell. O(n). Precondition: fewer than 2^32, finite.
+// Permutations in which neighbours are close to each other: along a Morton curve (Morton 1966) on a
+// coarse grid over the common box, by index within a cell. O(n). Precondition: fewer than 2^32
+// elements, all finite.
 
-/// Of points, on a grid of 256 steps per axis.
+/// The order of points, on a grid of 256 steps per axis.
 std::vector<std::uint32_t> coherent_order(std::span<const geometry::Vec3> points,
                                           Executor& executor = Executor::serial());
 
-/// Of segments, by both of their ends, on a grid of 16 steps per axis.
+/// The order of segments, by both of their ends, on a grid of 16 steps per axis.
 std::vector<std::uint32_t> coherent_order(std::span<const geometry::Segment> segments,
                                           Executor& executor = Executor::serial());
 

@@ -2,8 +2,9 @@
 #pragma once
 
 #include "earshot/visibility/free_segments.h"
-#include "earshot/visibility/global_sampling.h"
-#include "earshot/visibility/internal/sample_source.h"
+#include "earshot/visibility/global_pvs.h"
+#include "earshot/visibility/internal/sample_generator.h"
+#include "earshot/visibility/view_cells.h"
 
 #include <array>
 #include <cstdint>
@@ -12,7 +13,7 @@
 
 namespace earshot::visibility {
 
-/// Draws, casts and counts batches of samples.
+/// Draws and casts batches of samples and adds their contributions to the visible sets.
 class GlobalSampler {
 public:
     GlobalSampler(const bvh::WideTree& tree,
@@ -25,33 +26,34 @@ public:
     GlobalPvs run();
 
 private:
-    /// An entry that a sample may add.
-    struct Find {
+    /// An entry that a sample may add to a set.
+    struct Contribution {
         std::uint32_t sample;
         CellId cell;
         ObjectId object;
-        bool is_ahead;  ///< at the end that the line points to
+        bool is_ahead;  ///< at the end that the ray points to
     };
-    /// What the samples of the last half of the work tell of what is missing.
+    /// The counts before a batch.
     struct Mark {
         std::uint64_t rays, own_samples, own_finds;
     };
 
     bool is_finished() const;
     std::vector<Sample> draw_batch();
-    SampleDistribution choose(double die) const;
-    std::vector<Find> look(std::span<const Sample> samples, std::span<const FreeSegment> segments);
-    void take_in(std::span<const Sample> samples,
-                 std::span<const FreeSegment> segments,
-                 std::span<const Find> finds);
-    void note_candidates(const FreeSegment& segment, bool ahead, bool behind);
+    SampleDistribution select_distribution(double uniform) const;
+    std::vector<Contribution> find_contributions(std::span<const Sample> samples,
+                                                 std::span<const FreeSegment> segments);
+    void add_contributions(std::span<const Sample> samples,
+                           std::span<const FreeSegment> segments,
+                           std::span<const Contribution> contributions);
+    void add_candidates(const FreeSegment& segment, bool ahead, bool behind);
     void follow_silhouette(const Sample& sample, const FreeSegment& segment);
-    void choose_anew(const std::array<GlobalPvs::Count, kSampleDistributions>& before);
-    void close_window();
+    void update_probabilities(const std::array<GlobalPvs::Count, kSampleDistributions>& before);
+    void check_convergence();
     std::vector<ObjectId> set_of(CellId cell) const;
 
     std::uint64_t& word(CellId cell, ObjectId object) { return bits_[cell * words_ + object / 64]; }
-    bool is_known(CellId cell, ObjectId object) const {
+    bool is_in_set(CellId cell, ObjectId object) const {
         return (bits_[cell * words_ + object / 64] >> object % 64 & 1U) != 0;
     }
     double radius_at(geometry::TriangleId triangle) const;
@@ -62,18 +64,18 @@ private:
     const ViewCells& cells_;
     const GlobalSamplingOptions& options_;
     Executor& executor_;
-    SampleSource source_;
-    MutationStore store_;
-    std::size_t words_;                 // of bits, per cell
-    std::vector<std::uint64_t> bits_;   // cell after cell
-    std::vector<std::uint64_t> sizes_;  // per cell
-    std::array<double, kSampleDistributions> chances_{};
-    GlobalPvs view_;
+    SampleGenerator generator_;
+    MutationCandidates candidates_;
+    std::size_t words_;                 // 64-bit words per cell
+    std::vector<std::uint64_t> bits_;   // the set of each cell, a bit per object
+    std::vector<std::uint64_t> sizes_;  // of the set of each cell
+    std::array<double, kSampleDistributions> probabilities_{};
+    GlobalPvs pvs_;
     std::uint64_t entries_ = 0;
     std::uint64_t own_finds_ = 0;  // by view_space_direction for the cell of their origin
     std::vector<Mark> marks_;
     std::uint64_t window_end_;
-    std::vector<std::uint64_t> sizes_then_;  // when the window began
+    std::vector<std::uint64_t> sizes_at_window_start_;  // of the set of each cell
     bool has_converged_ = false;
     bool is_interrupted_ = false;
 };

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/visibility/guided_sampling.h"
+#include "earshot/base/parallel.h"
+#include "earshot/bvh/wide_tree.h"
+#include "earshot/geometry/mesh.h"
 #include "earshot/visibility/internal/border_sampling.h"
+#include "earshot/visibility/region_pvs.h"
 
 #include <array>
 #include <deque>
@@ -12,7 +15,7 @@
 
 namespace earshot::visibility {
 
-/// Casts rays in batches, and decides on the next ones from what the last ones met, in order.
+/// Casts rays in batches; the hits of a batch, in order, decide the rays of the next.
 class GuidedSampler {
 public:
     GuidedSampler(const bvh::WideTree& tree,
@@ -21,52 +24,54 @@ public:
                   const GuidedSamplingOptions& options,
                   Executor& executor);
 
-    /// Until it is enough; the triangles and witnesses of the result are left out.
+    /// Samples until the options say enough. The result lacks its triangles and witnesses.
     RegionPvs run();
 
     bool is_known(geometry::TriangleId triangle) const noexcept {
-        return place_[triangle] != kUnknown;
+        return index_of_triangle_[triangle] != kUnknown;
     }
     /// Precondition: is_known(triangle).
     const geometry::Ray& witness_of(geometry::TriangleId triangle) const noexcept {
-        return witnesses_[place_[triangle]];
+        return witnesses_[index_of_triangle_[triangle]];
     }
 
 private:
     static constexpr std::uint32_t kUnknown = 0xffffffffU;
 
-    /// A triangle whose border is to be sampled, seen from where a ray met it.
+    /// A triangle whose border is to be sampled, as seen from the origin of a ray that hit it.
     struct Seed {
-        geometry::Vec3 eye{}, hit{};
+        geometry::Vec3 eye{}, hit_point{};
         geometry::TriangleId triangle = 0;
     };
-    /// A ray by a border, and what it met.
-    struct Probe {
+    /// A ray past the border of a seed's triangle, and its hit.
+    struct BorderSample {
         std::size_t seed = 0;
-        geometry::Vec3 towards{};
-        std::optional<geometry::Hit> met{};
-        geometry::Vec3 hit{};
+        geometry::Vec3 target{};
+        std::optional<geometry::Hit> hit{};
+        geometry::Vec3 hit_point{};
     };
-    struct Gap {
-        Probe left{}, right{};
+    /// Neighbouring samples along a border with a discontinuity between them.
+    struct BorderInterval {
+        BorderSample left{}, right{};
     };
 
     bool is_finished() const;
-    std::size_t allowance(std::size_t rays) const;
-    /// Casts as many as are allowed and notes what they meet.
+    /// As many of `rays` as `max_rays` leaves.
+    std::size_t rays_allowed(std::size_t rays) const;
+    /// Casts as many rays as are allowed and records their hits; returns how many.
     std::size_t cast(std::span<const geometry::Ray> rays);
-    void note(const geometry::Ray& ray, const std::optional<geometry::Hit>& met);
+    void record(const geometry::Ray& ray, const std::optional<geometry::Hit>& hit);
     geometry::Ray random_ray(std::uint64_t index) const;
     std::size_t batch_size() const;
     void cast_random();
-    void look_again();
+    void reseed_known_triangles();
 
     void sample_borders(std::span<const Seed> seeds);
-    void cast_probes(std::span<const Seed> seeds, std::vector<Probe>& probes);
-    std::vector<Gap> halve(std::span<const Seed> seeds, const std::vector<Gap>& gaps);
-    bool falls_apart(const Probe& a, const Probe& b) const;
-    void look_past(const Seed& seed, const Probe& probe);
-    Corners corners_of(geometry::TriangleId triangle) const;
+    void cast_samples(std::span<const Seed> seeds, std::vector<BorderSample>& samples);
+    std::vector<BorderInterval> subdivide(std::span<const Seed> seeds,
+                                          const std::vector<BorderInterval>& intervals);
+    bool is_discontinuous(const BorderSample& a, const BorderSample& b) const;
+    void sample_reverse(const Seed& seed, const BorderSample& sample);
 
     const bvh::WideTree& tree_;
     geometry::MeshView mesh_;
@@ -74,17 +79,17 @@ private:
     const GuidedSamplingOptions& options_;
     Executor& executor_;
     double diagonal_ = 0.0;
-    std::array<double, 6> faces_{};  // of the region, areas summed up
+    std::array<double, 6> face_areas_{};  // of the region's faces, cumulative
 
-    std::vector<std::uint32_t> place_;  // per triangle, among the witnesses
+    std::vector<std::uint32_t> index_of_triangle_;  // into witnesses_, or kUnknown
     std::vector<geometry::Ray> witnesses_;
-    std::vector<geometry::TriangleId> found_;  // of each witness
-    std::deque<Seed> waiting_;
-    std::vector<geometry::Ray> past_;  // rays past blockers that are still to be cast
+    std::vector<geometry::TriangleId> found_;  // the triangle of each witness
+    std::deque<Seed> queue_;
+    std::vector<geometry::Ray> reverse_rays_;         // to be cast after the current seeds
     std::vector<std::optional<geometry::Hit>> hits_;  // of the last batch
     std::uint64_t rays_ = 0;
     std::uint64_t random_rays_ = 0;
-    std::uint64_t looks_ = 0;
+    std::uint64_t reseeds_ = 0;
     struct Mark {
         std::uint64_t rays, random_rays, random_finds;
     };

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/parallel.h"
+#include "earshot/base/progress.h"
+#include "earshot/bvh/wide_tree.h"
+#include "earshot/geometry/mesh.h"
 #include "earshot/visibility/free_segments.h"
-#include "earshot/visibility/visible_triangles.h"
+#include "earshot/visibility/internal/border_sampling.h"
+#include "earshot/visibility/visible_triangle_set.h"
 
 #include <array>
 #include <cstddef>
@@ -13,18 +18,18 @@
 
 namespace earshot::visibility {
 
-/// A direction and the triangle that is seen in it.
-struct Look {
+/// A direction and the triangle that is visible in it, or kNoTriangle.
+struct DirectionSample {
     geometry::Vec3 direction{};
     geometry::TriangleId triangle = kNoTriangle;
 };
 
-/// Two directions between which more may be seen.
-struct Gap {
-    Look first, second;
+/// Two neighbouring directions between which other triangles may be visible.
+struct DirectionInterval {
+    DirectionSample first, second;
 };
 
-/// The triangles found so far from one point, and the ways to find more.
+/// The triangles found so far from one point, and the strategies that find more.
 class VisibleSearch {
 public:
     VisibleSearch(const bvh::WideTree& tree,
@@ -33,45 +38,48 @@ public:
                   const VisibleTrianglesOptions& options,
                   Executor& executor);
 
-    /// Casts a ray in every direction and notes what is new, in order.
-    std::vector<geometry::TriangleId> look(std::span<const geometry::Vec3> directions);
+    /// Casts a ray in every direction and records new triangles, in order. Returns the triangle of
+    /// each direction, or kNoTriangle.
+    std::vector<geometry::TriangleId> cast(std::span<const geometry::Vec3> directions);
 
-    /// A pixel in which `triangle`, or nothing, was seen.
+    /// Counts a pixel of the item buffer that shows `triangle`, or kNoTriangle.
     void count_pixel(geometry::TriangleId triangle, double solid_angle);
 
-    /// Whether there may be more to be seen in the middle of a gap: both ends see different things
-    /// that are not joined by an edge, or they are farther apart than `longest`; and they are
-    /// farther apart than the least gap.
-    bool is_open(const Gap& gap, double longest) const noexcept;
+    /// Whether an interval needs subdivision: its ends show different triangles that share no edge,
+    /// or they are farther apart than `max_angle`; and they are farther apart than
+    /// VisibleTrianglesOptions::min_gap.
+    bool needs_subdivision(const DirectionInterval& interval, double max_angle) const noexcept;
 
-    /// Halves open gaps until none is left.
-    void narrow(std::vector<Gap> gaps, double longest = std::numeric_limits<double>::infinity());
+    /// Bisects intervals until none needs subdivision.
+    void subdivide(std::vector<DirectionInterval> intervals,
+                   double max_angle = std::numeric_limits<double>::infinity());
 
-    /// Follows the borders of the triangles found, those included that are found by it.
-    void follow_borders(Progress* progress);
+    /// Adaptive border sampling of all triangles found, those included that it finds itself.
+    void sample_borders(Progress* progress);
 
-    /// Looks towards the middle of every triangle that has not been found.
-    void aim_at_others(Progress* progress);
+    /// Casts a ray towards the centroid of every triangle that has not been found.
+    void aim_at_missing(Progress* progress);
 
-    /// What was found; to be called once, at the end.
+    /// The result; to be called once, at the end.
     VisibleTriangles finish();
 
 private:
-    /// look(), but returns nothing if that would be too many rays.
+    /// cast() within the limit of refining rays; empty if the rays would exceed it.
     std::optional<std::vector<geometry::TriangleId>> refine(
         std::span<const geometry::Vec3> directions);
-    void note(geometry::TriangleId triangle, const geometry::Vec3& direction);
-    bool are_joined(geometry::TriangleId a, geometry::TriangleId b) const noexcept;
-    std::array<geometry::Vec3, 3> corners_of(geometry::TriangleId triangle) const noexcept;
+    void record(geometry::TriangleId triangle, const geometry::Vec3& direction);
+    bool share_edge(geometry::TriangleId a, geometry::TriangleId b) const noexcept;
+    /// The corners of a triangle relative to the point.
+    Corners relative_corners(geometry::TriangleId triangle) const noexcept;
 
     const bvh::WideTree& tree_;
     const geometry::MeshView mesh_;
     const geometry::Vec3 point_;
     const VisibleTrianglesOptions options_;
     Executor& executor_;
-    std::vector<std::uint32_t> place_;  // of each triangle in found_.triangles, or kNoTriangle
-    VisibleTriangles found_;            // in the order of discovery
-    std::size_t followed_ = 0;          // so many of these have been
+    std::vector<std::uint32_t> index_of_triangle_;  // in found_.triangles, or kNoTriangle
+    VisibleTriangles found_;                        // in the order of discovery
+    std::size_t borders_followed_ = 0;              // so many triangles of found_
     std::uint64_t refining_rays_ = 0;
 };
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/internal/sample_source.h"
+#include "earshot/visibility/internal/sample_generator.h"
 
 #include "earshot/base/halton.h"
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/geometry/aabb.h"
 #include "earshot/geometry/sheared_ray.h"
-#include "earshot/visibility/internal/unit.h"
+#include "earshot/visibility/internal/directions.h"
 
 #include <glm/geometric.hpp>
 
@@ -23,24 +23,24 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr double kTurn = 2.0 * std::numbers::pi;
+constexpr double kFullTurn = 2.0 * std::numbers::pi;
 
-// Streams of random numbers; those of mutations need no evenness.
+// Streams of random numbers; mutations need no low-discrepancy sequence.
 constexpr std::uint64_t kTwoPoint = 100;
 constexpr std::uint64_t kSilhouette = 110;
 
-// The border of an object is found to a 128th of how far it can be: Bittner et al. 2009, 4.3.
+// The silhouette point is bisected to a 128th of the search interval: Bittner et al. 2009, 4.3.
 constexpr int kBisections = 7;
 
-// Rays start so far from a surface, as a share of the largest coordinate: more than roundings.
-constexpr double kLift = 0x1p-40;
+// Rays start this far from a surface, as a fraction of the largest coordinate: more than rounding.
+constexpr double kSurfaceOffset = 0x1p-40;
 
-/// Two unit vectors across a direction and each other.
-struct Across {
+/// Two unit vectors perpendicular to a direction and to each other.
+struct PerpendicularAxes {
     Vec3 right, up;
 };
 
-Across across(const Vec3& direction) noexcept {
+PerpendicularAxes perpendicular_axes(const Vec3& direction) noexcept {
     const Vec3 other = std::abs(direction.x) < 0.5 * glm::length(direction) ? Vec3(1.0, 0.0, 0.0)
                                                                             : Vec3(0.0, 1.0, 0.0);
     const Vec3 right = glm::normalize(glm::cross(direction, other));
@@ -49,13 +49,13 @@ Across across(const Vec3& direction) noexcept {
 
 }  // namespace
 
-SampleSource::SampleSource(const geometry::MeshView& mesh,
-                           const Objects& objects,
-                           const ViewRegion& region,
-                           std::uint64_t seed)
+SampleGenerator::SampleGenerator(const geometry::MeshView& mesh,
+                                 const Objects& objects,
+                                 const ViewRegion& region,
+                                 std::uint64_t seed)
     : mesh_(mesh), objects_(objects), region_(region), seed_(seed) {
     for (ObjectId object = 0; object < objects.size(); ++object) {
-        first_.push_back(areas_.size());
+        first_area_.push_back(areas_.size());
         Vec3 lower(std::numeric_limits<double>::infinity());
         Vec3 upper(-lower);
         double sum = 0.0;
@@ -72,25 +72,25 @@ SampleSource::SampleSource(const geometry::MeshView& mesh,
         }
         radii_.push_back(0.5 * glm::distance(lower, upper));
         const Vec3 far = glm::max(glm::abs(lower), glm::abs(upper));
-        reach_ = std::max({reach_, far.x, far.y, far.z});
+        max_coordinate_ = std::max({max_coordinate_, far.x, far.y, far.z});
     }
 }
 
-double SampleSource::number(std::uint64_t index, std::uint32_t base) const noexcept {
+double SampleGenerator::number(std::uint64_t index, std::uint32_t base) const noexcept {
     return shifted_radical_inverse(index + 1, base, random(seed_, base, 0));
 }
 
-Vec3 SampleSource::in_region(std::uint64_t index) const noexcept {
+Vec3 SampleGenerator::point_in_region(std::uint64_t index) const noexcept {
     return region_.lower +
            Vec3(number(index, 2), number(index, 3), number(index, 5)) * region_.size();
 }
 
-// Objects are drawn alike, and places on one by their area.
-SampleSource::Spot SampleSource::on_object(std::uint64_t index) const noexcept {
+// Uniform over the objects, and uniform by area on the one drawn.
+SampleGenerator::SurfacePoint SampleGenerator::point_on_object(std::uint64_t index) const noexcept {
     const auto object =
         static_cast<ObjectId>(number(index, 7) * static_cast<double>(objects_.size()));
     const auto members = objects_.triangles_of(object);
-    const auto sums = areas_.begin() + static_cast<std::ptrdiff_t>(first_[object]);
+    const auto sums = areas_.begin() + static_cast<std::ptrdiff_t>(first_area_[object]);
     const auto end = sums + static_cast<std::ptrdiff_t>(members.size());
     const auto place = std::upper_bound(sums, end - 1, number(index, 11) * *(end - 1));
     const geometry::Triangle& corners =
@@ -103,24 +103,24 @@ SampleSource::Spot SampleSource::on_object(std::uint64_t index) const noexcept {
     return {a + (u * (1.0 - v)) * b + (u * v) * c, glm::cross(b, c)};
 }
 
-void SampleSource::draw(Sample& sample, std::uint64_t index) const {
+void SampleGenerator::draw(Sample& sample, std::uint64_t index) const {
     switch (sample.distribution) {
         case SampleDistribution::view_space_direction: {
-            sample.ray = {in_region(index),
-                          on_sphere(1.0 - 2.0 * number(index, 7), kTurn * number(index, 11))};
+            sample.ray = {point_in_region(index),
+                          on_sphere(1.0 - 2.0 * number(index, 7), kFullTurn * number(index, 11))};
             return;
         }
         case SampleDistribution::object_surface_direction: {
-            sample.ray = lambert_ray(index);
+            sample.ray = object_surface_ray(index);
             return;
         }
         case SampleDistribution::two_point: {
-            const Vec3 eye = in_region(index);
-            sample.ray = {eye, on_object(index).point - eye};
+            const Vec3 eye = point_in_region(index);
+            sample.ray = {eye, point_on_object(index).point - eye};
             return;
         }
         case SampleDistribution::two_point_mutation:
-            sample.ray = two_point_mutation(*sample.origin, index);
+            sample.ray = two_point_mutation(*sample.candidate, index);
             return;
         case SampleDistribution::silhouette_mutation:
             silhouette_mutation(sample, index);
@@ -128,53 +128,58 @@ void SampleSource::draw(Sample& sample, std::uint64_t index) const {
     }
 }
 
-// From either side of a surface in turn.
-Ray SampleSource::lambert_ray(std::uint64_t index) const {
-    const Spot spot = on_object(index);
-    const double length = glm::length(spot.normal);
-    const Vec3 normal =
-        (index % 2 == 0 ? 1.0 : -1.0) * (length > 0.0 ? spot.normal / length : Vec3(0.0, 1.0, 0.0));
-    const auto [right, up] = across(normal);
+// From either side of the surface in turn, cosine-weighted.
+Ray SampleGenerator::object_surface_ray(std::uint64_t index) const {
+    const SurfacePoint surface = point_on_object(index);
+    const double length = glm::length(surface.normal);
+    const Vec3 normal = (index % 2 == 0 ? 1.0 : -1.0) *
+                        (length > 0.0 ? surface.normal / length : Vec3(0.0, 1.0, 0.0));
+    const auto [right, up] = perpendicular_axes(normal);
     const double squared = number(index, 19);
-    const double turn = kTurn * number(index, 23);
-    return {spot.point + kLift * reach_ * normal,
+    const double turn = kFullTurn * number(index, 23);
+    return {surface.point + kSurfaceOffset * max_coordinate_ * normal,
             std::sqrt(squared) * (math::cos(turn) * right + math::sin(turn) * up) +
                 std::sqrt(1.0 - squared) * normal};
 }
 
-// Both ends move across the line, by as much as what lies there is large. The line starts in the
-// middle, so that what stands about its ends does not hold it.
-Ray SampleSource::two_point_mutation(const Candidate& origin, std::uint64_t index) const {
-    const auto [right, up] = across(origin.to - origin.from);
+// Bittner et al. 2009, section 4.2: both ends move in the plane perpendicular to the segment by a
+// Gaussian as wide as the radius of what lies there. The ray starts in the middle of the mutated
+// segment, to avoid occlusion near its ends.
+Ray SampleGenerator::two_point_mutation(const MutationCandidate& candidate,
+                                        std::uint64_t index) const {
+    const auto [right, up] = perpendicular_axes(candidate.to - candidate.from);
     const auto moved = [&, right = right, up = up](
                            const Vec3& end, double sigma, std::uint64_t stream) {
         const double radius =
             sigma * std::sqrt(-2.0 * math::log(1.0 - random(seed_, kTwoPoint + stream, index)));
-        const double turn = kTurn * random(seed_, kTwoPoint + stream + 1, index);
+        const double turn = kFullTurn * random(seed_, kTwoPoint + stream + 1, index);
         return end + radius * math::cos(turn) * right + radius * math::sin(turn) * up;
     };
-    const Vec3 from = moved(origin.from, origin.from_radius, 0);
-    const Vec3 to = moved(origin.to, radii_[origin.object], 2);
+    const Vec3 from = moved(candidate.from, candidate.from_radius, 0);
+    const Vec3 to = moved(candidate.to, radii_[candidate.object], 2);
     return {0.5 * (from + to), to - from};
 }
 
-// Just by the object's border, in some direction: what it hides.
-void SampleSource::silhouette_mutation(Sample& sample, std::uint64_t index) const {
-    const Candidate& origin = *sample.origin;
-    const auto [right, up] = across(origin.to - origin.from);
-    const double turn = kTurn * random(seed_, kSilhouette, index);
-    const Vec3 aside = math::cos(turn) * right + math::sin(turn) * up;
+// Bittner et al. 2009, section 4.3: a ray just past the object's silhouette in a random direction.
+void SampleGenerator::silhouette_mutation(Sample& sample, std::uint64_t index) const {
+    const MutationCandidate& candidate = *sample.candidate;
+    const auto [right, up] = perpendicular_axes(candidate.to - candidate.from);
+    const double turn = kFullTurn * random(seed_, kSilhouette, index);
+    const Vec3 direction = math::cos(turn) * right + math::sin(turn) * up;
     double on = 0.0;
-    double off = 2.0 * radii_[origin.object];
+    double off = 2.0 * radii_[candidate.object];
     for (int i = 0; i < kBisections; ++i) {
         const double middle = 0.5 * (on + off);
-        (meets(origin.from, origin.to + middle * aside, origin.object) ? on : off) = middle;
+        (intersects(candidate.from, candidate.to + middle * direction, candidate.object) ? on
+                                                                                         : off) =
+            middle;
     }
-    sample.aimed_at = origin.to + off * aside;
-    sample.ray = {0.5 * (origin.from + sample.aimed_at), sample.aimed_at - origin.from};
+    sample.silhouette_point = candidate.to + off * direction;
+    sample.ray = {0.5 * (candidate.from + sample.silhouette_point),
+                  sample.silhouette_point - candidate.from};
 }
 
-bool SampleSource::meets(const Vec3& from, const Vec3& towards, ObjectId object) const {
+bool SampleGenerator::intersects(const Vec3& from, const Vec3& towards, ObjectId object) const {
     const geometry::ShearedRay ray({from, towards - from});
     if (!ray.is_valid()) {
         return false;
@@ -187,7 +192,7 @@ bool SampleSource::meets(const Vec3& from, const Vec3& towards, ObjectId object)
                  mesh_.positions[corners[1]],
                  mesh_.positions[corners[2]],
                  ray.t_max(),
-                 reach_)
+                 max_coordinate_)
             .has_value();
     });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/internal/share_behind.h"
+#include "earshot/visibility/internal/volume_behind_plane.h"
 
 #include <glm/geometric.hpp>
 
@@ -12,8 +12,8 @@ using geometry::Vec3;
 
 namespace {
 
-/// The mean over a triangle of how far its points are below a level, 0 for those above: the
-/// integral of the share of the triangle that is below each lower level.
+/// The mean over a triangle of the depth of its points below a level, 0 for points above: the
+/// integral over lower levels of the fraction of the triangle that is below.
 double mean_depth(const std::array<double, 3>& heights, double level) noexcept {
     const auto& [low, middle, high] = heights;
     if (level <= low) {
@@ -33,7 +33,9 @@ double mean_depth(const std::array<double, 3>& heights, double level) noexcept {
 
 }  // namespace
 
-ShareBehind::ShareBehind(const CellLeaf& leaf, std::span<const Viewer> viewers, const Vec3& normal)
+VolumeBehindPlane::VolumeBehindPlane(const CellLeaf& leaf,
+                                     std::span<const Viewer> viewers,
+                                     const Vec3& normal)
     : leaf_(leaf), has_viewers_(!viewers.empty()) {
     std::vector<double> heights;
     for (const Vec3& corner : leaf.shape.corners()) {
@@ -60,18 +62,18 @@ ShareBehind::ShareBehind(const CellLeaf& leaf, std::span<const Viewer> viewers, 
     if (has_viewers_) {
         std::vector<std::pair<double, std::uint32_t>> places;
         for (const std::uint32_t viewer : leaf.viewers) {
-            places.emplace_back(glm::dot(normal, viewers[viewer].place), viewer);
+            places.emplace_back(glm::dot(normal, viewers[viewer].position), viewer);
         }
         std::sort(places.begin(), places.end());
         viewer_sums_.push_back(0.0);
         for (const auto& [height, viewer] : places) {
             viewer_heights_.push_back(height);
-            viewer_sums_.push_back(viewer_sums_.back() + viewers[viewer].share);
+            viewer_sums_.push_back(viewer_sums_.back() + viewers[viewer].fraction);
         }
     }
 }
 
-double ShareBehind::volume(double offset) const noexcept {
+double VolumeBehindPlane::volume(double offset) const noexcept {
     if (offset <= lowest_) {
         return 0.0;
     }
@@ -88,9 +90,9 @@ double ShareBehind::volume(double offset) const noexcept {
     return std::clamp(sum, 0.0, leaf_.volume);
 }
 
-double ShareBehind::share(double offset, double volume_behind) const noexcept {
+double VolumeBehindPlane::viewer_fraction(double offset, double volume_behind) const noexcept {
     if (!has_viewers_) {
-        return leaf_.volume > 0.0 ? leaf_.share * (volume_behind / leaf_.volume) : 0.0;
+        return leaf_.volume > 0.0 ? leaf_.viewer_fraction * (volume_behind / leaf_.volume) : 0.0;
     }
     const auto place = std::lower_bound(viewer_heights_.begin(), viewer_heights_.end(), offset);
     return viewer_sums_[static_cast<std::size_t>(place - viewer_heights_.begin())];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/internal/sample_source.h"
+#include "earshot/visibility/internal/sample_generator.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -17,9 +17,9 @@ using geometry::Vec3;
 constexpr std::uint64_t kSeed = 5;
 const ViewRegion kRegion = {{-1.0, -2.0, -3.0}, {3.0, 2.0, 1.0}};
 
-class SampleSources : public testing::Test {
+class SampleGeneratorTest : public testing::Test {
 protected:
-    SampleSources()
+    SampleGeneratorTest()
         : mesh(test::sphere(2, 1.0, {0.0, 0.0, -10.0})),
           objects(std::vector<ObjectId>(mesh.triangles.size(), 0)),
           source(mesh.view(), objects, kRegion, kSeed) {}
@@ -27,17 +27,17 @@ protected:
     Sample sample(SampleDistribution distribution, std::uint64_t index) const {
         Sample result;
         result.distribution = distribution;
-        result.origin = Candidate{{0.0, 0.0, 0.0}, {0.0, 0.0, -9.0}, 0, 0.25};
+        result.candidate = MutationCandidate{{0.0, 0.0, 0.0}, {0.0, 0.0, -9.0}, 0, 0.25};
         source.draw(result, index);
         return result;
     }
 
     Mesh mesh;
     Objects objects;  // the sphere as one
-    SampleSource source;
+    SampleGenerator source;
 };
 
-TEST_F(SampleSources, ViewDirectionsStartAnywhereAndGoToAllSides) {
+TEST_F(SampleGeneratorTest, ViewSpaceDirectionsAreUniformInRegionAndSphere) {
     constexpr std::uint64_t kCount = 20000;
     Vec3 origins(0.0);
     Vec3 directions(0.0);
@@ -55,7 +55,7 @@ TEST_F(SampleSources, ViewDirectionsStartAnywhereAndGoToAllSides) {
     }
 }
 
-TEST_F(SampleSources, TwoPointsLeadFromTheRegionToTheObject) {
+TEST_F(SampleGeneratorTest, TwoPointsLeadFromTheRegionToTheObject) {
     for (std::uint64_t i = 0; i < 2000; ++i) {
         const Sample s = sample(SampleDistribution::two_point, i);
         ASSERT_TRUE(kRegion.contains(s.ray.origin));
@@ -67,7 +67,7 @@ TEST_F(SampleSources, TwoPointsLeadFromTheRegionToTheObject) {
 }
 
 // After Lambert: the mean cosine to the normal is 2/3.
-TEST_F(SampleSources, ObjectDirectionsLeaveBothSidesAfterLambert) {
+TEST_F(SampleGeneratorTest, ObjectSurfaceDirectionsAreCosineWeightedOnBothSides) {
     constexpr std::uint64_t kCount = 20000;
     std::array<double, 2> cosines{};
     for (std::uint64_t i = 0; i < kCount; ++i) {
@@ -79,7 +79,7 @@ TEST_F(SampleSources, ObjectDirectionsLeaveBothSidesAfterLambert) {
     EXPECT_NEAR(cosines[0] + cosines[1], 0.0, 0.02);
 }
 
-TEST_F(SampleSources, TwoPointMutationsSpreadAsObjectsAreLarge) {
+TEST_F(SampleGeneratorTest, TwoPointMutationsSpreadByTheRadii) {
     constexpr std::uint64_t kCount = 200'000;
     const double radius = source.radius(0);
     EXPECT_NEAR(radius, std::sqrt(3.0), 1e-12);
@@ -100,16 +100,16 @@ TEST_F(SampleSources, TwoPointMutationsSpreadAsObjectsAreLarge) {
     EXPECT_NEAR(to_variance.z, 0.0, 1e-24);
 }
 
-TEST_F(SampleSources, SilhouetteMutationsPassJustByTheObject) {
+TEST_F(SampleGeneratorTest, SilhouetteMutationsPassJustOutsideOfTheObject) {
     const Vec3 from(0.0);
     const Vec3 middle(0.0, 0.0, -9.0);
     for (std::uint64_t i = 0; i < 2000; ++i) {
-        const Vec3 aimed_at = sample(SampleDistribution::silhouette_mutation, i).aimed_at;
-        ASSERT_FALSE(source.meets(from, aimed_at, 0)) << "sample " << i;
+        const Vec3 aimed_at = sample(SampleDistribution::silhouette_mutation, i).silhouette_point;
+        ASSERT_FALSE(source.intersects(from, aimed_at, 0)) << "sample " << i;
         // The search ends a 128th of the way within the border.
         const Vec3 aside = glm::normalize(aimed_at - middle);
         const double step = 2.0 * source.radius(0) / 128.0;
-        ASSERT_TRUE(source.meets(from, aimed_at - 1.01 * step * aside, 0)) << "sample " << i;
+        ASSERT_TRUE(source.intersects(from, aimed_at - 1.01 * step * aside, 0)) << "sample " << i;
     }
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/internal/leaf_contacts.h"
+#include "earshot/visibility/internal/cell_adjacency.h"
 
 #include "earshot/visibility/cell_shape.h"
 
@@ -14,9 +14,10 @@ namespace {
 
 using geometry::Vec3;
 
-TEST(LeafContacts, OfAGridAreItsNeighbours) {
+TEST(CellAdjacency, OfAGridAreItsNeighbours) {
     // Boxes of 1 x 2 x 3.
-    const auto contacts = leaf_contacts(ViewCells::grid({Vec3(0.0), {3.0, 4.0, 6.0}}, {3, 2, 2}));
+    const auto contacts =
+        cell_adjacencies(ViewCells::grid({Vec3(0.0), {3.0, 4.0, 6.0}}, {3, 2, 2}));
     std::map<std::pair<LeafId, LeafId>, double> expected;
     for (LeafId i = 0; i < 12; ++i) {
         if (i % 3 < 2) {
@@ -31,18 +32,18 @@ TEST(LeafContacts, OfAGridAreItsNeighbours) {
     }
     ASSERT_EQ(contacts.size(), expected.size());
     auto next = expected.begin();
-    for (const LeafContact& contact : contacts) {
+    for (const CellAdjacency& contact : contacts) {
         EXPECT_EQ(std::pair(contact.first, contact.second), next->first);
         EXPECT_NEAR(contact.area, next->second, 1e-12);
         ++next;
     }
 }
 
-TEST(LeafContacts, CoverTheSurfaceOfEveryLeafButForTheBorder) {
+TEST(CellAdjacency, CoverTheSurfaceOfEveryLeafButForTheBorder) {
     const ViewCells cells = test::random_cells(3, 300);
     const auto shapes = leaf_shapes(cells);
     std::vector<double> touched(cells.leaves(), 0.0);
-    for (const LeafContact& contact : leaf_contacts(cells)) {
+    for (const CellAdjacency& contact : cell_adjacencies(cells)) {
         EXPECT_LT(contact.first, contact.second);
         touched[contact.first] += contact.area;
         touched[contact.second] += contact.area;
@@ -62,8 +63,8 @@ TEST(LeafContacts, CoverTheSurfaceOfEveryLeafButForTheBorder) {
     }
 }
 
-TEST(LeafContacts, OfOneLeafAreNone) {
-    EXPECT_TRUE(leaf_contacts(ViewCells({Vec3(0.0), Vec3(1.0)})).empty());
+TEST(CellAdjacency, OfOneLeafAreNone) {
+    EXPECT_TRUE(cell_adjacencies(ViewCells({Vec3(0.0), Vec3(1.0)})).empty());
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/internal/plane_search.h"
+#include "earshot/visibility/internal/split_plane_search.h"
 
 #include "earshot/base/random.h"
-#include "earshot/visibility/internal/share_behind.h"
+#include "earshot/visibility/internal/volume_behind_plane.h"
 
 #include <glm/geometric.hpp>
 
@@ -20,10 +20,10 @@ namespace {
 
 /// A split that leaves a smaller part of a leaf's volume on one side is refused: of a sliver of
 /// 1e-9 the rounding of the volume is 1e-6.
-constexpr double kLeastPart = 1e-9;
+constexpr double kMinVolumeFraction = 1e-9;
 
-/// Below this much work threads take longer to start than to do it.
-constexpr std::size_t kPiecesWorthThreads = 20000;
+/// With fewer pieces, threads take longer to start than to work.
+constexpr std::size_t kMinPiecesForThreads = 20000;
 
 constexpr std::size_t kPlaneGroups = 4;
 constexpr std::size_t kTasksPerLeaf = 3 + kPlaneGroups;
@@ -31,15 +31,15 @@ constexpr std::size_t kTasksPerLeaf = 3 + kPlaneGroups;
 /// Unit normals that differ by less are parallel.
 constexpr double kParallel = 1e-9;
 
-void keep_better(std::optional<Proposal>& best, const Proposal& proposal) {
+void keep_best(std::optional<SplitCandidate>& best, const SplitCandidate& proposal) {
     if (!best || proposal.saving > best->saving) {
         best = proposal;
     }
 }
 
-/// How far the sights of an object reach along an axis: it is seen behind planes of offset >= first
-/// and before those of offset <= last.
-struct ObjectReach {
+/// The extent of an object's samples along an axis: the object is visible behind planes of offset
+/// >= first and before planes of offset <= last.
+struct ObjectExtent {
     double first = std::numeric_limits<double>::infinity();
     double last = -std::numeric_limits<double>::infinity();
     double low = 0.0, high = 0.0;  // the ends that set first and last
@@ -48,88 +48,90 @@ struct ObjectReach {
 /// The search in one leaf.
 class LeafSearch {
 public:
-    LeafSearch(const CellBuild& build, const CellOptions& options, const CellLeaf& leaf)
+    LeafSearch(const CellBuildContext& build, const CellOptions& options, const CellLeaf& leaf)
         : build_(build),
           leaf_(leaf),
-          place_(std::make_unique_for_overwrite<std::uint32_t[]>(build.costs.size())) {
+          index_in_set_(std::make_unique_for_overwrite<std::uint32_t[]>(build.costs.size())) {
         for (std::size_t i = 0; i < leaf.set.size(); ++i) {
-            place_[leaf.set[i]] = static_cast<std::uint32_t>(i);
+            index_in_set_[leaf.set[i]] = static_cast<std::uint32_t>(i);
         }
         choose_triangle_planes(options);
     }
 
-    std::optional<Proposal> run(std::size_t task) const {
+    std::optional<SplitCandidate> run(std::size_t task) const {
         return task < 3 ? best_along(static_cast<int>(task)) : best_of_triangles(task - 3);
     }
 
 private:
-    /// What dividing by a plane saves, if what is not seen behind it and before it would cost so
-    /// much. Empty for slivers.
-    std::optional<double> saving(const ShareBehind& behind,
+    /// What splitting by a plane saves, given the costs of the objects hidden behind it and before
+    /// it. Empty for slivers.
+    std::optional<double> saving(const VolumeBehindPlane& behind,
                                  double offset,
-                                 double unseen_behind,
-                                 double unseen_before) const {
+                                 double hidden_behind,
+                                 double hidden_before) const {
         const double volume = behind.volume(offset);
-        if (std::min(volume, leaf_.volume - volume) < kLeastPart * leaf_.volume) {
+        if (std::min(volume, leaf_.volume - volume) < kMinVolumeFraction * leaf_.volume) {
             return std::nullopt;
         }
-        const double share = behind.share(offset, volume);
-        return share * unseen_behind + std::max(0.0, leaf_.share - share) * unseen_before;
+        const double fraction = behind.viewer_fraction(offset, volume);
+        return fraction * hidden_behind +
+               std::max(0.0, leaf_.viewer_fraction - fraction) * hidden_before;
     }
 
-    std::vector<ObjectReach> reaches_along(const Vec3& normal) const;
-    std::optional<Proposal> best_along(int axis) const;
-    std::optional<Proposal> best_of_triangles(std::size_t group) const;
+    std::vector<ObjectExtent> extents_along(const Vec3& normal) const;
+    std::optional<SplitCandidate> best_along(int axis) const;
+    std::optional<SplitCandidate> best_of_triangles(std::size_t group) const;
     void choose_triangle_planes(const CellOptions& options);
 
-    const CellBuild& build_;
+    const CellBuildContext& build_;
     const CellLeaf& leaf_;
-    // Of an object in the leaf's set; those of other objects are never looked at, or written.
-    std::unique_ptr<std::uint32_t[]> place_;
+    // Of an object in the leaf's set; entries of other objects are never read or written.
+    std::unique_ptr<std::uint32_t[]> index_in_set_;
     std::vector<CellNode> triangle_planes_;
 };
 
 /// One per object of the leaf's set.
-std::vector<ObjectReach> LeafSearch::reaches_along(const Vec3& normal) const {
-    std::vector<ObjectReach> reaches(leaf_.set.size());
-    for (const SightPiece& piece : leaf_.pieces) {
-        const Sight& sight = build_.sights[piece.sight];
-        const Reach reach(sight, piece, normal, build_.slack);
-        for (const ObjectId object : sight.objects) {
+std::vector<ObjectExtent> LeafSearch::extents_along(const Vec3& normal) const {
+    std::vector<ObjectExtent> extents(leaf_.set.size());
+    for (const SamplePiece& piece : leaf_.pieces) {
+        const VisibilitySample& sample = build_.samples[piece.sample];
+        const Extent extent(sample, piece, normal, build_.slack);
+        for (const ObjectId object : sample.objects) {
             if (object == kNoObject) {
                 continue;
             }
-            ObjectReach& all = reaches[place_[object]];
-            if (reach.first < all.first) {
-                all.first = reach.first;
-                all.low = reach.low;
+            ObjectExtent& all = extents[index_in_set_[object]];
+            if (extent.first < all.first) {
+                all.first = extent.first;
+                all.low = extent.low;
             }
-            if (reach.last > all.last) {
-                all.last = reach.last;
-                all.high = reach.high;
+            if (extent.last > all.last) {
+                all.last = extent.last;
+                all.high = extent.high;
             }
         }
     }
-    return reaches;
+    return extents;
 }
 
-/// Which sets a plane at x leaves on its sides changes where an object's first or last end is
-/// passed, and in between the average cost is a monotonous function of the share behind. So the
-/// best plane of an axis goes through one of these ends, two per object, and the ends of all other
-/// pieces need not be tried.
-std::optional<Proposal> LeafSearch::best_along(int axis) const {
+/// The sets on the two sides of a plane change only where the plane passes an object's first or
+/// last end, and in between the average cost is monotonic in the fraction behind. So the best plane
+/// of an axis goes through one of these ends, two per object, and the ends of all other pieces need
+/// not be tried.
+std::optional<SplitCandidate> LeafSearch::best_along(int axis) const {
     Vec3 normal(0.0);
     normal[axis] = 1.0;
-    const auto reaches = reaches_along(normal);
-    // Objects by their first and by their last end, and the costs of those seen later or earlier.
+    const auto extents = extents_along(normal);
+    // Objects by their first and by their last end, and the costs of those visible later or
+    // earlier.
     std::vector<std::pair<double, double>> first, last;
     std::vector<double> offsets;
-    for (std::size_t i = 0; i < reaches.size(); ++i) {
+    for (std::size_t i = 0; i < extents.size(); ++i) {
         const double cost = build_.costs[leaf_.set[i]];
-        first.emplace_back(reaches[i].first, cost);
-        last.emplace_back(reaches[i].last, cost);
-        offsets.push_back(reaches[i].low);
-        offsets.push_back(reaches[i].high);
+        first.emplace_back(extents[i].first, cost);
+        last.emplace_back(extents[i].last, cost);
+        offsets.push_back(extents[i].low);
+        offsets.push_back(extents[i].high);
     }
     std::sort(first.begin(), first.end());
     std::sort(last.begin(), last.end());
@@ -139,8 +141,8 @@ std::optional<Proposal> LeafSearch::best_along(int axis) const {
     for (std::size_t i = first.size(); i-- > 0;) {
         later[i] = later[i + 1] + first[i].second;
     }
-    const ShareBehind behind(leaf_, build_.viewers, normal);
-    std::optional<Proposal> best;
+    const VolumeBehindPlane behind(leaf_, build_.viewers, normal);
+    std::optional<SplitCandidate> best;
     std::size_t begun = 0;
     std::size_t ended = 0;
     double earlier = 0.0;
@@ -152,13 +154,13 @@ std::optional<Proposal> LeafSearch::best_along(int axis) const {
             earlier += last[ended++].second;
         }
         if (const auto saved = saving(behind, offset, later[begun], earlier)) {
-            keep_better(best, {{normal, offset, 0, 0}, *saved});
+            keep_best(best, {{normal, offset, 0, 0}, *saved});
         }
     }
     return best;
 }
 
-std::optional<Proposal> LeafSearch::best_of_triangles(std::size_t group) const {
+std::optional<SplitCandidate> LeafSearch::best_of_triangles(std::size_t group) const {
     constexpr int kBehind = 1;
     constexpr int kBefore = 2;
     std::vector<CellNode> planes;
@@ -166,39 +168,40 @@ std::optional<Proposal> LeafSearch::best_of_triangles(std::size_t group) const {
         planes.push_back(triangle_planes_[i]);
     }
     std::vector<std::uint8_t> seen(planes.size() * leaf_.set.size(), 0);
-    for (const SightPiece& piece : leaf_.pieces) {
-        const Sight& sight = build_.sights[piece.sight];
+    for (const SamplePiece& piece : leaf_.pieces) {
+        const VisibilitySample& sample = build_.samples[piece.sample];
         for (std::size_t i = 0; i < planes.size(); ++i) {
-            const Reach reach(sight, piece, planes[i].normal, build_.slack);
-            const int sides = (reach.first <= planes[i].offset ? kBehind : 0) |
-                              (reach.last >= planes[i].offset ? kBefore : 0);
-            for (const ObjectId object : sight.objects) {
+            const Extent extent(sample, piece, planes[i].normal, build_.slack);
+            const int sides = (extent.first <= planes[i].offset ? kBehind : 0) |
+                              (extent.last >= planes[i].offset ? kBefore : 0);
+            for (const ObjectId object : sample.objects) {
                 if (object != kNoObject) {
-                    seen[i * leaf_.set.size() + place_[object]] |= static_cast<std::uint8_t>(sides);
+                    seen[i * leaf_.set.size() + index_in_set_[object]] |=
+                        static_cast<std::uint8_t>(sides);
                 }
             }
         }
     }
-    std::optional<Proposal> best;
+    std::optional<SplitCandidate> best;
     for (std::size_t i = 0; i < planes.size(); ++i) {
-        double unseen_behind = 0.0;
-        double unseen_before = 0.0;
+        double hidden_behind = 0.0;
+        double hidden_before = 0.0;
         for (std::size_t k = 0; k < leaf_.set.size(); ++k) {
             const double cost = build_.costs[leaf_.set[k]];
             const int sides = seen[i * leaf_.set.size() + k];
-            unseen_behind += (sides & kBehind) == 0 ? cost : 0.0;
-            unseen_before += (sides & kBefore) == 0 ? cost : 0.0;
+            hidden_behind += (sides & kBehind) == 0 ? cost : 0.0;
+            hidden_before += (sides & kBefore) == 0 ? cost : 0.0;
         }
-        const ShareBehind behind(leaf_, build_.viewers, planes[i].normal);
-        if (const auto saved = saving(behind, planes[i].offset, unseen_behind, unseen_before)) {
-            keep_better(best, {planes[i], *saved});
+        const VolumeBehindPlane behind(leaf_, build_.viewers, planes[i].normal);
+        if (const auto saved = saving(behind, planes[i].offset, hidden_behind, hidden_before)) {
+            keep_best(best, {planes[i], *saved});
         }
     }
     return best;
 }
 
-/// The plane of a triangle, its normal turned so that the same plane always looks the same. Empty
-/// for a triangle without area.
+/// The plane of a triangle, its normal oriented so that equal planes compare equal. Empty for a
+/// triangle without area.
 std::optional<CellNode> plane_of(const geometry::MeshView& mesh, geometry::TriangleId triangle) {
     const auto& [a, b, c] = mesh.triangles[triangle];
     const Vec3 corner = mesh.positions[a];
@@ -238,33 +241,34 @@ void LeafSearch::choose_triangle_planes(const CellOptions& options) {
 
 }  // namespace
 
-std::vector<std::optional<Proposal>> best_planes(const CellBuild& build,
-                                                 const CellOptions& options,
-                                                 std::span<const CellLeaf* const> leaves,
-                                                 Executor& executor) {
+std::vector<std::optional<SplitCandidate>> best_split_planes(
+    const CellBuildContext& build,
+    const CellOptions& options,
+    std::span<const CellLeaf* const> leaves,
+    Executor& executor) {
     std::vector<LeafSearch> searches;
     std::size_t pieces = 0;
     for (const CellLeaf* leaf : leaves) {
         searches.emplace_back(build, options, *leaf);
         pieces += leaf->pieces.size();
     }
-    std::vector<std::optional<Proposal>> found(kTasksPerLeaf * leaves.size());
-    Executor& used = pieces < kPiecesWorthThreads ? Executor::serial() : executor;
+    std::vector<std::optional<SplitCandidate>> found(kTasksPerLeaf * leaves.size());
+    Executor& used = pieces < kMinPiecesForThreads ? Executor::serial() : executor;
     used.for_each(found.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             found[i] = searches[i / kTasksPerLeaf].run(i % kTasksPerLeaf);
         }
     });
-    std::vector<std::optional<Proposal>> best(leaves.size());
+    std::vector<std::optional<SplitCandidate>> best(leaves.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
         if (found[i]) {
-            keep_better(best[i / kTasksPerLeaf], *found[i]);
+            keep_best(best[i / kTasksPerLeaf], *found[i]);
         }
     }
     return best;
 }
 
-CellNode middle_plane(const CellLeaf& leaf) {
+CellNode spatial_median_plane(const CellLeaf& leaf) {
     const ViewRegion box = leaf.shape.box();
     int axis = 0;
     for (int k = 1; k < 3; ++k) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/visibility/internal/leaf_contacts.h"
+#include "earshot/visibility/internal/cell_adjacency.h"
 
 #include "earshot/visibility/cell_shape.h"
 
@@ -43,13 +43,13 @@ Polygon part_of(const Polygon& polygon, const std::vector<double>& heights, doub
     return part;
 }
 
-class ContactFinder {
+class AdjacencyFinder {
 public:
-    explicit ContactFinder(const ViewCells& cells)
+    explicit AdjacencyFinder(const ViewCells& cells)
         : cells_(cells), slack_(plane_slack(cells.region())) {}
 
-    /// Sends what lies on a leaf's face down the tree, on the face's other side.
-    void send(LeafId leaf, const Polygon& face, const Vec3& outward, std::uint32_t child) {
+    /// Passes a polygon on a leaf's face down the tree, to the leaves on the face's other side.
+    void descend(LeafId leaf, const Polygon& face, const Vec3& outward, std::uint32_t child) {
         if ((child & kCellLeaf) != 0) {
             const LeafId other = child & ~kCellLeaf;
             const double area = 0.5 * glm::length(twice_area(face));
@@ -67,20 +67,20 @@ public:
         }
         const auto [low, high] = std::minmax_element(heights.begin(), heights.end());
         if (*low == 0.0 && *high == 0.0) {
-            // Within the plane: on goes what lies beyond the face.
+            // The polygon lies in the plane: the leaves beyond the face are on its outer side.
             const bool is_front = glm::dot(node.normal, outward) > 0.0;
-            send(leaf, face, outward, is_front ? node.front : node.back);
+            descend(leaf, face, outward, is_front ? node.front : node.back);
         } else if (*high <= 0.0) {
-            send(leaf, face, outward, node.back);
+            descend(leaf, face, outward, node.back);
         } else if (*low >= 0.0) {
-            send(leaf, face, outward, node.front);
+            descend(leaf, face, outward, node.front);
         } else {
-            send(leaf, part_of(face, heights, -1.0), outward, node.back);
-            send(leaf, part_of(face, heights, 1.0), outward, node.front);
+            descend(leaf, part_of(face, heights, -1.0), outward, node.back);
+            descend(leaf, part_of(face, heights, 1.0), outward, node.front);
         }
     }
 
-    std::vector<LeafContact> found;
+    std::vector<CellAdjacency> found;
 
 private:
     const ViewCells& cells_;
@@ -89,8 +89,8 @@ private:
 
 }  // namespace
 
-std::vector<LeafContact> leaf_contacts(const ViewCells& cells) {
-    ContactFinder finder(cells);
+std::vector<CellAdjacency> cell_adjacencies(const ViewCells& cells) {
+    AdjacencyFinder finder(cells);
     const auto shapes = leaf_shapes(cells);
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         for (const CellFace& face : shapes[i].faces()) {
@@ -103,9 +103,9 @@ std::vector<LeafContact> leaf_contacts(const ViewCells& cells) {
             }
             const Vec3 outward = twice_area(polygon);
             const CellNode& node = cells.nodes()[face.node];
-            // Of the two leaves at a patch it is found for the one behind the plane.
+            // Each patch is found once, from the leaf behind the plane.
             if (glm::dot(outward, node.normal) > 0.0) {
-                finder.send(static_cast<LeafId>(i), polygon, outward, node.front);
+                finder.descend(static_cast<LeafId>(i), polygon, outward, node.front);
             }
         }
     }
