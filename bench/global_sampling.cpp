@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
 // bench_global_sampling [SCENE [X,Y,Z X,Y,Z [NX NY NZ [GROUP [MILLIONS]]]]]: entries of the visible
-// sets of all cells of a grid against the number of rays, by mixtures of the distributions of
-// samples; and how many rays with view directions only find as much as the whole mixture. GROUP:
-// most triangles of an object. MILLIONS: of rays for view directions only.
+// sets of all cells of a grid against the number of rays, by mixtures of the distributions; and how
+// many rays of the view space-direction distribution alone find as much as the whole mixture.
+// GROUP: most triangles of an object. MILLIONS: of rays of that distribution alone.
 
 #include "earshot/visibility/global_sampling.h"
 
-#include "earshot/base/error.h"
-#include "earshot/io/scene_file.h"
-
-#include "sampling_curve.h"
+#include "sampling_setup.h"
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -18,7 +15,6 @@
 namespace {
 
 using namespace earshot;
-using geometry::Vec3;
 using visibility::GlobalPvs;
 using visibility::GlobalSamplingOptions;
 
@@ -58,12 +54,8 @@ void print_ratios(const GlobalPvs& all, const GlobalPvs& plain) {
     }
 }
 
-int run(int argc, char** argv) {
-    const auto scene = io::load_scene(argc > 1 ? argv[1] : "scenes/city.gltf").scene;
-    visibility::ViewRegion region = {{1.0, 1.0, 1.0}, {239.0, 3.0, 239.0}};
-    if (argc > 3) {
-        region = {point_of(argv[2]), point_of(argv[3])};
-    }
+void run(int argc, char** argv) {
+    SamplingSetup setup(argc, argv, {{1.0, 1.0, 1.0}, {239.0, 3.0, 239.0}});
     std::array<std::uint32_t, 3> counts = {16, 2, 16};
     for (int k = 0; k < 3 && argc > 4 + k; ++k) {
         counts[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(std::atoi(argv[4 + k]));
@@ -71,15 +63,10 @@ int run(int argc, char** argv) {
     const std::size_t group = argc > 7 ? static_cast<std::size_t>(std::atoi(argv[7])) : 32;
     const std::uint64_t millions = argc > 8 ? static_cast<std::uint64_t>(std::atoi(argv[8])) : 60;
 
-    Executor executor;
-    const std::vector<Vec3> positions = scene.mesh.positions_at(0.0);
-    const geometry::MeshView mesh = {positions, scene.mesh.triangles()};
-    const auto tree =
-        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh)), mesh, executor);
-    const auto objects = visibility::Objects::groups(mesh, group, executor);
-    const auto cells = visibility::ViewCells::grid(region, counts);
+    const auto objects = visibility::Objects::groups(setup.mesh, group, setup.executor);
+    const auto cells = visibility::ViewCells::grid(setup.region, counts);
     std::printf("%zu triangles in %zu objects, %zu cells\n\n",
-                mesh.triangles.size(),
+                setup.mesh.triangles.size(),
                 objects.size(),
                 cells.size());
     std::printf("| mixture | 0.1 M rays | 1 M | 3 M | 10 M | late samples that found |\n");
@@ -96,23 +83,18 @@ int run(int argc, char** argv) {
                                                .window = 2 * mixture.rays,
                                                .samples_per_batch = 10'000,
                                                .distributions = mixture.distributions};
-        last = visibility::sample_cells(tree, mesh, objects, cells, options, executor);
+        last = visibility::sample_cells(
+            setup.tree, setup.mesh, objects, cells, options, setup.executor);
         print_row(mixture, last);
         if (mixture.distributions == std::array{true, false, false, false, false}) {
             plain = last;
         }
     }
     print_ratios(last, plain);
-    return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const Error& error) {
-        std::fprintf(stderr, "bench_global_sampling: %s\n", error.line().c_str());
-        return 1;
-    }
+    return run_benchmark("bench_global_sampling", [&] { run(argc, argv); });
 }

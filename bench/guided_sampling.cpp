@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// bench_guided_sampling [SCENE [X,Y,Z X,Y,Z [MILLION_RANDOM [MILLION_LONG]]]]: what a region sees,
+// bench_guided_sampling [SCENE [X,Y,Z X,Y,Z [MILLION_RANDOM [MILLION_LONG]]]]: the PVS of a region,
 // by guided sampling and by random rays, against the number of rays; how many random rays find as
 // much; and what a guided run of a million rays misses of a much longer one.
 
 #include "earshot/visibility/guided_sampling.h"
 
-#include "earshot/base/error.h"
-#include "earshot/io/scene_file.h"
-
-#include "sampling_curve.h"
+#include "sampling_setup.h"
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -19,22 +16,12 @@ namespace {
 
 using namespace earshot;
 using geometry::TriangleId;
-using geometry::Vec3;
 using visibility::GuidedSamplingOptions;
 using visibility::RegionPvs;
-using visibility::ViewRegion;
 
-struct Setting {
-    const bvh::WideTree& tree;
-    geometry::MeshView mesh;
-    ViewRegion region;
-    Executor& executor;
-};
-
-RegionPvs sample(const Setting& setting, GuidedSamplingOptions options) {
-    options.min_new_triangles = 0;  // only the number of rays ends it
-    return visibility::sample_region(
-        setting.tree, setting.mesh, setting.region, options, setting.executor);
+RegionPvs sample(SamplingSetup& setup, GuidedSamplingOptions options) {
+    options.min_new_triangles = 0;  // only the number of rays ends the sampling
+    return visibility::sample_region(setup.tree, setup.mesh, setup.region, options, setup.executor);
 }
 
 std::uint64_t found(const RegionPvs& view, std::uint64_t rays) {
@@ -75,27 +62,17 @@ std::size_t missing(const RegionPvs& view, const RegionPvs& other) {
     return lacks.size();
 }
 
-int run(int argc, char** argv) {
-    const auto scene = io::load_scene(argc > 1 ? argv[1] : "scenes/city.gltf").scene;
-    ViewRegion region = {{126.0, 1.0, 126.0}, {130.0, 3.0, 130.0}};
-    if (argc > 3) {
-        region = {point_of(argv[2]), point_of(argv[3])};
-    }
+void run(int argc, char** argv) {
+    SamplingSetup setup(argc, argv, {{126.0, 1.0, 126.0}, {130.0, 3.0, 130.0}});
     const auto million = [&](int k, double standard) {
         return static_cast<std::uint64_t>(1e6 * (argc > k ? std::atof(argv[k]) : standard));
     };
-    Executor executor;
-    const std::vector<Vec3> positions = scene.mesh.positions_at(0.0);
-    const geometry::MeshView mesh = {positions, scene.mesh.triangles()};
-    const auto tree =
-        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh)), mesh, executor);
-    const Setting setting = {tree, mesh, region, executor};
-    const RegionPvs guided = sample(setting, {.max_rays = 1'000'000});
-    const RegionPvs no_reverse = sample(setting, {.max_rays = 1'000'000, .reverse = false});
-    const RegionPvs plain = sample(setting, {.max_rays = million(4, 100.0), .guided = false});
-    const RegionPvs longer = sample(setting, {.max_rays = million(5, 100.0)});
+    const RegionPvs guided = sample(setup, {.max_rays = 1'000'000});
+    const RegionPvs no_reverse = sample(setup, {.max_rays = 1'000'000, .reverse = false});
+    const RegionPvs plain = sample(setup, {.max_rays = million(4, 100.0), .guided = false});
+    const RegionPvs longer = sample(setup, {.max_rays = million(5, 100.0)});
 
-    std::printf("%zu triangles\n\n", mesh.triangles.size());
+    std::printf("%zu triangles\n\n", setup.mesh.triangles.size());
     print_curves(guided, no_reverse, plain);
     std::printf(
         "\n%zu after a million rays, %zu after %.0f million, of which the first lack %.2f %%;\n",
@@ -110,16 +87,10 @@ int run(int argc, char** argv) {
                 missing(guided, plain),
                 missing(longer, plain));
     std::printf("share of random rays that met something new: %.2g\n", guided.missed_share);
-    return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const Error& error) {
-        std::fprintf(stderr, "bench_guided_sampling: %s\n", error.line().c_str());
-        return 1;
-    }
+    return run_benchmark("bench_guided_sampling", [&] { run(argc, argv); });
 }
