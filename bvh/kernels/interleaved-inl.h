@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // Interleaved traversal of a WideTree, compiled once per instruction set: several rays are in
-// flight at a time, so that while the memory fetches what one needs next, the others advance
-// (latency hiding).
+// flight at a time (Kocberber, Falsafi and Grot 2015), so that while the memory fetches what one
+// needs next, the others advance (latency hiding).
 
 #include "earshot/bvh/internal/closest_hit_search.h"
 #include "earshot/bvh/kernels/exact_queue-inl.h"

@@ -85,7 +85,7 @@ struct ConservativeHits {
 /// Triangles and rays, a pair per lane: corners from the ray's origin, sheared along it.
 struct ShearedLanes {
     Float8 x[3], y[3], z[3];
-    Float8 slack;          // metres, by which corners are error
+    Float8 slack;          // metres, by which corners may be off
     Float8 inverse_depth;  // of FloatRay
 };
 
@@ -93,6 +93,7 @@ struct ShearedLanes {
 /// lanes.
 HWY_INLINE ConservativeHits intersect(const ShearedLanes& at, std::size_t count) {
     const auto& [x, y, z, slack, inverse_depth] = at;
+    // Edge functions; a triangle is possible unless two have opposite signs for sure.
     const Float8 u = neg_mul_add(y[2], x[1], x[2] * y[1]);
     const Float8 v = neg_mul_add(y[0], x[2], x[0] * y[2]);
     const Float8 w = neg_mul_add(y[1], x[0], x[1] * y[0]);
@@ -126,6 +127,7 @@ HWY_INLINE ConservativeHits intersect(const ShearedLanes& at, std::size_t count)
     const Float8 t_to = to * inverse_depth;
     hits.near = min(t_from, t_to);
     hits.far = max(t_from, t_to);
+    // The whole line hits for sure where all edge functions have one sign for sure.
     hits.certain =
         Float8::Mask::first(count) & known & ((error < lowest) | (highest < minus_error));
     return hits;

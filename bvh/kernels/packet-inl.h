@@ -23,7 +23,24 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
-/// The children of a wide node that meet a packet's pyramid: its four sides and two ends.
+// A packet from its common origin O: z is the depth along the rays' largest component, x and y are
+// the other axes; slopes are x / z and y / z.
+//
+//    x |               .'  x = max_slope z
+//      |           .' +-------+
+//      |       .'     |  box  |   PacketFrustum: a box is outside if its corner farthest inside a
+//      |   .'         +-------*   side, here * of the lower one, is outside, or all its depths are.
+//      O'----------------------> z
+//        '.        q
+//          '.     /|              EdgeFunctions: as all rays start in O, the edge function of an
+//            '.  / |              edge p q is (p x q) . (slope_x, slope_y, 1), linear in the
+//            slopes.
+//              '/--+              Corners are sheared so that the central ray runs along z.
+//              p '.
+//                  '.  x = min_slope z
+
+/// The frustum of a packet, four sides and two ends, against the children of a wide node (Reshetov,
+/// Soupikov and Hurley 2005).
 class PacketFrustum {
 public:
     explicit PacketFrustum(const RayPacket& packet) : slack_(Float8(-2.0F * packet.slack)) {
@@ -43,7 +60,7 @@ public:
         }
     }
 
-    /// Writes the depths where the pyramid may enter the children to `near`.
+    /// Writes the depths where the packet may enter the children to `near`.
     HWY_INLINE Float8::Mask operator()(const WideNode& node,
                                        const Float8& bound,
                                        Float8& near) const {
@@ -54,7 +71,7 @@ public:
         near = max(begin + slack_, Float8(0.0F));
         Float8::Mask overlapping = (slack_ <= end) & (near <= bound);
         for (std::size_t k = 0; k < 2; ++k) {
-            // The box's corner that lies max_bound inside each side, and how far it does.
+            // The box's corner that lies farthest inside each side, and how far it does.
             const Float8 low = Float8::load(node.planes[lower_[k]]) - origin_[k];
             const Float8 high = Float8::load(node.planes[lower_[k] + 1]) - origin_[k];
             const Float8 above =
@@ -74,7 +91,8 @@ private:
     bool min_is_positive_[2], max_is_positive_[2];
 };
 
-/// The triangles of a leaf, with edge functions k0 + kx * slope_x + ky * slope_y.
+/// The triangles of a leaf, with edge functions k0 + kx * slope_x + ky * slope_y (Davidovic et al.
+/// 2012).
 struct EdgeFunctions {
     std::uint32_t possible;  // bit per triangle: a ray of the packet may hit it
     alignas(32) float k0[3][8];
@@ -91,6 +109,7 @@ HWY_INLINE void set_up_edge_functions(const LeafTriangles& leaf,
                                       EdgeFunctions& edges) {
     const std::size_t count = leaf.count;
     const float slack = leaf.slack(packet.slack);
+    // Corners from the origin, sheared along the central ray.
     Float8 x[3], y[3], z[3];
     Float8 size = Float8(0.0F);
     const Float8 spread_sum = Float8(packet.spread[0] + packet.spread[1]);
@@ -107,9 +126,12 @@ HWY_INLINE void set_up_edge_functions(const LeafTriangles& leaf,
         size = size + mul_add(spread_sum, abs(z[i]), abs(x[i]) + abs(y[i]));
         z[i].store(edges.depth[i]);
     }
+    // The error bound of every edge function, as FloatRay derives it.
     const Float8 error = Float8(RayPacket::kEdgeError * slack) * (size + Float8(slack));
     const Float8 minus_error = Float8(0.0F) - error;
     error.store(edges.error);
+    // Edge functions, and the ranges of their values over the packet's slopes (interval
+    // arithmetic).
     Float8 min_upper = Float8(std::numeric_limits<float>::infinity());
     Float8 max_lower = Float8(-std::numeric_limits<float>::infinity());
     for (std::size_t i = 0; i < 3; ++i) {
@@ -128,6 +150,8 @@ HWY_INLINE void set_up_edge_functions(const LeafTriangles& leaf,
         min_upper = min(min_upper, k0 + range);
         max_lower = max(max_lower, k0 - range);
     }
+    // A triangle is out for the whole packet if two of its edge functions have opposite signs for
+    // sure, or if it lies behind the origin or beyond every ray's bound.
     const Float8 min_depth = min(min(z[0], z[1]), z[2]);
     const Float8 max_depth = max(max(z[0], z[1]), z[2]);
     edges.depth_error = 3.0F * slack;
