@@ -24,8 +24,11 @@ constexpr std::array<NamedTarget, 5> kTargets = {{{"avx512_dl", HWY_AVX3_DL},
 
 constexpr std::string_view kScalar = "scalar";
 
-void choose(std::int64_t targets) {
-    hwy::SetSupportedTargetsForTest(targets);  // 0: what the CPU has
+/// Dispatches every kernel of the process to the given targets from now on; 0: to those of the CPU.
+/// Highway offers no other means than this hook for its own tests: it sets variables of the process
+/// without a lock, which is why override_simd_target() is not for use beside running kernels.
+void override_dispatch(std::int64_t targets) {
+    hwy::SetSupportedTargetsForTest(targets);
     hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
@@ -43,7 +46,7 @@ std::vector<std::string> simd_targets() {
     return names;
 }
 
-void use_simd_target(std::string_view name) {
+void override_simd_target(std::string_view name) {
     std::string known = "auto";
     for (const std::string& target : simd_targets()) {
         known += ", " + target;
@@ -54,14 +57,14 @@ void use_simd_target(std::string_view name) {
         for (const NamedTarget& candidate : kTargets) {
             bits = candidate.name == name ? candidate.bit : bits;
         }
-        choose(bits);
+        override_dispatch(bits);
         return;
     }
     if (name != "auto") {
         throw Error(
             std::string(name), "is no instruction set of this machine", "use one of " + known);
     }
-    choose(0);
+    override_dispatch(0);
 }
 
 }  // namespace earshot

@@ -14,8 +14,9 @@ namespace earshot {
 /// "avx512", "avx2", "sse4", "ssse3", and always "scalar" at the end.
 std::vector<std::string> simd_targets();
 
-/// Makes wide kernels use the named set from now on, or the best one for "auto". Not to be called
+/// A hook for tests and benchmarks, and for the option --simd: overrides the choice of the named
+/// set for all kernels of the process from now on; "auto" restores the best one. Not to be called
 /// while kernels run. Throws Error if the name is not one of simd_targets().
-void use_simd_target(std::string_view name);
+void override_simd_target(std::string_view name);
 
 }  // namespace earshot

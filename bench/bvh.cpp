@@ -263,7 +263,7 @@ double peak_memory() {
 }
 
 void run(const Options& options) {
-    earshot::use_simd_target(options.simd);
+    earshot::override_simd_target(options.simd);
     const Mesh mesh =
         options.generate > 0 ? generated_city(options.generate) : loaded(options.scene);
     earshot::Executor executor(options.threads);

@@ -62,7 +62,7 @@ public:
     void run() override {
         const std::vector<double> instants = scene_.times(app());
         const HierarchyOptions options = {.build = {.builder = builder()}, .rays_per_frame = rays_};
-        use_simd_target(common().simd);
+        override_simd_target(common().simd);
         const io::LoadedScene loaded = scene_.load();
         Executor executor(static_cast<int>(common().threads));
         const HierarchyReport report = measure_hierarchy(loaded.scene, instants, options, executor);

@@ -91,7 +91,7 @@ public:
         if (files_.size() > 1) {
             check_options_of_poses();
         }
-        use_simd_target(common().simd);
+        override_simd_target(common().simd);
         Executor executor(static_cast<int>(common().threads));
         Warnings warnings;
         const Motion motion =

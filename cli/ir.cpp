@@ -58,7 +58,7 @@ public:
     void run() override {
         const std::vector<double> instants = scene_.times(app());
         propagation::ResponseFormat format = response_format();
-        use_simd_target(common().simd);
+        override_simd_target(common().simd);
 
         io::LoadedScene loaded = scene_.load();
         emitters_.apply(app(), scene_.file(), loaded.scene);

@@ -60,7 +60,7 @@ public:
     }
 
     void run() override {
-        use_simd_target(common().simd);
+        override_simd_target(common().simd);
         Executor executor(static_cast<int>(common().threads));
         const std::vector<double> times = scene_.times(app());
         const io::LoadedScene loaded = scene_.load();

@@ -84,7 +84,7 @@ public:
     }
 
     void run() override {
-        use_simd_target(common().simd);
+        override_simd_target(common().simd);
         Executor executor(static_cast<int>(common().threads));
         const auto grid = grid_counts();
         const auto given_region = region_given();

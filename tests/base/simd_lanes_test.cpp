@@ -141,10 +141,10 @@ template <typename Test>
 void for_each_target(Test&& test) {
     for (const std::string& target : simd_targets()) {
         SCOPED_TRACE(target);
-        use_simd_target(target);
+        override_simd_target(target);
         test();
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 template <typename Real>

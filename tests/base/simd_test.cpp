@@ -21,15 +21,15 @@ TEST(SimdTargets, EndWithScalarAndStandOnce) {
 
 TEST(SimdTargets, AreTheSameAfterOneWasChosen) {
     const auto before = simd_targets();
-    use_simd_target("scalar");
+    override_simd_target("scalar");
     EXPECT_EQ(simd_targets(), before);
-    use_simd_target("auto");
+    override_simd_target("auto");
     EXPECT_EQ(simd_targets(), before);
 }
 
-TEST(UseSimdTarget, RefusesWhatTheMachineDoesNotHave) {
-    EXPECT_THROW(use_simd_target("avx1024"), Error);
-    EXPECT_THROW(use_simd_target(""), Error);
+TEST(OverrideSimdTarget, RefusesWhatTheMachineDoesNotHave) {
+    EXPECT_THROW(override_simd_target("avx1024"), Error);
+    EXPECT_THROW(override_simd_target(""), Error);
 }
 
 }  // namespace

@@ -86,9 +86,9 @@ TEST(BuildRayDistribution, DoesNotDependOnThreadsOrTheInstructionSet) {
         EXPECT_TRUE(same_bits(Tree::build(boxes, options, executor), expected)) << threads;
     }
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         const Tree tree = Tree::build(boxes, options);
-        use_simd_target("auto");
+        override_simd_target("auto");
         EXPECT_TRUE(same_bits(tree, expected)) << target;
     }
 }

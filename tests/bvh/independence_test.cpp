@@ -118,11 +118,11 @@ void expect_from_wide(const WideTree& wide,
                       const std::vector<Answer>& expected,
                       Executor& executor) {
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         EXPECT_EQ(ask(wide, mesh, questions), expected) << target;
         EXPECT_EQ(ask_in_batches(wide, mesh, questions, executor), expected) << target;
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 std::vector<Answer> ask_every_triangle(const MeshView& mesh, std::span<const Question> all) {
@@ -256,11 +256,11 @@ void expect_one_answer_to_many(const Mesh& rest, double step, std::size_t count)
             WideTree::build(fresh, mesh.view(), executor, LeafEncoding::quantised)};
         for (std::size_t i = 0; i < std::size(of_each); ++i) {
             const std::string& target = targets[(k + i) % targets.size()];
-            use_simd_target(target);
+            override_simd_target(target);
             ASSERT_EQ(ask_in_batches(of_each[i], mesh.view(), questions, executor), expected)
                 << named.name << ' ' << i << ' ' << target;
         }
-        use_simd_target("auto");
+        override_simd_target("auto");
     }
 }
 

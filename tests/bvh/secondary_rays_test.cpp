@@ -53,7 +53,7 @@ void expect_equal_answers(const Mesh& mesh, std::uint64_t seed, std::size_t coun
     const WideTree wide = WideTree::build(Tree::build(triangle_boxes(mesh.view())), mesh.view());
     const Reflections made = reflections(mesh, seed, count);
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         std::vector<std::optional<geometry::Hit>> hits(count);
         std::vector<std::uint8_t> blocked(count);
         closest_hits(wide,
@@ -75,7 +75,7 @@ void expect_equal_answers(const Mesh& mesh, std::uint64_t seed, std::size_t coun
         }
         EXPECT_GT(found, count / 20);
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 Mesh turned(Mesh mesh) {

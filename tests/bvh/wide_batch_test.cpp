@@ -108,10 +108,10 @@ Mesh moved(Mesh mesh, double scale, const Vec3& offset) {
 
 TEST(WideBatch, EqualsBruteForceWithEverySimdTarget) {
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         expect_equal_answers(test::triangle_soup(1, 250), 1, Executor::serial());
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 TEST(WideBatch, EqualsBruteForceOnFewTriangles) {
@@ -120,14 +120,14 @@ TEST(WideBatch, EqualsBruteForceOnFewTriangles) {
     const auto once = doubled.triangles;
     doubled.triangles.insert(doubled.triangles.end(), once.rbegin(), once.rend());
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         expect_equal_answers(test::cube(1, 1.0), 31, Executor::serial());
         expect_equal_answers(doubled, 32, Executor::serial());
         expect_equal_answers(test::triangle_soup(33, 9), 33, Executor::serial());
         expect_equal_answers(moved(test::cube(1, 1.0), 1e6, Vec3(0.0)), 34, Executor::serial());
         expect_equal_answers(moved(test::cube(1, 1.0), 1e-30, Vec3(0.0)), 35, Executor::serial());
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 TEST(WideBatch, EqualsBruteForceAtAnyScaleAndPlace) {

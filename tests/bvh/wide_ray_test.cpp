@@ -77,13 +77,13 @@ Mesh moved(Mesh mesh, double scale, const Vec3& offset) {
 
 TEST(WideRay, EqualsBruteForceWithEverySimdTarget) {
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         for (const std::uint64_t seed : {1U, 2U, 3U}) {
             const Mesh mesh = test::triangle_soup(seed, 400);
             expect_equal_answers(mesh, wide_tree_of(mesh), seed);
         }
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 TEST(WideRay, EqualsBruteForceAtAnyScaleAndPlace) {

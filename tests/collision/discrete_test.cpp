@@ -124,12 +124,12 @@ TEST(Discrete, DoesNotDependOnBuilderThreadsOrInstructions) {
             const Shape a = Shape::build(mesh.view(), {.builder = builder});
             const Shape b = Shape::build(soup.view(), {.builder = builder}, two);
             for (const auto& target : simd_targets()) {
-                use_simd_target(target);
+                override_simd_target(target);
                 const Answers found = by_trees({a}, {b, pose}, two);
                 expected = expected.value_or(found);
                 EXPECT_EQ(found, *expected) << target;
             }
-            use_simd_target("auto");
+            override_simd_target("auto");
             EXPECT_EQ(by_trees({a}, {b, pose}), *expected);
         }
         EXPECT_EQ(expected->contacts.empty(), far > 1.0);

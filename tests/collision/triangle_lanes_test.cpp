@@ -26,7 +26,7 @@ TEST(TriangleLanes, AreNeverWrongAboutHardPairs) {
     std::vector<LanesDecided> of_best;
     for (const std::string& target : simd_targets()) {
         SCOPED_TRACE(target);
-        use_simd_target(target);
+        override_simd_target(target);
         int decided = 0;
         std::vector<LanesDecided> all;
         for (std::uint64_t i = 0; i < 4000; i += kWidth) {
@@ -48,7 +48,7 @@ TEST(TriangleLanes, AreNeverWrongAboutHardPairs) {
         of_best = of_best.empty() ? all : of_best;
         EXPECT_EQ(all, of_best);
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 TEST(TriangleLanes, DecideAllButFewRandomPairsWhereTheyStand) {

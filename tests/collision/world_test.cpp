@@ -125,7 +125,7 @@ TEST(World, DoesNotDependOnBuilderThreadsOrInstructions) {
                 worlds[i].update(m, meshes[m].begin, meshes[m].end);
             }
             const auto expect_same = [&](int threads, const std::string& target) {
-                use_simd_target(target);
+                override_simd_target(target);
                 Executor executor(threads);
                 const auto contacts = worlds[i].contacts({.within_meshes = true}, executor);
                 EXPECT_TRUE(std::equal(
@@ -138,7 +138,7 @@ TEST(World, DoesNotDependOnBuilderThreadsOrInstructions) {
             for (const std::string& target : simd_targets()) {
                 expect_same(2, target);
             }
-            use_simd_target("auto");
+            override_simd_target("auto");
         }
     }
 }

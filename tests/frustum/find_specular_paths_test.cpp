@@ -83,12 +83,12 @@ TEST(FindSpecularPaths, AnswersDoNotDependOnThreadsOrInstructionSet) {
         EXPECT_EQ(found.statistics.candidates, expected.statistics.candidates);
     }
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         const auto found = trace(random, {.max_order = 2});
         EXPECT_EQ(found.paths, expected.paths) << target;
         EXPECT_EQ(found.statistics.frusta, expected.statistics.frusta) << target;
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 TEST(FindSpecularPaths, APathThroughACornerStandsOnce) {

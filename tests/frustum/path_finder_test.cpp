@@ -140,7 +140,7 @@ TEST(PathFinder, AnswersAndCountsDoNotDependOnThreadsOrInstructionSet) {
     const auto expected = finder.connect(finder.trace_source(random.source),
                                          finder.trace_listeners(random.listeners));
     for (const std::string& target : simd_targets()) {
-        use_simd_target(target);
+        override_simd_target(target);
         for (const int threads : {1, 2, 8}) {
             Executor executor(threads);
             const auto source = finder.trace_source(random.source, {}, executor);
@@ -150,7 +150,7 @@ TEST(PathFinder, AnswersAndCountsDoNotDependOnThreadsOrInstructionSet) {
             EXPECT_EQ(found.statistics.candidates, expected.statistics.candidates);
         }
     }
-    use_simd_target("auto");
+    override_simd_target("auto");
 }
 
 }  // namespace

@@ -103,11 +103,11 @@ TEST(LineOfSight, DoesNotDependOnBuilderThreadsInstructionsOrDirection) {
     for (const auto builder : {bvh::Builder::lbvh, bvh::Builder::spatial_median}) {
         const auto tree = wide_tree_of(mesh.view(), {.builder = builder});
         for (const std::string& target : simd_targets()) {
-            use_simd_target(target);
+            override_simd_target(target);
             EXPECT_EQ(visible(tree, mesh.view(), segments, {}, two), expected) << target;
             EXPECT_EQ(visible(tree, mesh.view(), segments, {}, eight), expected) << target;
         }
-        use_simd_target("auto");
+        override_simd_target("auto");
     }
     for (Segment& segment : segments) {
         std::swap(segment.from, segment.to);

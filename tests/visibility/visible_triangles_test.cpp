@@ -231,13 +231,13 @@ TEST(VisibleTriangles, DoNotDependOnBuilderThreadsOrInstructions) {
     for (const auto builder : {bvh::Builder::lbvh, bvh::Builder::spatial_median}) {
         const auto tree = wide_tree_of(mesh.view(), {.builder = builder});
         for (const std::string& target : simd_targets()) {
-            use_simd_target(target);
+            override_simd_target(target);
             EXPECT_EQ(visible_triangles(tree, mesh.view(), point, options, two), expected)
                 << target;
             EXPECT_EQ(visible_triangles(tree, mesh.view(), point, options, eight), expected)
                 << target;
         }
-        use_simd_target("auto");
+        override_simd_target("auto");
     }
 }
 
