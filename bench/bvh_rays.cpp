@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "bvh_rays.h"
 
+#include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_ray.h"
 
@@ -19,11 +20,9 @@ using earshot::geometry::Vec3;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 Vec3 direction(std::uint64_t stream, std::uint64_t i) {
     const double z = 1.0 - 2.0 * random(1, stream, i);
-    const double angle = 2.0 * kPi * random(1, stream + 1, i);
+    const double angle = 2.0 * math::kPi * random(1, stream + 1, i);
     const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
@@ -108,9 +107,8 @@ std::vector<RaySet> make_ray_sets(const MeshView& mesh, std::size_t count, bool 
         if (!hit) {
             continue;
         }
-        const auto& triangle = mesh.triangles[hit->triangle];
-        const Vec3& a = mesh.positions[triangle[0]];
-        Vec3 normal = glm::cross(mesh.positions[triangle[1]] - a, mesh.positions[triangle[2]] - a);
+        const auto [a, b, c] = geometry::corners(mesh, hit->triangle);
+        Vec3 normal = glm::cross(b - a, c - a);
         if (!(glm::length(normal) > 0.0)) {
             continue;
         }

@@ -22,11 +22,8 @@ bool comes_after(const Hit& a, const Hit& b) noexcept {
 }
 
 std::optional<Hit> hit_of(const PreparedRay& ray, const geometry::MeshView& mesh, TriangleId id) {
-    const geometry::Triangle& triangle = mesh.triangles[id];
-    auto hit = ray.hit(mesh.positions[triangle[0]],
-                       mesh.positions[triangle[1]],
-                       mesh.positions[triangle[2]],
-                       ray.t_max());
+    const auto [a, b, c] = geometry::corners(mesh, id);
+    auto hit = ray.hit(a, b, c, ray.t_max());
     if (hit) {
         hit->triangle = id;
     }
@@ -62,11 +59,11 @@ std::optional<Hit> OrderedHits::next() {
 }
 
 void OrderedHits::wait_for(std::uint32_t node) {
-    const auto passage = ray_.passage(tree_.nodes()[node].box, ray_.t_max());
-    if (passage.is_empty()) {
+    const geometry::Interval interval = ray_.box_interval(tree_.nodes()[node].box, ray_.t_max());
+    if (interval.is_empty()) {
         return;
     }
-    waiting_.push_back({node, passage.near});
+    waiting_.push_back({node, interval.min});
     std::push_heap(waiting_.begin(), waiting_.end(), [](const Waiting& a, const Waiting& b) {
         return a.near > b.near;
     });
@@ -97,7 +94,9 @@ std::vector<Hit> all_hits(const Tree& tree,
     }
     traverse(
         tree,
-        [&](const Node& node) { return !prepared.passage(node.box, prepared.t_max()).is_empty(); },
+        [&](const Node& node) {
+            return !prepared.box_interval(node.box, prepared.t_max()).is_empty();
+        },
         [&](TriangleId id) {
             if (const auto hit = hit_of(prepared, mesh, id)) {
                 hits.push_back(*hit);

@@ -8,8 +8,8 @@
 
 namespace earshot::bvh {
 
+using geometry::ClosestPoint;
 using geometry::Hit;
-using geometry::NearPoint;
 
 namespace {
 
@@ -49,14 +49,15 @@ std::vector<std::uint8_t> occluded(const Tree& tree,
         });
 }
 
-std::vector<std::optional<NearPoint>> closest_points(const Tree& tree,
-                                                     const geometry::MeshView& mesh,
-                                                     std::span<const geometry::Vec3> points,
-                                                     double most,
-                                                     Executor& executor) {
-    return answer_all<std::optional<NearPoint>>(points, executor, [&](const geometry::Vec3& point) {
-        return closest_point(tree, mesh, point, most);
-    });
+std::vector<std::optional<ClosestPoint>> closest_points(const Tree& tree,
+                                                        const geometry::MeshView& mesh,
+                                                        std::span<const geometry::Vec3> points,
+                                                        double most,
+                                                        Executor& executor) {
+    return answer_all<std::optional<ClosestPoint>>(
+        points, executor, [&](const geometry::Vec3& point) {
+            return closest_point(tree, mesh, point, most);
+        });
 }
 
 }  // namespace earshot::bvh

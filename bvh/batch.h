@@ -31,7 +31,7 @@ std::vector<std::uint8_t> occluded(const Tree& tree,
                                    Executor& executor = Executor::serial());
 
 /// closest_point() of every point, within `most` metres.
-std::vector<std::optional<geometry::NearPoint>> closest_points(
+std::vector<std::optional<geometry::ClosestPoint>> closest_points(
     const Tree& tree,
     const geometry::MeshView& mesh,
     std::span<const geometry::Vec3> points,

@@ -41,11 +41,8 @@ double max_abs_coordinate(const Instances& instances) noexcept {
 std::optional<geometry::Hit> hit_of(const geometry::PreparedRay& ray,
                                     const geometry::MeshView& mesh,
                                     std::size_t i) noexcept {
-    const geometry::Triangle& triangle = mesh.triangles[i];
-    auto hit = ray.hit(mesh.positions[triangle[0]],
-                       mesh.positions[triangle[1]],
-                       mesh.positions[triangle[2]],
-                       ray.t_max());
+    const auto [a, b, c] = geometry::corners(mesh, i);
+    auto hit = ray.hit(a, b, c, ray.t_max());
     if (hit) {
         hit->triangle = static_cast<geometry::TriangleId>(i);
     }
@@ -83,25 +80,20 @@ std::vector<geometry::Hit> all_hits(const geometry::MeshView& mesh, const geomet
 bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) noexcept {
     return std::any_of(
         mesh.triangles.begin(), mesh.triangles.end(), [&](const geometry::Triangle& triangle) {
-            return geometry::touches(segment,
-                                     mesh.positions[triangle[0]],
-                                     mesh.positions[triangle[1]],
-                                     mesh.positions[triangle[2]]);
+            const auto [a, b, c] = geometry::corners(mesh.positions, triangle);
+            return geometry::touches(segment, a, b, c);
         });
 }
 
-std::vector<geometry::NearPoint> closest_triangles(const geometry::MeshView& mesh,
-                                                   const geometry::Vec3& point,
-                                                   std::size_t count,
-                                                   double max_distance) {
+std::vector<geometry::ClosestPoint> closest_triangles(const geometry::MeshView& mesh,
+                                                      const geometry::Vec3& point,
+                                                      std::size_t count,
+                                                      double max_distance) {
     const geometry::PreparedPoint prepared(point);
-    std::vector<geometry::NearPoint> found;
+    std::vector<geometry::ClosestPoint> found;
     for (std::size_t i = 0; i < mesh.triangles.size() && prepared.is_valid(); ++i) {
-        const geometry::Triangle& triangle = mesh.triangles[i];
-        if (auto near = prepared.nearest(mesh.positions[triangle[0]],
-                                         mesh.positions[triangle[1]],
-                                         mesh.positions[triangle[2]],
-                                         max_distance)) {
+        const auto [a, b, c] = geometry::corners(mesh, i);
+        if (auto near = prepared.closest_point(a, b, c, max_distance)) {
             near->triangle = static_cast<geometry::TriangleId>(i);
             found.push_back(*near);
         }
@@ -113,9 +105,9 @@ std::vector<geometry::NearPoint> closest_triangles(const geometry::MeshView& mes
     return found;
 }
 
-std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
-                                                 const geometry::Vec3& point,
-                                                 double max_distance) {
+std::optional<geometry::ClosestPoint> closest_point(const geometry::MeshView& mesh,
+                                                    const geometry::Vec3& point,
+                                                    double max_distance) {
     const auto nearest = closest_triangles(mesh, point, 1, max_distance);
     return nearest.empty() ? std::nullopt : std::optional(nearest.front());
 }
@@ -125,14 +117,14 @@ std::optional<InstanceHit> closest_hit(const Instances& instances,
     const geometry::PreparedRay prepared(ray, max_abs_coordinate(instances));
     std::optional<InstanceHit> best;
     for (const Instances::Instance& instance : instances.active_instances()) {
-        const auto own = prepared.passage(instance.box, prepared.t_max());
+        const auto own = prepared.box_interval(instance.box, prepared.t_max());
         if (!prepared.is_valid() || own.is_empty()) {
             continue;
         }
         auto hit = closest_hit(instances.part(instance.part).mesh,
                                instance.to_local(ray, prepared.t_max()));
         if (hit) {
-            hit->t = std::clamp(hit->t, own.near, own.far);
+            hit->t = std::clamp(hit->t, own.min, own.max);
             if (!best || hit->t < best->hit.t) {
                 best = InstanceHit{instance.id, *hit};
             }
@@ -143,9 +135,9 @@ std::optional<InstanceHit> closest_hit(const Instances& instances,
 
 bool occluded(const Instances& instances, const geometry::Segment& segment) noexcept {
     const geometry::Vec3 along = segment.to - segment.from;
-    const geometry::Slabs slabs(segment.from, along, max_abs_coordinate(instances));
+    const geometry::SlabTest slab_test(segment.from, along, max_abs_coordinate(instances));
     const auto blocks = [&](const Instances::Instance& instance) {
-        return !slabs.passage(instance.box, 1.0).is_empty() &&
+        return !slab_test.interval(instance.box, 1.0).is_empty() &&
                occluded(instances.part(instance.part).mesh, instance.to_local(segment));
     };
     const double sum = along.x + along.y + along.z;

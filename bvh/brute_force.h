@@ -23,29 +23,27 @@ std::vector<geometry::Hit> all_hits(const geometry::MeshView& mesh, const geomet
 
 bool occluded(const geometry::MeshView& mesh, const geometry::Segment& segment) noexcept;
 
-std::optional<geometry::NearPoint> closest_point(const geometry::MeshView& mesh,
-                                                 const geometry::Vec3& point,
-                                                 double max_distance);
+std::optional<geometry::ClosestPoint> closest_point(const geometry::MeshView& mesh,
+                                                    const geometry::Vec3& point,
+                                                    double max_distance);
 
-std::vector<geometry::NearPoint> closest_triangles(const geometry::MeshView& mesh,
-                                                   const geometry::Vec3& point,
-                                                   std::size_t count,
-                                                   double max_distance);
+std::vector<geometry::ClosestPoint> closest_triangles(const geometry::MeshView& mesh,
+                                                      const geometry::Vec3& point,
+                                                      std::size_t count,
+                                                      double max_distance);
 
 std::optional<InstanceHit> closest_hit(const Instances& instances,
                                        const geometry::Ray& ray) noexcept;
 
 bool occluded(const Instances& instances, const geometry::Segment& segment) noexcept;
 
-template <geometry::Region Region>
+template <geometry::OverlapRegion Region>
 std::vector<geometry::TriangleId> overlapping(const geometry::MeshView& mesh,
                                               const Region& region) {
     std::vector<geometry::TriangleId> found;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const geometry::Triangle& triangle = mesh.triangles[i];
-        if (region.touches(mesh.positions[triangle[0]],
-                           mesh.positions[triangle[1]],
-                           mesh.positions[triangle[2]])) {
+        const auto [a, b, c] = geometry::corners(mesh, i);
+        if (region.touches(a, b, c)) {
             found.push_back(static_cast<geometry::TriangleId>(i));
         }
     }

@@ -10,7 +10,7 @@
 namespace earshot::bvh {
 
 using geometry::Aabb;
-using geometry::Slabs;
+using geometry::SlabTest;
 
 namespace {
 
@@ -71,7 +71,7 @@ public:
         }
         RayRange root{all};
         for (const geometry::Segment& ray : options.rays) {
-            slabs_.emplace_back(ray.from, ray.to - ray.from, reach);
+            slab_tests_.emplace_back(ray.from, ray.to - ray.from, reach);
             root.rays.push_back(static_cast<std::uint32_t>(root.rays.size()));
         }
         root.rays = those_meeting(all.bounds.box, root.rays);
@@ -91,7 +91,7 @@ private:
         const Aabb bounds = to_aabb(box);
         std::vector<std::uint32_t> meeting;
         for (const std::uint32_t ray : rays) {
-            if (!slabs_[ray].passage(bounds, 1.0).is_empty()) {
+            if (!slab_tests_[ray].interval(bounds, 1.0).is_empty()) {
                 meeting.push_back(ray);
             }
         }
@@ -101,7 +101,7 @@ private:
     double share_meeting(const BuildBox& box, const std::vector<std::uint32_t>& rays) const {
         const Aabb bounds = to_aabb(box);
         const auto count = std::count_if(rays.begin(), rays.end(), [&](std::uint32_t ray) {
-            return !slabs_[ray].passage(bounds, 1.0).is_empty();
+            return !slab_tests_[ray].interval(bounds, 1.0).is_empty();
         });
         return static_cast<double>(count) / static_cast<double>(rays.size());
     }
@@ -205,7 +205,7 @@ private:
     }
 
     SplitRule rule_;
-    std::vector<Slabs> slabs_;  // per ray
+    std::vector<SlabTest> slab_tests_;  // per ray
     std::vector<TopNode> nodes_;
     std::vector<BuildRange> tasks_;
 };

@@ -7,7 +7,7 @@
 
 namespace earshot::bvh {
 
-using geometry::NearPoint;
+using geometry::ClosestPoint;
 using geometry::PreparedPoint;
 using geometry::Vec3;
 
@@ -19,16 +19,16 @@ public:
     explicit Closest(double max_distance) noexcept : max_distance_(max_distance) {}
 
     double max_distance() const noexcept { return max_distance_; }
-    void add(const NearPoint& candidate) noexcept {
+    void add(const ClosestPoint& candidate) noexcept {
         if (!best_ || is_closer(candidate, *best_)) {
             best_ = candidate;
             max_distance_ = candidate.distance;
         }
     }
-    const std::optional<NearPoint>& best() const noexcept { return best_; }
+    const std::optional<ClosestPoint>& best() const noexcept { return best_; }
 
 private:
-    std::optional<NearPoint> best_;
+    std::optional<ClosestPoint> best_;
     double max_distance_;
 };
 
@@ -38,7 +38,7 @@ public:
     KClosest(std::size_t k, double max_distance) : k_(k), max_distance_(max_distance) {}
 
     double max_distance() const noexcept { return max_distance_; }
-    void add(const NearPoint& candidate) {
+    void add(const ClosestPoint& candidate) {
         if (heap_.size() == k_) {
             if (!is_closer(candidate, heap_.front())) {
                 return;
@@ -52,33 +52,33 @@ public:
             max_distance_ = heap_.front().distance;
         }
     }
-    std::vector<NearPoint> sorted() && {
+    std::vector<ClosestPoint> sorted() && {
         std::sort_heap(heap_.begin(), heap_.end(), is_closer);
         return std::move(heap_);
     }
 
 private:
-    std::vector<NearPoint> heap_;
+    std::vector<ClosestPoint> heap_;
     std::size_t k_;
     double max_distance_;
 };
 
 }  // namespace
 
-std::optional<NearPoint> closest_point(const Tree& tree,
-                                       const geometry::MeshView& mesh,
-                                       const Vec3& point,
-                                       double max_distance) noexcept {
+std::optional<ClosestPoint> closest_point(const Tree& tree,
+                                          const geometry::MeshView& mesh,
+                                          const Vec3& point,
+                                          double max_distance) noexcept {
     Closest closest(max_distance);
     search_closest_points(tree, mesh, PreparedPoint(point), closest);
     return closest.best();
 }
 
-std::vector<NearPoint> closest_triangles(const Tree& tree,
-                                         const geometry::MeshView& mesh,
-                                         const Vec3& point,
-                                         std::size_t count,
-                                         double max_distance) {
+std::vector<ClosestPoint> closest_triangles(const Tree& tree,
+                                            const geometry::MeshView& mesh,
+                                            const Vec3& point,
+                                            std::size_t count,
+                                            double max_distance) {
     if (count == 0) {
         return {};
     }

@@ -19,7 +19,7 @@ namespace earshot::bvh {
 
 /// The closest point of the mesh within `max_distance` metres (inclusive); of triangles at the same
 /// distance the lowest TriangleId. Does not allocate.
-std::optional<geometry::NearPoint> closest_point(
+std::optional<geometry::ClosestPoint> closest_point(
     const Tree& tree,
     const geometry::MeshView& mesh,
     const geometry::Vec3& point,
@@ -27,7 +27,7 @@ std::optional<geometry::NearPoint> closest_point(
 
 /// The closest points of the `count` closest triangles within `max_distance` metres (inclusive): by
 /// distance, then by TriangleId. Fewer if there are no more.
-std::vector<geometry::NearPoint> closest_triangles(
+std::vector<geometry::ClosestPoint> closest_triangles(
     const Tree& tree,
     const geometry::MeshView& mesh,
     const geometry::Vec3& point,

@@ -4,6 +4,7 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
 #include "earshot/bvh/quality.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/matrix.hpp>
 
@@ -19,23 +20,12 @@ using geometry::Vec3;
 
 namespace {
 
-bool is_finite(const glm::dmat3& matrix) noexcept {
-    for (int column = 0; column < 3; ++column) {
-        for (int row = 0; row < 3; ++row) {
-            if (!std::isfinite(matrix[column][row])) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
 void assign_transform(Instances::Instance& instance, const glm::dmat4& transform) {
     const glm::dmat3 linear(transform);
     const Vec3 translation(transform[3]);
     const glm::dmat3 inverse = glm::inverse(linear);
-    if (!is_finite(linear) || !is_finite(inverse) ||
-        !is_finite(glm::dmat3(translation, translation, translation))) {
+    if (!geometry::is_finite(linear) || !geometry::is_finite(inverse) ||
+        !geometry::is_finite(translation)) {
         throw Error("transform of an instance",
                     "is not a finite matrix with an inverse",
                     "scale by more than 0");

@@ -127,7 +127,7 @@ private:
 /// level changes an answer. Rounding the ray into the part's space shifts it by some 2^-50 of the
 /// coordinates, times the ratio of the matrix's largest to its smallest scale: surfaces that meet
 /// across instances are not watertight within that. Up to a ratio of 2^10 the padding of boxes
-/// makes up for it (see geometry::Slabs); beyond, hits at the border of a box may be lost.
+/// makes up for it (see geometry::SlabTest); beyond, hits at the border of a box may be lost.
 std::optional<InstanceHit> closest_hit(const Instances& instances,
                                        const geometry::Ray& ray) noexcept;
 

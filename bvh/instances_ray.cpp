@@ -3,6 +3,7 @@
 #include "earshot/bvh/instances.h"
 #include "earshot/bvh/ray.h"
 #include "earshot/bvh/wide_ray.h"
+#include "earshot/geometry/vector.h"
 
 #include <algorithm>
 #include <array>
@@ -18,10 +19,6 @@ namespace {
 
 constexpr std::size_t kGrain = 256;
 
-bool is_finite(const geometry::Vec3& v) noexcept {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
 /// The closest hit among the instances tested so far.
 class ClosestInstanceHit {
 public:
@@ -36,23 +33,23 @@ public:
     double t_max() const noexcept { return t_max_; }
     const std::optional<InstanceHit>& best() const noexcept { return best_; }
 
-    geometry::Passage passage(const Node& node) const noexcept {
-        return prepared_.passage(node.box, t_max_);
+    geometry::Interval interval(const Node& node) const noexcept {
+        return prepared_.box_interval(node.box, t_max_);
     }
 
     void test_instance(const Instances::Instance& instance) noexcept {
-        const auto own = prepared_.passage(instance.box, prepared_.t_max());
-        if (own.is_empty() || own.near > t_max_) {
+        const auto own = prepared_.box_interval(instance.box, prepared_.t_max());
+        if (own.is_empty() || own.min > t_max_) {
             return;
         }
-        // A hit beyond the best may still be moved before it if the passage ends there.
-        const double bound = own.far <= t_max_ ? prepared_.t_max() : t_max_;
+        // A hit beyond the best may still be moved before it if the interval ends there.
+        const double bound = own.max <= t_max_ ? prepared_.t_max() : t_max_;
         const Instances::Part& part = instances_.part(instance.part);
         auto hit = closest_hit(part.tree, part.mesh, instance.to_local(ray_, bound));
         if (!hit) {
             return;
         }
-        hit->t = std::clamp(hit->t, own.near, own.far);
+        hit->t = std::clamp(hit->t, own.min, own.max);
         if (hit->t < t_max_ || (hit->t == t_max_ && (!best_ || instance.id < best_->instance))) {
             best_ = InstanceHit{instance.id, *hit};
             t_max_ = hit->t;
@@ -83,12 +80,12 @@ std::optional<InstanceHit> closest_hit(const Instances& instances, const Ray& ra
     // Each inner node on the way down leaves its farther child on the stack.
     std::array<StackEntry, kMaxDepth + 2> stack;
     std::size_t count = 0;
-    const auto push = [&](std::uint32_t node, const geometry::Passage& passage) {
-        if (!passage.is_empty()) {
-            stack[count++] = {node, passage.near};
+    const auto push = [&](std::uint32_t node, const geometry::Interval& interval) {
+        if (!interval.is_empty()) {
+            stack[count++] = {node, interval.min};
         }
     };
-    push(0, search.passage(tree.nodes()[0]));
+    push(0, search.interval(tree.nodes()[0]));
     while (count > 0) {
         const StackEntry current = stack[--count];
         // An instance at the distance of the best hit may have a lower id.
@@ -100,9 +97,9 @@ std::optional<InstanceHit> closest_hit(const Instances& instances, const Ray& ra
             search.test_instance(instances.active_instances()[tree.primitives()[i]]);
         }
         if (!node.is_leaf()) {
-            const auto left = search.passage(tree.nodes()[node.first]);
-            const auto right = search.passage(tree.nodes()[node.first + 1]);
-            const bool left_first = left.near <= right.near;
+            const auto left = search.interval(tree.nodes()[node.first]);
+            const auto right = search.interval(tree.nodes()[node.first + 1]);
+            const bool left_first = left.min <= right.min;
             push(left_first ? node.first + 1 : node.first, left_first ? right : left);
             push(left_first ? node.first : node.first + 1, left_first ? left : right);
         }
@@ -112,13 +109,14 @@ std::optional<InstanceHit> closest_hit(const Instances& instances, const Ray& ra
 
 bool occluded(const Instances& instances, const Segment& segment) noexcept {
     EARSHOT_ASSERT(instances.is_up_to_date());
-    if (!is_finite(segment.from) || !is_finite(segment.to)) {
+    if (!geometry::is_finite(segment.from) || !geometry::is_finite(segment.to)) {
         return false;
     }
     const Tree& tree = instances.top_level();
-    const geometry::Slabs slabs(segment.from, segment.to - segment.from, max_abs_coordinate(tree));
+    const geometry::SlabTest slab_test(
+        segment.from, segment.to - segment.from, max_abs_coordinate(tree));
     const auto passes = [&](const geometry::Aabb& box) {
-        return !slabs.passage(box, 1.0).is_empty();
+        return !slab_test.interval(box, 1.0).is_empty();
     };
     bool is_blocked = false;
     traverse(

@@ -17,7 +17,7 @@ namespace earshot::bvh {
 
 /// Calls visit(triangle) for every triangle that the region touches, in any order, until it returns
 /// false. Does not allocate.
-template <geometry::Region Region, std::predicate<geometry::TriangleId> Visit>
+template <geometry::OverlapRegion Region, std::predicate<geometry::TriangleId> Visit>
 void visit_overlapping(const Tree& tree,
                        const geometry::MeshView& mesh,
                        const Region& region,
@@ -26,16 +26,13 @@ void visit_overlapping(const Tree& tree,
         tree,
         [&](const Node& node) { return region.may_touch(node.box); },
         [&](geometry::TriangleId id) {
-            const geometry::Triangle& triangle = mesh.triangles[id];
-            return !region.touches(mesh.positions[triangle[0]],
-                                   mesh.positions[triangle[1]],
-                                   mesh.positions[triangle[2]]) ||
-                   visit(id);
+            const auto [a, b, c] = geometry::corners(mesh, id);
+            return !region.touches(a, b, c) || visit(id);
         });
 }
 
 /// All triangles that the region touches, ascending.
-template <geometry::Region Region>
+template <geometry::OverlapRegion Region>
 std::vector<geometry::TriangleId> overlapping(const Tree& tree,
                                               const geometry::MeshView& mesh,
                                               const Region& region) {

@@ -35,11 +35,8 @@ std::optional<Hit> closest_hit(const Tree& tree,
     const auto try_leaf = [&](const Node& leaf) {
         for (std::uint32_t i = leaf.first; i < leaf.first + leaf.count; ++i) {
             const TriangleId id = tree.primitives()[i];
-            const geometry::Triangle& triangle = mesh.triangles[id];
-            auto hit = prepared.hit(mesh.positions[triangle[0]],
-                                    mesh.positions[triangle[1]],
-                                    mesh.positions[triangle[2]],
-                                    most);
+            const auto [a, b, c] = geometry::corners(mesh, id);
+            auto hit = prepared.hit(a, b, c, most);
             if (hit && (!best || hit->t < best->t || id < best->triangle)) {
                 hit->triangle = id;
                 best = hit;
@@ -54,8 +51,8 @@ std::optional<Hit> closest_hit(const Tree& tree,
     };
     std::array<Waiting, kMaxDepth + 1> waiting;
     std::size_t count = 0;
-    if (const auto root = prepared.passage(nodes[0].box, most); !root.is_empty()) {
-        waiting[count++] = {0, root.near};
+    if (const auto root = prepared.box_interval(nodes[0].box, most); !root.is_empty()) {
+        waiting[count++] = {0, root.min};
     }
     while (count > 0) {
         Waiting current = waiting[--count];
@@ -65,12 +62,12 @@ std::optional<Hit> closest_hit(const Tree& tree,
         }
         while (!nodes[current.node].is_leaf()) {
             const std::uint32_t left = nodes[current.node].first;
-            const auto to_left = prepared.passage(nodes[left].box, most);
-            const auto to_right = prepared.passage(nodes[left + 1].box, most);
+            const auto to_left = prepared.box_interval(nodes[left].box, most);
+            const auto to_right = prepared.box_interval(nodes[left + 1].box, most);
             if (!to_left.is_empty() && !to_right.is_empty()) {
-                const bool left_first = to_left.near <= to_right.near;
+                const bool left_first = to_left.min <= to_right.min;
                 waiting[count++] =
-                    left_first ? Waiting{left + 1, to_right.near} : Waiting{left, to_left.near};
+                    left_first ? Waiting{left + 1, to_right.min} : Waiting{left, to_left.min};
                 current.node = left_first ? left : left + 1;
             } else if (!to_left.is_empty() || !to_right.is_empty()) {
                 current.node = to_left.is_empty() ? left + 1 : left;

@@ -42,18 +42,16 @@ bool any_hit(const Tree& tree,
              const geometry::MeshView& mesh,
              const geometry::Segment& segment,
              Blocks&& blocks) {
-    // The far end may be a rounding past 1; the padding of Slabs has room for that.
-    const geometry::Slabs slabs(segment.from, segment.to - segment.from, max_abs_coordinate(tree));
+    // The far end may be a rounding past 1; the padding of SlabTest has room for that.
+    const geometry::SlabTest slab_test(
+        segment.from, segment.to - segment.from, max_abs_coordinate(tree));
     bool is_blocked = false;
     traverse(
         tree,
-        [&](const Node& node) { return !slabs.passage(node.box, 1.0).is_empty(); },
+        [&](const Node& node) { return !slab_test.interval(node.box, 1.0).is_empty(); },
         [&](geometry::TriangleId id) {
-            const geometry::Triangle& triangle = mesh.triangles[id];
-            const auto touch = geometry::first_touch(segment,
-                                                     mesh.positions[triangle[0]],
-                                                     mesh.positions[triangle[1]],
-                                                     mesh.positions[triangle[2]]);
+            const auto [a, b, c] = geometry::corners(mesh, id);
+            const auto touch = geometry::first_touch(segment, a, b, c);
             is_blocked = touch && blocks(id, *touch);
             return !is_blocked;
         });

@@ -127,12 +127,8 @@ void RayPacket::settle(const geometry::MeshView& mesh, std::size_t ray) noexcept
         if (near > bound[ray]) {
             continue;
         }
-        const geometry::Triangle& triangle = mesh.triangles[id];
-        const auto hit = sheared.hit(mesh.positions[triangle[0]],
-                                     mesh.positions[triangle[1]],
-                                     mesh.positions[triangle[2]],
-                                     best ? best->t : rays_[ray].t_max,
-                                     reach_);
+        const auto [a, b, c] = geometry::corners(mesh, id);
+        const auto hit = sheared.hit(a, b, c, best ? best->t : rays_[ray].t_max, reach_);
         if (hit && (!best || hit->t < best->t || id < best->triangle)) {
             best = {id, hit->t, hit->u, hit->v};
         }

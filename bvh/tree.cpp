@@ -4,6 +4,7 @@
 #include "earshot/base/error.h"
 #include "earshot/bvh/internal/builders.h"
 #include "earshot/geometry/intersect.h"
+#include "earshot/geometry/vector.h"
 
 #include <cmath>
 #include <string>
@@ -19,11 +20,8 @@ void check(const BuildOptions& options, std::size_t count) {
     if (!(options.traversal_cost >= 0.0 && options.traversal_cost <= 1e6)) {
         throw Error("traversal cost", "must be 0 to 1e6");
     }
-    const auto is_finite = [](const geometry::Vec3& point) {
-        return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
-    };
     for (const geometry::Segment& ray : options.rays) {
-        if (!is_finite(ray.from) || !is_finite(ray.to)) {
+        if (!geometry::is_finite(ray.from) || !geometry::is_finite(ray.to)) {
             throw Error("sample of rays", "must be finite", "cut rays off where they hit");
         }
     }
@@ -73,10 +71,8 @@ std::vector<geometry::Aabb> triangle_boxes(const geometry::MeshView& mesh, Execu
     std::vector<geometry::Aabb> boxes(mesh.triangles.size());
     executor.for_each(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const geometry::Triangle& triangle = mesh.triangles[i];
-            boxes[i] = geometry::triangle_box(mesh.positions[triangle[0]],
-                                              mesh.positions[triangle[1]],
-                                              mesh.positions[triangle[2]]);
+            const auto [a, b, c] = geometry::corners(mesh, i);
+            boxes[i] = geometry::triangle_box(a, b, c);
         }
     });
     return boxes;

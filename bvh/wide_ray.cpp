@@ -55,7 +55,7 @@ std::optional<Hit> closest_hit(const WideTree& tree,
     } else if (const geometry::PreparedRay prepared(ray, reach); prepared.is_valid()) {
         search.bound = geometry::round_up(ray.t_max);
         const auto passes = [&](const geometry::Aabb& box) {
-            return !prepared.passage(box, search.most()).is_empty();
+            return !prepared.box_interval(box, search.most()).is_empty();
         };
         traverse(tree, passes, [&](std::uint32_t id) {
             search.add(id, 0.0F);
@@ -76,17 +76,14 @@ bool occluded(const WideTree& tree,
     if (const auto found = find_any(tree, mesh, segment, reach)) {
         return *found;
     }
-    const geometry::Slabs slabs(segment.from, segment.to - segment.from, reach);
+    const geometry::SlabTest slab_test(segment.from, segment.to - segment.from, reach);
     bool is_blocked = false;
     traverse(
         tree,
-        [&](const geometry::Aabb& box) { return !slabs.passage(box, 1.0).is_empty(); },
+        [&](const geometry::Aabb& box) { return !slab_test.interval(box, 1.0).is_empty(); },
         [&](std::uint32_t id) {
-            const geometry::Triangle& triangle = mesh.triangles[id];
-            is_blocked = geometry::touches(segment,
-                                           mesh.positions[triangle[0]],
-                                           mesh.positions[triangle[1]],
-                                           mesh.positions[triangle[2]]);
+            const auto [a, b, c] = geometry::corners(mesh, id);
+            is_blocked = geometry::touches(segment, a, b, c);
             return !is_blocked;
         });
     return is_blocked;

@@ -65,10 +65,8 @@ io::Picture paint_materials(const ItemBuffer& buffer,
                             const geometry::MeshView& mesh,
                             std::span<const std::uint32_t> material_of_triangle) {
     return paint(buffer, [&](std::size_t i) {
-        const geometry::Triangle& t = mesh.triangles[buffer.triangles[i]];
-        const geometry::Vec3& a = mesh.positions[t[0]];
-        const geometry::Vec3 normal =
-            glm::cross(mesh.positions[t[1]] - a, mesh.positions[t[2]] - a);
+        const auto [a, b, c] = geometry::corners(mesh, buffer.triangles[i]);
+        const geometry::Vec3 normal = glm::cross(b - a, c - a);
         const double facing =
             std::abs(glm::dot(normal, buffer.directions[i])) / std::sqrt(glm::dot(normal, normal));
         Colour colour = colour_of(material_of_triangle[buffer.triangles[i]]);

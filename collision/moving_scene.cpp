@@ -2,6 +2,7 @@
 #include "earshot/collision/internal/moving_scene.h"
 
 #include "earshot/base/error.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/geometric.hpp>
 
@@ -43,7 +44,7 @@ std::span<const Triangle> MovingScene::triangles_of(std::uint32_t mesh) const no
 }
 
 MovingCorners MovingScene::corners_of(const Triangle& t) const noexcept {
-    return {{begin[t[0]], begin[t[1]], begin[t[2]]}, {end[t[0]], end[t[1]], end[t[2]]}};
+    return {geometry::corners(begin, t), geometry::corners(end, t)};
 }
 
 MovingPoints MovingScene::points_of(const std::array<VertexId, 4>& vertices) const noexcept {
@@ -74,12 +75,12 @@ void MovingScene::set_point_and_normal(const std::array<VertexId, 4>& vertices,
     Vec3 from_b;  // to a, at the beginning
     if (contact.kind == ContactKind::vertex_face) {
         contact.point = x[0];
-        contact.normal = normalized_or_zero(glm::cross(x[2] - x[1], x[3] - x[1]));
+        contact.normal = geometry::normalized_or_zero(glm::cross(x[2] - x[1], x[3] - x[1]));
         from_b = begin[vertices[0]] - begin[vertices[1]];
     } else {
         const Vec3 along = x[1] - x[0];
         const Vec3 normal = glm::cross(along, x[3] - x[2]);
-        contact.normal = normalized_or_zero(normal);
+        contact.normal = geometry::normalized_or_zero(normal);
         // a + u (b - a) on the plane of the other edge and the normal.
         const double area = glm::dot(normal, normal);
         const double parameter =
@@ -90,11 +91,6 @@ void MovingScene::set_point_and_normal(const std::array<VertexId, 4>& vertices,
     if (glm::dot(contact.normal, from_b) < 0.0) {
         contact.normal = -contact.normal;
     }
-}
-
-Vec3 normalized_or_zero(const Vec3& v) {
-    const double length = glm::length(v);
-    return length > 0.0 && std::isfinite(length) ? v / length : Vec3(0.0);
 }
 
 }  // namespace earshot::collision

@@ -11,6 +11,7 @@
 #include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/narrow_phase/internal/element_tester.h"
 #include "earshot/collision/narrow_phase/triangle_intersection.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/geometric.hpp>
 
@@ -90,15 +91,16 @@ Contact World::State::contact_at_begin(std::uint32_t mesh_a,
     const Triangle& a = scene.triangles_of(mesh_a)[pair.a];
     const Triangle& b = scene.triangles_of(mesh_b)[pair.b];
     const std::vector<Vec3>& begin = scene.begin;
-    const Corners one{begin[a[0]], begin[a[1]], begin[a[2]]};
-    const Corners other{begin[b[0]], begin[b[1]], begin[b[2]]};
+    const Corners one = geometry::corners(begin, a);
+    const Corners other = geometry::corners(begin, b);
     Contact contact{.kind = ContactKind::triangle_triangle,
                     .a = scene.element(mesh_a, a),
                     .b = scene.element(mesh_b, b)};
     if (const auto segment = intersection(one, other)) {
         contact.point = 0.5 * (segment->from + segment->to);
     }
-    contact.normal = normalized_or_zero(glm::cross(other[1] - other[0], other[2] - other[0]));
+    contact.normal =
+        geometry::normalized_or_zero(glm::cross(other[1] - other[0], other[2] - other[0]));
     if (glm::dot(contact.normal, (one[0] + one[1] + one[2]) / 3.0 - other[0]) < 0.0) {
         contact.normal = -contact.normal;
     }
@@ -132,9 +134,7 @@ std::uint32_t World::add_mesh(std::span<const Triangle> triangles, std::size_t v
 void World::update(std::uint32_t mesh, std::span<const Vec3> begin, std::span<const Vec3> end) {
     MovingScene& scene = state_->scene;
     EARSHOT_ASSERT(mesh < scene.meshes() && begin.size() == end.size());
-    const auto is_finite = [](const Vec3& point) {
-        return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
-    };
+    const auto is_finite = [](const Vec3& point) { return geometry::is_finite(point); };
     if (!std::all_of(begin.begin(), begin.end(), is_finite) ||
         !std::all_of(end.begin(), end.end(), is_finite)) {
         throw Error(

@@ -2,7 +2,6 @@
 #include "earshot/geometry/animated_mesh.h"
 
 #include "earshot/base/assert.h"
-#include "earshot/geometry/internal/check_animated_mesh.h"
 
 #include <glm/matrix.hpp>
 
@@ -103,7 +102,7 @@ AnimatedMesh::AnimatedMesh(std::vector<Node> nodes,
       skins_(std::move(skins)),
       parts_(std::move(parts)),
       triangles_(std::move(triangles)) {
-    check_animated_mesh(nodes_, skins_, parts_, triangles_);
+    validate();
     for (const Node& node : nodes_) {
         duration_ = std::max(
             {duration_, last_key(node.translation), last_key(node.rotation), last_key(node.scale)});
@@ -112,7 +111,7 @@ AnimatedMesh::AnimatedMesh(std::vector<Node> nodes,
         vertex_count_ += part.positions.size();
         duration_ = std::max(duration_, last_key(part.weights));
     }
-    turn_mirrored_triangles();
+    flip_mirrored_winding();
 }
 
 AnimatedMesh AnimatedMesh::fixed(Mesh mesh) {
@@ -123,7 +122,7 @@ AnimatedMesh AnimatedMesh::fixed(Mesh mesh) {
     return {{}, {}, std::move(parts), std::move(mesh.triangles)};
 }
 
-void AnimatedMesh::turn_mirrored_triangles() {
+void AnimatedMesh::flip_mirrored_winding() {
     // Which vertices are mirrored at time 0. All of a rigid part are, or none.
     const std::vector<glm::dmat4> worlds = node_transforms(0.0);
     std::vector<bool> is_mirrored(vertex_count_, false);

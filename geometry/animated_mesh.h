@@ -88,7 +88,8 @@ public:
 
 private:
     std::vector<glm::dmat4> node_transforms(double t) const;
-    void turn_mirrored_triangles();
+    void validate() const;
+    void flip_mirrored_winding();
 
     std::vector<Node> nodes_;
     std::vector<Skin> skins_;

@@ -5,6 +5,7 @@
 #include "earshot/geometry/predicates.h"
 #include "earshot/geometry/tolerance.h"
 #include "earshot/geometry/topology.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/geometric.hpp>
 
@@ -22,12 +23,8 @@ struct PlacedVertex {
 };
 
 bool comes_before(const PlacedVertex& a, const PlacedVertex& b) noexcept {
-    for (int axis = 0; axis < 3; ++axis) {
-        if (a.position[axis] != b.position[axis]) {
-            return a.position[axis] < b.position[axis];
-        }
-    }
-    return a.vertex < b.vertex;
+    return a.position == b.position ? a.vertex < b.vertex
+                                    : lexicographic_less(a.position, b.position);
 }
 
 std::vector<VertexId> weld_equal_positions(std::span<const Vec3> positions) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/closest_point.h"
 
+#include "earshot/geometry/mesh.h"
+#include "earshot/geometry/vector.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -10,18 +13,14 @@
 namespace earshot::geometry {
 namespace {
 
-/// A point of the triangle, and its offset from the point that is asked about.
+/// A point of the triangle, and its offset from the query point.
 struct Candidate {
     Vec3 offset{0.0};
     Vec3 weights{0.0};
 };
 
-bool is_before(const Vec3& a, const Vec3& b) noexcept {
-    return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
-}
-
 /// Where between two points (0 ... 1) the origin is nearest; they are given relative to it.
-double nearest_share(const Vec3& from, const Vec3& along) noexcept {
+double closest_fraction(const Vec3& from, const Vec3& along) noexcept {
     const double length_squared = glm::dot(along, along);
     if (!(length_squared > 0.0)) {
         return 0.0;
@@ -29,23 +28,21 @@ double nearest_share(const Vec3& from, const Vec3& along) noexcept {
     return std::clamp(-glm::dot(from, along) / length_squared, 0.0, 1.0);
 }
 
-using Corners = std::array<Vec3, 3>;
-
 /// The edge from corner i to the next.
-Candidate on_edge(const Corners& corners, const Vec3& asked, int i) noexcept {
+Candidate on_edge(const Corners& corners, const Vec3& query, int i) noexcept {
     int from = i;
     int to = (i + 1) % 3;
     const auto corner = [&](int k) -> const Vec3& { return corners[static_cast<std::size_t>(k)]; };
-    if (is_before(corner(to), corner(from))) {
+    if (lexicographic_less(corner(to), corner(from))) {
         std::swap(from, to);
     }
-    const Vec3 start = corner(from) - asked;
+    const Vec3 start = corner(from) - query;
     const Vec3 along = corner(to) - corner(from);
-    const double share = nearest_share(start, along);
+    const double fraction = closest_fraction(start, along);
     Candidate found;
-    found.offset = share == 1.0 ? corner(to) - asked : start + share * along;
-    found.weights[from] = 1.0 - share;
-    found.weights[to] = share;
+    found.offset = fraction == 1.0 ? corner(to) - query : start + fraction * along;
+    found.weights[from] = 1.0 - fraction;
+    found.weights[to] = fraction;
     return found;
 }
 
@@ -61,8 +58,8 @@ struct Foot {
     Vec3 weights{0.0};
     double margin = 0.0;  // farther than this from 0 the sign of a weight is certain
 
-    Foot(const Corners& corners, const Vec3& asked) noexcept
-        : start(corners[0] - asked), ab(corners[1] - corners[0]), ac(corners[2] - corners[0]) {
+    Foot(const Corners& corners, const Vec3& query) noexcept
+        : start(corners[0] - query), ab(corners[1] - corners[0]), ac(corners[2] - corners[0]) {
         // Ericson 2005, section 5.1.5, with areas from cross products instead of Gram determinants,
         // which lose twice the digits in a needle.
         const Vec3 normal = glm::cross(ab, ac);
@@ -81,8 +78,8 @@ struct Foot {
     }
 };
 
-Candidate nearest_of(const Corners& corners, const Vec3& asked) noexcept {
-    const Foot foot(corners, asked);
+Candidate closest_of(const Corners& corners, const Vec3& query) noexcept {
+    const Foot foot(corners, query);
     const double least_weight = std::min({foot.weights.x, foot.weights.y, foot.weights.z});
     Candidate best;
     if (least_weight > foot.margin) {
@@ -98,7 +95,7 @@ Candidate nearest_of(const Corners& corners, const Vec3& asked) noexcept {
         if (is_outside && foot.weights[(i + 2) % 3] > foot.margin) {
             continue;
         }
-        const Candidate other = on_edge(corners, asked, i);
+        const Candidate other = on_edge(corners, query, i);
         const double squared = glm::dot(other.offset, other.offset);
         if (squared < least) {
             best = other;
@@ -115,10 +112,10 @@ Vec3 point_at(const Corners& corners, const Vec3& weights) noexcept {
 
 }  // namespace
 
-std::optional<NearPoint> PreparedPoint::nearest(const Vec3& a,
-                                                const Vec3& b,
-                                                const Vec3& c,
-                                                double most) const noexcept {
+std::optional<ClosestPoint> PreparedPoint::closest_point(const Vec3& a,
+                                                         const Vec3& b,
+                                                         const Vec3& c,
+                                                         double max_distance) const noexcept {
     double squared = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
         const double lower = std::min(std::min(a[axis], b[axis]), c[axis]);
@@ -126,16 +123,16 @@ std::optional<NearPoint> PreparedPoint::nearest(const Vec3& a,
         squared += squared_gap(lower, upper, axis);
     }
     const double own = kShrink * std::sqrt(squared);
-    if (!(own <= most)) {
+    if (!(own <= max_distance)) {
         return std::nullopt;
     }
     const Corners corners{a, b, c};
-    const Candidate best = nearest_of(corners, point_);
+    const Candidate best = closest_of(corners, point_);
     const double distance = std::max(own, std::sqrt(glm::dot(best.offset, best.offset)));
-    if (!(distance <= most)) {
+    if (!(distance <= max_distance)) {
         return std::nullopt;
     }
-    return NearPoint{
+    return ClosestPoint{
         .distance = distance, .point = point_at(corners, best.weights), .weights = best.weights};
 }
 

@@ -3,15 +3,16 @@
 
 #include "earshot/geometry/aabb.h"
 #include "earshot/geometry/types.h"
+#include "earshot/geometry/vector.h"
 
-#include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 
 namespace earshot::geometry {
 
-/// The point of a mesh nearest to another point.
-struct NearPoint {
+/// The point of a mesh closest to another point.
+struct ClosestPoint {
     TriangleId triangle = 0;
     double distance = 0.0;  ///< metres, within 2^-46 of distance and triangle's size together
     Vec3 point{0.0};        ///< on the triangle, metres
@@ -19,7 +20,7 @@ struct NearPoint {
     /// weighs exactly 0, at a vertex both others do.
     Vec3 weights{1.0, 0.0, 0.0};
 
-    friend bool operator==(const NearPoint&, const NearPoint&) = default;
+    friend bool operator==(const ClosestPoint&, const ClosestPoint&) = default;
 };
 
 /// A point prepared for many boxes and triangles: the one place where distances are decided.
@@ -34,9 +35,7 @@ public:
     explicit PreparedPoint(const Vec3& point) noexcept : point_(point) {}
 
     /// False: nothing is near it, because a coordinate is not finite.
-    bool is_valid() const noexcept {
-        return std::isfinite(point_.x) && std::isfinite(point_.y) && std::isfinite(point_.z);
-    }
+    bool is_valid() const noexcept { return is_finite(point_); }
 
     /// Of the box, within 2^-51 relatively; infinite for the empty box.
     double squared_distance(const Aabb& box) const noexcept {
@@ -49,22 +48,22 @@ public:
         return squared;
     }
 
-    /// The squared distance beyond which no box holds a triangle at `most` metres or nearer.
-    /// Infinite numbers are their own bounds; NaN becomes NaN, which lets nothing pass.
-    static double squared_bound(double most) noexcept {
+    /// The squared distance beyond which no box holds a triangle at `max_distance` metres or
+    /// nearer. Infinite numbers are their own bounds; NaN becomes NaN, which lets nothing pass.
+    static double squared_bound(double max_distance) noexcept {
         // The factor is far above what kShrink and the root take away; the summand, far below any
         // distance squared, keeps the product from underflowing.
         constexpr double kGrow = 1.0 + 0x1p-40;
-        return most < 0.0 ? -1.0 : most * most * kGrow + 0x1p-1000;
+        return max_distance < 0.0 ? -1.0 : max_distance * max_distance * kGrow + 0x1p-1000;
     }
 
-    /// The triangle's nearest point if it is at `most` metres at the farthest. NearPoint::triangle
-    /// is left 0. Triangles without area are segments or points. Of an edge that two triangles
-    /// share both report the same point, whatever their order of vertices.
-    std::optional<NearPoint> nearest(const Vec3& a,
-                                     const Vec3& b,
-                                     const Vec3& c,
-                                     double most) const noexcept;
+    /// The triangle's closest point if it is at `max_distance` metres at the farthest.
+    /// ClosestPoint::triangle is left 0. Triangles without area are segments or points. Of an edge
+    /// that two triangles share both report the same point, whatever their order of vertices.
+    std::optional<ClosestPoint> closest_point(const Vec3& a,
+                                              const Vec3& b,
+                                              const Vec3& c,
+                                              double max_distance) const noexcept;
 
 private:
     // Keeps the box of a triangle's corners from moving a distance that is as precise.

@@ -6,6 +6,7 @@
 #include "earshot/geometry/internal/border_loops.h"
 #include "earshot/geometry/tolerance.h"
 #include "earshot/geometry/topology.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -14,7 +15,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 // The adjacency is a sorted table of edges (topology.h), not a half-edge mesh: scenes have edges
@@ -26,20 +26,14 @@ namespace {
 
 constexpr FacetId kNoFacet = std::numeric_limits<FacetId>::max();
 
-using Corners = std::array<Vec3, 3>;
-
 /// The corners from the smallest position on, so that nothing depends on which one a file names
 /// first.
-Corners corners_of_triangle(const MeshView& mesh, TriangleId id) noexcept {
-    const auto [a, b, c] = mesh.triangles[id];
-    Corners corners{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
-    const auto key = [](const Vec3& p) { return std::tuple(p.x, p.y, p.z); };
-    const auto smallest =
-        std::min_element(corners.begin(), corners.end(), [&](const Vec3& p, const Vec3& q) {
-            return key(p) < key(q);
-        });
-    std::rotate(corners.begin(), smallest, corners.end());
-    return corners;
+Corners sorted_corners(const MeshView& mesh, TriangleId id) noexcept {
+    Corners found = corners(mesh, id);
+    std::rotate(found.begin(),
+                std::min_element(found.begin(), found.end(), lexicographic_less),
+                found.end());
+    return found;
 }
 
 /// a d - b c with products to twice the precision: a thin triangle's normal is a small difference
@@ -124,8 +118,8 @@ public:
     }
 
 private:
-    double allowed(const Vec3& reach) const noexcept {
-        return tolerance_ + tilt_ * std::sqrt(glm::dot(reach, reach));
+    double allowed(const Vec3& offset) const noexcept {
+        return tolerance_ + tilt_ * std::sqrt(glm::dot(offset, offset));
     }
 
     Plane plane_;
@@ -139,7 +133,7 @@ std::vector<TriangleId> by_descending_area(const MeshView& mesh) {
     std::vector<std::pair<double, TriangleId>> keyed(mesh.triangles.size());
     for (std::size_t t = 0; t < keyed.size(); ++t) {
         const auto id = static_cast<TriangleId>(t);
-        const Vec3 normal = area_normal(corners_of_triangle(mesh, id));
+        const Vec3 normal = area_normal(sorted_corners(mesh, id));
         keyed[t] = {-glm::dot(normal, normal), id};
     }
     std::sort(keyed.begin(), keyed.end());
@@ -161,28 +155,28 @@ Groups grow_groups(const MeshView& mesh,
                    double tolerance) {
     Groups groups;
     groups.of_triangle.assign(mesh.triangles.size(), kNoFacet);
-    std::vector<TriangleId> waiting;
+    std::vector<TriangleId> stack;
     for (const TriangleId seed : by_descending_area(mesh)) {
         if (groups.of_triangle[seed] != kNoFacet) {
             continue;
         }
-        const Membership membership(corners_of_triangle(mesh, seed), tolerance);
+        const Membership membership(sorted_corners(mesh, seed), tolerance);
         const auto facet = static_cast<FacetId>(groups.planes.size());
         groups.planes.push_back(membership.plane());
         groups.of_triangle[seed] = facet;
-        waiting.assign(1, seed);
-        while (!waiting.empty()) {
-            const TriangleId member = waiting.back();
-            waiting.pop_back();
+        stack.assign(1, seed);
+        while (!stack.empty()) {
+            const TriangleId member = stack.back();
+            stack.pop_back();
             for (HalfEdgeId h = 3 * member; h < 3 * member + 3; ++h) {
                 if (twins[h] == kNoHalfEdge) {
                     continue;
                 }
                 const TriangleId next = triangle_of(twins[h]);
                 if (groups.of_triangle[next] == kNoFacet && labels[next] == labels[seed] &&
-                    membership.includes(corners_of_triangle(mesh, next))) {
+                    membership.includes(sorted_corners(mesh, next))) {
                     groups.of_triangle[next] = facet;
-                    waiting.push_back(next);
+                    stack.push_back(next);
                 }
             }
         }
@@ -229,11 +223,9 @@ void find_loops(Facet& facet, BorderWalk& walk, std::span<const Vec3> positions,
         }
         facet.loops.push_back(corners_of(polygon, tolerance));
     }
-    const auto comes_before = [](const Vec3& a, const Vec3& b) {
-        return std::tuple(a.x, a.y, a.z) < std::tuple(b.x, b.y, b.z);
-    };
     std::sort(facet.loops.begin(), facet.loops.end(), [&](const Loop& a, const Loop& b) {
-        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), comes_before);
+        return std::lexicographical_compare(
+            a.begin(), a.end(), b.begin(), b.end(), lexicographic_less);
     });
 }
 

@@ -3,6 +3,7 @@
 
 #include "earshot/geometry/internal/projection.h"
 #include "earshot/geometry/predicates.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/gtc/type_ptr.hpp>
 
@@ -20,16 +21,12 @@ constexpr double kPad = 0x1p-38;
 
 // The inverse of a component that is zero or nearly so. Finite, so that its product with 0 is 0,
 // and so large that any other product lies beyond the distances along the other axes.
-constexpr double kMostInverse = 0x1p1023;
-
-double largest(const Vec3& v) noexcept {
-    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
+constexpr double kMaxInverse = 0x1p1023;
 
 /// An axis along which the triangle does not project to a line.
 int open_axis(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
     for (int axis = 0; axis < 2; ++axis) {
-        if (orient2d(drop(a, axis), drop(b, axis), drop(c, axis)) != 0) {
+        if (orient2d(project_along(a, axis), project_along(b, axis), project_along(c, axis)) != 0) {
             return axis;
         }
     }
@@ -40,9 +37,9 @@ bool all_on_one_side(int u, int v, int w) noexcept {
     return (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
 }
 
-using Corners = std::array<glm::dvec2, 3>;
+using Triangle2d = std::array<glm::dvec2, 3>;
 
-bool contains(const Corners& t, const glm::dvec2& p) noexcept {
+bool contains(const Triangle2d& t, const glm::dvec2& p) noexcept {
     return all_on_one_side(
         orient2d(t[0], t[1], p), orient2d(t[1], t[2], p), orient2d(t[2], t[0], p));
 }
@@ -60,9 +57,9 @@ bool cross(const glm::dvec2& p, const glm::dvec2& q, const glm::dvec2& a, const 
 
 bool touches_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, const Vec3& c) {
     const int axis = open_axis(a, b, c);
-    const glm::dvec2 p = drop(segment.from, axis);
-    const glm::dvec2 q = drop(segment.to, axis);
-    const Corners t = {drop(a, axis), drop(b, axis), drop(c, axis)};
+    const glm::dvec2 p = project_along(segment.from, axis);
+    const glm::dvec2 q = project_along(segment.to, axis);
+    const Triangle2d t = {project_along(a, axis), project_along(b, axis), project_along(c, axis)};
     // A segment that runs along an edge and has neither end in the triangle covers the whole edge,
     // and so crosses the other two at their ends.
     return contains(t, p) || contains(t, q) || cross(p, q, t[0], t[1]) || cross(p, q, t[1], t[2]) ||
@@ -78,9 +75,9 @@ double crossing(double from, double to) noexcept {
 /// in turn.
 double entry_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, const Vec3& c) {
     const int axis = open_axis(a, b, c);
-    const glm::dvec2 p = drop(segment.from, axis);
-    const glm::dvec2 q = drop(segment.to, axis);
-    const Corners t = {drop(a, axis), drop(b, axis), drop(c, axis)};
+    const glm::dvec2 p = project_along(segment.from, axis);
+    const glm::dvec2 q = project_along(segment.to, axis);
+    const Triangle2d t = {project_along(a, axis), project_along(b, axis), project_along(c, axis)};
     const double turn = orient2d(t[0], t[1], t[2]);
     double entry = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -96,24 +93,28 @@ double entry_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, cons
 
 }  // namespace
 
-Slabs::Slabs(const Vec3& origin, const Vec3& direction, double reach) noexcept {
-    const double pad = kPad * (largest(origin) + reach);
+SlabTest::SlabTest(const Vec3& origin, const Vec3& direction, double max_abs_coordinate) noexcept {
+    const double pad = kPad * (max_abs(origin) + max_abs_coordinate);
     for (int axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<std::size_t>(axis);
-        inverse_[k] = std::clamp(1.0 / direction[axis], -kMostInverse, kMostInverse);
+        inverse_[k] = std::clamp(1.0 / direction[axis], -kMaxInverse, kMaxInverse);
         is_forward_[k] = inverse_[k] > 0.0;
         before_[k] = origin[axis] + (is_forward_[k] ? pad : -pad);
         after_[k] = origin[axis] - (is_forward_[k] ? pad : -pad);
     }
 }
 
-std::optional<double> ShearedRay::move_into_own_box(
-    double t, const Vec3& a, const Vec3& b, const Vec3& c, double reach) const noexcept {
-    const Passage own = Slabs(origin_, direction_, reach).passage(triangle_box(a, b, c));
+std::optional<double> ShearedRay::move_into_own_box(double t,
+                                                    const Vec3& a,
+                                                    const Vec3& b,
+                                                    const Vec3& c,
+                                                    double max_abs_coordinate) const noexcept {
+    const Interval own =
+        SlabTest(origin_, direction_, max_abs_coordinate).interval(triangle_box(a, b, c));
     if (own.is_empty()) {
         return std::nullopt;
     }
-    return std::clamp(t, own.near, own.far);
+    return std::clamp(t, own.min, own.max);
 }
 
 Aabb triangle_box(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {

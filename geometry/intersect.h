@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/geometry/aabb.h"
+#include "earshot/geometry/interval.h"
 #include "earshot/geometry/sheared_ray.h"
 #include "earshot/geometry/types.h"
 
@@ -12,45 +13,39 @@
 
 namespace earshot::geometry {
 
-/// The part of a line inside a box, in multiples of its direction. Missed if near > far.
-struct Passage {
-    double near = 0.0;
-    double far = 0.0;
-
-    bool is_empty() const noexcept { return near > far; }
-};
-
-/// A line prepared for many boxes. Errs to the large side: each box is padded by 2^-38 of the
-/// coordinates involved (a hundredth of a nanometre at 40 m), which is far more than the distances
-/// here and the triangle tests below can be off (where Ize 2013 widens the distances instead).
-/// Passages are monotone: of a box inside another the passage lies inside the other's, in floating
-/// point.
-class Slabs {
+/// The slab test of a line against boxes (Kay and Kajiya 1986), prepared for many of them. Errs to
+/// the large side: each box is padded by 2^-38 of the coordinates involved (a hundredth of a
+/// nanometre at 40 m), which is far more than the distances here and the triangle tests below can
+/// be off (where Ize 2013 widens the distances instead). Intervals are monotone: that of a box
+/// inside another lies inside the other's, in floating point.
+class SlabTest {
 public:
-    /// `reach`: the largest absolute coordinate of any box that will be tested, metres.
-    /// Precondition: finite.
-    Slabs(const Vec3& origin, const Vec3& direction, double reach) noexcept;
+    /// `max_abs_coordinate`: the largest absolute coordinate of any box that will be tested,
+    /// metres. Precondition: finite.
+    SlabTest(const Vec3& origin, const Vec3& direction, double max_abs_coordinate) noexcept;
 
-    /// The passage of the part of the line between t = 0 and t = most.
-    Passage passage(const Aabb& box, double most) const noexcept { return cut(box, {0.0, most}); }
+    /// Where the line is inside the box, within 0 <= t <= t_max, in multiples of its direction.
+    Interval interval(const Aabb& box, double t_max) const noexcept {
+        return clip(box, {0.0, t_max});
+    }
 
-    /// The passage of the whole line.
-    Passage passage(const Aabb& box) const noexcept {
+    /// The same of the whole line.
+    Interval interval(const Aabb& box) const noexcept {
         constexpr double kInfinity = std::numeric_limits<double>::infinity();
-        return cut(box, {-kInfinity, kInfinity});
+        return clip(box, {-kInfinity, kInfinity});
     }
 
 private:
-    Passage cut(const Aabb& box, Passage part) const noexcept {
+    Interval clip(const Aabb& box, Interval t) const noexcept {
         for (std::size_t k = 0; k < 3; ++k) {
             const float first = is_forward_[k] ? box.lower[k] : box.upper[k];
             const float last = is_forward_[k] ? box.upper[k] : box.lower[k];
             const double enter = (static_cast<double>(first) - before_[k]) * inverse_[k];
             const double leave = (static_cast<double>(last) - after_[k]) * inverse_[k];
-            part.near = enter > part.near ? enter : part.near;
-            part.far = leave < part.far ? leave : part.far;
+            t.min = enter > t.min ? enter : t.min;
+            t.max = leave < t.max ? leave : t.max;
         }
-        return part;
+        return t;
     }
 
     std::array<bool, 3> is_forward_{};
@@ -61,32 +56,34 @@ private:
 /// A ray prepared for many boxes and triangles.
 class PreparedRay {
 public:
-    /// `reach`: the largest absolute coordinate of any box or vertex the ray will be tested
-    /// against, metres.
-    PreparedRay(const Ray& ray, double reach) noexcept
-        : slabs_(ray.origin, ray.direction, reach), sheared_(ray), reach_(reach) {}
+    /// `max_abs_coordinate`: the largest absolute coordinate of any box or vertex the ray will be
+    /// tested against, metres.
+    PreparedRay(const Ray& ray, double max_abs_coordinate) noexcept
+        : slab_test_(ray.origin, ray.direction, max_abs_coordinate),
+          sheared_(ray),
+          max_abs_coordinate_(max_abs_coordinate) {}
 
     /// See ShearedRay.
     bool is_valid() const noexcept { return sheared_.is_valid(); }
     double t_max() const noexcept { return sheared_.t_max(); }
 
-    /// The part of a box that the ray passes between t = 0 and t = most.
-    Passage passage(const Aabb& box, double most) const noexcept {
-        return slabs_.passage(box, most);
+    /// See SlabTest.
+    Interval box_interval(const Aabb& box, double t_max) const noexcept {
+        return slab_test_.interval(box, t_max);
     }
 
     /// See ShearedRay.
     std::optional<Hit> hit(const Vec3& a,
                            const Vec3& b,
                            const Vec3& c,
-                           double most) const noexcept {
-        return sheared_.hit(a, b, c, most, reach_);
+                           double t_max) const noexcept {
+        return sheared_.hit(a, b, c, t_max, max_abs_coordinate_);
     }
 
 private:
-    Slabs slabs_;
+    SlabTest slab_test_;
     ShearedRay sheared_;
-    double reach_;
+    double max_abs_coordinate_;
 };
 
 /// The outward-rounded box of a triangle.

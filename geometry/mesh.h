@@ -4,6 +4,7 @@
 #include "earshot/geometry/types.h"
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,16 @@ struct MeshView {
     std::span<const Triangle> triangles;
 };
 
+/// The positions of a triangle's vertices, in their order.
+using Corners = std::array<Vec3, 3>;
+
+inline Corners corners(std::span<const Vec3> positions, const Triangle& triangle) noexcept {
+    return {positions[triangle[0]], positions[triangle[1]], positions[triangle[2]]};
+}
+inline Corners corners(const MeshView& mesh, std::size_t triangle) noexcept {
+    return corners(mesh.positions, mesh.triangles[triangle]);
+}
+
 /// A triangle mesh that owns its arrays.
 struct Mesh {
     std::vector<Vec3> positions;
@@ -25,5 +36,9 @@ struct Mesh {
 
     MeshView view() const noexcept { return {positions, triangles}; }
 };
+
+inline Corners corners(const Mesh& mesh, std::size_t triangle) noexcept {
+    return corners(mesh.view(), triangle);
+}
 
 }  // namespace earshot::geometry

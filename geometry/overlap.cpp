@@ -4,6 +4,7 @@
 #include "earshot/base/error.h"
 #include "earshot/geometry/internal/projection.h"
 #include "earshot/geometry/predicates.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/common.hpp>
 
@@ -63,12 +64,12 @@ double signed_distance(const Plane& plane, const Vec3& point) noexcept {
 
 /// A convex polygon that planes cut.
 struct Polygon {
-    std::array<Vec3, ConvexRegion::kMostPlanes + 3> corners;
+    std::array<Vec3, ConvexRegion::kMaxPlanes + 3> corners;
     std::size_t count = 0;
 
     /// Keeps what lies on or behind the plane; false if that is nothing.
     bool clip(const Plane& plane) noexcept {
-        std::array<double, ConvexRegion::kMostPlanes + 3> distance{};
+        std::array<double, ConvexRegion::kMaxPlanes + 3> distance{};
         std::size_t deepest = 0;
         for (std::size_t i = 0; i < count; ++i) {
             distance[i] = signed_distance(plane, corners[i]);
@@ -91,8 +92,8 @@ struct Polygon {
             ++behind;
         }
         const auto crossing = [&](std::size_t in, std::size_t out) {
-            const double share = distance[in] / (distance[in] - distance[out]);
-            return corners[in] + share * (corners[out] - corners[in]);
+            const double fraction = distance[in] / (distance[in] - distance[out]);
+            return corners[in] + fraction * (corners[out] - corners[in]);
         };
         const std::size_t first = (deepest + count - behind) % count;
         const std::size_t last = (deepest + ahead - 1) % count;
@@ -140,12 +141,12 @@ bool BoxRegion::touches(const Vec3& a, const Vec3& b, const Vec3& c) const noexc
         return false;
     }
     for (int axis = 0; axis < 3; ++axis) {
-        const glm::dvec2 least = drop(lower, axis);
-        const glm::dvec2 most = drop(upper, axis);
-        const std::array<glm::dvec2, 3> t{drop(a, axis), drop(b, axis), drop(c, axis)};
-        if (line_parts(least, most, t[0], t[1], t[2]) ||
-            line_parts(least, most, t[1], t[2], t[0]) ||
-            line_parts(least, most, t[2], t[0], t[1])) {
+        const glm::dvec2 min = project_along(lower, axis);
+        const glm::dvec2 max = project_along(upper, axis);
+        const std::array<glm::dvec2, 3> t{
+            project_along(a, axis), project_along(b, axis), project_along(c, axis)};
+        if (line_parts(min, max, t[0], t[1], t[2]) || line_parts(min, max, t[1], t[2], t[0]) ||
+            line_parts(min, max, t[2], t[0], t[1])) {
             return false;
         }
     }
@@ -153,13 +154,12 @@ bool BoxRegion::touches(const Vec3& a, const Vec3& b, const Vec3& c) const noexc
 }
 
 ConvexRegion::ConvexRegion(std::span<const Plane> planes) : planes_(planes.begin(), planes.end()) {
-    if (planes.size() > kMostPlanes) {
+    if (planes.size() > kMaxPlanes) {
         throw Error("convex region",
-                    "cannot have more than " + std::to_string(kMostPlanes) + " planes");
+                    "cannot have more than " + std::to_string(kMaxPlanes) + " planes");
     }
     is_valid_ = std::all_of(planes.begin(), planes.end(), [](const Plane& plane) {
-        return std::isfinite(plane.normal.x) && std::isfinite(plane.normal.y) &&
-               std::isfinite(plane.normal.z) && std::isfinite(plane.offset);
+        return is_finite(plane.normal) && std::isfinite(plane.offset);
     });
 }
 

@@ -18,7 +18,7 @@ namespace earshot::geometry {
 /// false only if touches() is for every triangle whose vertices lie in the box. Triangles without
 /// area are segments or points.
 template <class T>
-concept Region = requires(const T& region, const Aabb& box, const Vec3& a) {
+concept OverlapRegion = requires(const T& region, const Aabb& box, const Vec3& a) {
     { region.may_touch(box) } -> std::same_as<bool>;
     { region.touches(a, a, a) } -> std::same_as<bool>;
 };
@@ -47,7 +47,7 @@ public:
         return centre_.squared_distance(box) <= squared_bound_;
     }
     bool touches(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
-        return centre_.is_valid() && centre_.nearest(a, b, c, radius_).has_value();
+        return centre_.is_valid() && centre_.closest_point(a, b, c, radius_).has_value();
     }
 
 private:
@@ -62,10 +62,10 @@ private:
 /// way. Normals need not have unit length.
 class ConvexRegion {
 public:
-    static constexpr std::size_t kMostPlanes = 32;
+    static constexpr std::size_t kMaxPlanes = 32;
 
     /// Without planes it is all of space; with one that is not finite it touches nothing. Throws
-    /// Error for more than kMostPlanes.
+    /// Error for more than kMaxPlanes.
     explicit ConvexRegion(std::span<const Plane> planes);
 
     bool may_touch(const Aabb& box) const noexcept;

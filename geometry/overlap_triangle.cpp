@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/internal/projection.h"
 #include "earshot/geometry/intersect.h"
+#include "earshot/geometry/mesh.h"
 #include "earshot/geometry/overlap.h"
 #include "earshot/geometry/predicates.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/common.hpp>
 
@@ -13,11 +15,11 @@
 namespace earshot::geometry {
 namespace {
 
-using Corners = std::array<Vec3, 3>;
-
 bool has_area(const Corners& t) noexcept {
     for (int axis = 0; axis < 3; ++axis) {
-        if (orient2d(drop(t[0], axis), drop(t[1], axis), drop(t[2], axis)) != 0) {
+        if (orient2d(project_along(t[0], axis),
+                     project_along(t[1], axis),
+                     project_along(t[2], axis)) != 0) {
             return true;
         }
     }
@@ -26,9 +28,7 @@ bool has_area(const Corners& t) noexcept {
 
 /// What a triangle without area is.
 Segment segment_of(Corners t) noexcept {
-    std::sort(t.begin(), t.end(), [](const Vec3& a, const Vec3& b) {
-        return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
-    });
+    std::sort(t.begin(), t.end(), lexicographic_less);
     return {t[0], t[2]};
 }
 
@@ -51,10 +51,10 @@ bool touch(const Segment& one, const Segment& other) noexcept {
     }
     // They lie in one plane, and some projection keeps apart what is apart in it.
     for (int axis = 0; axis < 3; ++axis) {
-        if (!touch(drop(one.from, axis),
-                   drop(one.to, axis),
-                   drop(other.from, axis),
-                   drop(other.to, axis))) {
+        if (!touch(project_along(one.from, axis),
+                   project_along(one.to, axis),
+                   project_along(other.from, axis),
+                   project_along(other.to, axis))) {
             return false;
         }
     }
@@ -82,7 +82,7 @@ bool an_edge_touches(const Corners& one, const Corners& other) noexcept {
 TriangleRegion::TriangleRegion(const Vec3& a, const Vec3& b, const Vec3& c) noexcept
     : corners_{a, b, c}, lower_(glm::min(glm::min(a, b), c)), upper_(glm::max(glm::max(a, b), c)) {
     for (const Vec3& corner : corners_) {
-        if (!(std::isfinite(corner.x) && std::isfinite(corner.y) && std::isfinite(corner.z))) {
+        if (!is_finite(corner)) {
             lower_ = upper_ = Vec3(std::numeric_limits<double>::quiet_NaN());
             return;
         }

@@ -35,9 +35,9 @@ struct RayAxes {
 /// as inside, so no ray slips between triangles that share an edge. Both sides of a triangle are
 /// hit; a triangle seen edge-on is not (its neighbours are).
 ///
-/// hit() also demands that the line passes the triangle's own box and moves t into that passage,
-/// before it asks whether t lies in [0, most]. So a search may leave out every box that is not
-/// passed, or passed later than a hit already found, and the answer is the same to the last bit
+/// hit() also demands that the line passes the triangle's own box and moves t into its interval
+/// there, before it asks whether t lies in [0, t_max]. So a search may leave out every box that is
+/// not passed, or passed later than a hit already found, and the answer is the same to the last bit
 /// with any hierarchy.
 class ShearedRay {
 public:
@@ -70,10 +70,13 @@ public:
     bool is_valid() const noexcept { return t_max_ >= 0.0; }
     double t_max() const noexcept { return t_max_; }
 
-    /// The ray's hit of a triangle at `most` at the farthest. Hit::triangle is left 0. `reach` is
-    /// that of Slabs.
-    std::optional<Hit> hit(
-        const Vec3& a, const Vec3& b, const Vec3& c, double most, double reach) const noexcept;
+    /// The ray's hit of a triangle at `t_max` at the farthest. Hit::triangle is left 0.
+    /// `max_abs_coordinate` is that of SlabTest.
+    std::optional<Hit> hit(const Vec3& a,
+                           const Vec3& b,
+                           const Vec3& c,
+                           double t_max,
+                           double max_abs_coordinate) const noexcept;
 
 private:
     // Largest components of directions whose inverses, and distances to single-precision
@@ -87,19 +90,22 @@ private:
     }
 
     /// Whether a hit is so clear that its line passes the triangle's padded box, and its t lies
-    /// inside that passage, without asking. `size` is the sum of |x| + |y| over the sheared
+    /// inside the interval there, without asking. `size` is the sum of |x| + |y| over the sheared
     /// corners, `depth` their range in z, metres. Let R be the coordinates involved: the edge
     /// functions are off by less than E = 2.5 * 2^-49 R size, so that at the computed hit the line
     /// is off the triangle by less than E size / |determinant| sideways and by
     /// 12 E depth / |determinant| + 2^-49 R along. Here that is less than a quarter of the padding
-    /// (2^-38 R, see Slabs) in both directions.
+    /// (2^-38 R, see SlabTest) in both directions.
     static bool lies_in_own_box(double size, double depth, double determinant) noexcept {
         return size * std::max(size, 4.0 * depth) <= 64.0 * std::abs(determinant);
     }
 
     /// Empty if the line misses the triangle's box. The corners are along the axes.
-    std::optional<double> move_into_own_box(
-        double t, const Vec3& a, const Vec3& b, const Vec3& c, double reach) const noexcept;
+    std::optional<double> move_into_own_box(double t,
+                                            const Vec3& a,
+                                            const Vec3& b,
+                                            const Vec3& c,
+                                            double max_abs_coordinate) const noexcept;
 
     double t_max_ = -1.0;
     std::size_t axis_x_ = 0, axis_y_ = 1, axis_z_ = 2;
@@ -107,8 +113,11 @@ private:
     Vec3 shear_{0.0};
 };
 
-inline std::optional<Hit> ShearedRay::hit(
-    const Vec3& a, const Vec3& b, const Vec3& c, double most, double reach) const noexcept {
+inline std::optional<Hit> ShearedRay::hit(const Vec3& a,
+                                          const Vec3& b,
+                                          const Vec3& c,
+                                          double t_max,
+                                          double max_abs_coordinate) const noexcept {
     // Woop, Benthin, Wald 2013, appendix A, without backface culling.
     const Vec3 corner_a = along(a);
     const Vec3 corner_b = along(b);
@@ -137,13 +146,13 @@ inline std::optional<Hit> ShearedRay::hit(
                         (std::abs(cx) + std::abs(cy));
     const double depth = std::max({az, bz, cz}) - std::min({az, bz, cz});
     if (!lies_in_own_box(size, depth, determinant)) {
-        const auto moved = move_into_own_box(t, corner_a, corner_b, corner_c, reach);
+        const auto moved = move_into_own_box(t, corner_a, corner_b, corner_c, max_abs_coordinate);
         if (!moved) {
             return std::nullopt;
         }
         t = *moved;
     }
-    if (!(t >= 0.0 && t <= most)) {
+    if (!(t >= 0.0 && t <= t_max)) {
         return std::nullopt;
     }
     // Adding 0 turns -0 into 0.

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/tolerance.h"
 
+#include "earshot/geometry/vector.h"
+
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace earshot::geometry {
@@ -20,8 +21,7 @@ double coplanar_tolerance(const MeshView& mesh) noexcept {
     double largest = 0.0;
     for (const Triangle& triangle : mesh.triangles) {
         for (const VertexId vertex : triangle) {
-            const Vec3& p = mesh.positions[vertex];
-            largest = std::max({largest, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+            largest = std::max(largest, max_abs(mesh.positions[vertex]));
         }
     }
     return std::max(largest * kRelativeTolerance, std::numeric_limits<double>::min());

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <string>
 #include <utility>
@@ -19,7 +18,7 @@ using audio::Spectrum;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr double kDegree = math::kPi / 180.0;
 
 void check_axis(std::span<const double> axis, double least, double most, const char* name) {
     bool sound = !axis.empty();

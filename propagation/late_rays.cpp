@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace earshot::propagation {
 
@@ -64,8 +63,7 @@ public:
     const EnergyBalance& balance() const { return balance_; }
     /// Of a sphere of solid angle, a ray a cone.
     double visible_volume() const {
-        return 4.0 / 3.0 * std::numbers::pi / static_cast<double>(options_.rays) *
-               cubed_first_legs_;
+        return 4.0 / 3.0 * math::kPi / static_cast<double>(options_.rays) * cubed_first_legs_;
     }
 
     /// Batches are equally large but for the last, and as good as independent.
@@ -102,8 +100,7 @@ public:
         }
         // Images of a room of volume V lie one to each V (Kuttruff 2009, section 4.2).
         if (visible_volume() > 0.0) {
-            result.reflection_growth =
-                4.0 * std::numbers::pi * speed * speed * speed / visible_volume();
+            result.reflection_growth = 4.0 * math::kPi * speed * speed * speed / visible_volume();
         }
         return result;
     }

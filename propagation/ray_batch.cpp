@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/assert.h"
+#include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/lambert.h"
@@ -11,7 +12,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 
 namespace earshot::propagation {
@@ -20,8 +20,6 @@ using geometry::Ray;
 using geometry::Vec3;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 // Russian roulette: a ray whose loudest band falls below this share of its first energy ends, or
 // goes on with its energy divided by the probability of survival, which keeps the mean.
@@ -147,7 +145,7 @@ void RayBatch<kBands>::emit(std::uint64_t id) {
     paths_.push_back({.id = id});
     Energies& energy = energies_.emplace_back();
     for (std::size_t band = 0; band < kBands; ++band) {
-        energy[band] = 4.0 * kPi / count * (pressure[band] * pressure[band]);
+        energy[band] = 4.0 * math::kPi / count * (pressure[band] * pressure[band]);
         tally_.balance.emitted[band] += energy[band];
     }
 }
@@ -377,7 +375,7 @@ template <std::size_t kBands>
 bool RayBatch<kBands>::survives_roulette(const RandomStream& random,
                                          std::uint64_t id,
                                          Energies& energy) {
-    const double start = 4.0 * kPi / static_cast<double>(options_.rays);
+    const double start = 4.0 * math::kPi / static_cast<double>(options_.rays);
     // Two maxima at a time, which shortens the chain of dependent instructions.
     double largest = energy[0];
     double other = energy[1];
@@ -437,7 +435,7 @@ void RayBatch<kBands>::cast_diffuse_rain() {
                secondary.point.travelled + distance,
                -to_listener,
                secondary.energy,
-               glm::dot(to_listener, secondary.point.normal) / (kPi * squared * distance));
+               glm::dot(to_listener, secondary.point.normal) / (math::kPi * squared * distance));
     }
 }
 

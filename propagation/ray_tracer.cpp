@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace earshot::propagation {
 
@@ -19,7 +18,6 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kGoldenRatio = 1.618033988749895;
 
 // Reflected and shadow rays start this far from a surface, re the extent of the scene: above the
@@ -81,7 +79,7 @@ RayTracer::RayTracer(const RayScene& scene,
             closest ? std::max(closest->distance, self_intersection_offset_) : max_radius;
         receivers_.push_back({.position = listener,
                               .radius_squared = radius * radius,
-                              .inverse_volume = 0.75 / (kPi * radius * radius * radius)});
+                              .inverse_volume = 0.75 / (math::kPi * radius * radius * radius)});
     }
 }
 
@@ -96,7 +94,7 @@ double RayTracer::default_radius() const {
     for (const auto& hit : bvh::closest_hits(wide_, scene_.mesh, probes)) {
         cubes += hit ? hit->t * hit->t * hit->t : 0.0;
     }
-    const double volume = 4.0 / 3.0 * kPi * cubes / kProbes;
+    const double volume = 4.0 / 3.0 * math::kPi * cubes / kProbes;
     return std::clamp(kShareOfEdge * math::pow(volume, 1.0 / 3.0), 0.5, 2.0);
 }
 
@@ -141,7 +139,7 @@ std::size_t RayTracer::spans() const noexcept {
 Vec3 RayTracer::direction_of(std::uint64_t id, double count) const {
     const double z = 1.0 - (2.0 * static_cast<double>(id) + 1.0) / count;
     const double turns = static_cast<double>(id) / kGoldenRatio + random(options_.seed, 0, 0);
-    const double angle = 2.0 * kPi * (turns - std::floor(turns));
+    const double angle = 2.0 * math::kPi * (turns - std::floor(turns));
     const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
     return {r * math::cos(angle), r * math::sin(angle), z};
 }

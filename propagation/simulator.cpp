@@ -6,6 +6,7 @@
 #include "earshot/bvh/quality.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/geometry/facets.h"
+#include "earshot/geometry/vector.h"
 #include "earshot/propagation/late_rays.h"
 
 #include <glm/geometric.hpp>
@@ -30,11 +31,6 @@ constexpr double kRebuildAtCost = 1.5;
 
 /// What pressures may differ by for having been multiplied in another order.
 constexpr double kRoom = 1.0 - 0x1p-40;
-
-Vec3 direction_between(const Vec3& from, const Vec3& to) {
-    const double length = glm::distance(from, to);
-    return length > 0.0 ? (to - from) / length : Vec3(0.0);
-}
 
 bool is_silent(const audio::EnergyHistogram& histogram) {
     return std::all_of(
@@ -280,8 +276,9 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
         }
     }
     // At a corner two reflection points coincide; the last two distinct points give the direction.
-    path.departure = direction_between(path.points[0], path.points[1]);
-    path.arrival = direction_between(path.points[path.points.size() - 2], path.points.back());
+    path.departure = geometry::direction_between(path.points[0], path.points[1]);
+    path.arrival =
+        geometry::direction_between(path.points[path.points.size() - 2], path.points.back());
     return path;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/internal/border_sampling.h"
 
+#include "earshot/geometry/vector.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -14,16 +16,11 @@ using geometry::Vec3;
 
 namespace {
 
-Vec3 unit_or_zero(const Vec3& v) noexcept {
-    const double length = glm::length(v);
-    return length > 0.0 ? v / length : Vec3(0.0);
-}
-
 /// The unit vector perpendicular to a side of a triangle and to the view direction that points out
 /// of the triangle. `view`: from the eye to a corner of the side; `inside`: from there to the third
 /// corner.
 Vec3 outward(const Vec3& view, const Vec3& side, const Vec3& inside) noexcept {
-    const Vec3 across = unit_or_zero(glm::cross(view, side));
+    const Vec3 across = geometry::normalized_or_zero(glm::cross(view, side));
     return glm::dot(across, inside) > 0.0 ? -across : across;
 }
 
@@ -65,13 +62,14 @@ std::array<Vec3, kPolygonVertices> enlarged_polygon(const Vec3& eye,
         const Vec3 off_next = outward(view, next, previous);
         Vec3 middle = off_previous + off_next;
         if (glm::dot(off_previous, off_next) <= 0.0) {
-            const Vec3 away = -unit_or_zero(next) - unit_or_zero(previous);
+            const Vec3 away =
+                -geometry::normalized_or_zero(next) - geometry::normalized_or_zero(previous);
             const double squared = glm::dot(view, view);
             middle = squared > 0.0 ? away - glm::dot(away, view) / squared * view : away;
         }
         const double offset = angle * glm::length(view);
         points[3 * i] = corner + offset * off_previous;
-        points[3 * i + 1] = corner + offset * unit_or_zero(middle);
+        points[3 * i + 1] = corner + offset * geometry::normalized_or_zero(middle);
         points[3 * i + 2] = corner + offset * off_next;
     }
     return points;
@@ -109,7 +107,7 @@ std::optional<Ray> reverse_ray(const BlockedRay& blocked,
     };
     const bool is_first = alignment(line.ends[0]) >= alignment(line.ends[1]);
     const Vec3& edge = line.ends[is_first ? 0 : 1];
-    const Vec3 past = edge + gap * unit_or_zero(edge - line.ends[is_first ? 1 : 0]);
+    const Vec3 past = edge + gap * geometry::normalized_or_zero(edge - line.ends[is_first ? 1 : 0]);
     const Vec3 towards = past - blocked.expected;
     // The region must lie beyond the occluder's edge.
     constexpr double kUnbounded = std::numeric_limits<double>::infinity();

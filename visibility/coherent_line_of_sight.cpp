@@ -63,19 +63,17 @@ void CoherentLineOfSight::update(const MeshView& mesh, Executor& executor) {
     moved_box_ = {};
     for (std::size_t i = 0; i < moved_.size(); ++i) {
         if (moved_[i] != 0) {
-            const Triangle& triangle = mesh.triangles[i];
-            moved_box_.include(geometry::triangle_box(mesh.positions[triangle[0]],
-                                                      mesh.positions[triangle[1]],
-                                                      mesh.positions[triangle[2]]));
+            const auto [a, b, c] = geometry::corners(mesh, i);
+            moved_box_.include(geometry::triangle_box(a, b, c));
         }
     }
     mark_slots();
 }
 
 bool CoherentLineOfSight::may_intersect_moved(const Segment& segment) const noexcept {
-    const geometry::Slabs slabs(
+    const geometry::SlabTest slab_test(
         segment.from, segment.to - segment.from, tree_.tree().max_abs_coordinate());
-    return !moved_box_.is_empty() && !slabs.passage(moved_box_, 1.0).is_empty();
+    return !moved_box_.is_empty() && !slab_test.interval(moved_box_, 1.0).is_empty();
 }
 
 void CoherentLineOfSight::mark_slots() {

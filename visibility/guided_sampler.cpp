@@ -2,6 +2,7 @@
 #include "earshot/visibility/internal/guided_sampler.h"
 
 #include "earshot/base/halton.h"
+#include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/visibility/internal/directions.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace earshot::visibility {
 
@@ -168,7 +168,7 @@ Ray GuidedSampler::random_ray(std::uint64_t index) const {
     ray.origin[across] = region_.lower[across] + number(3) * region_.size()[across];
     ray.origin[along] = region_.lower[along] + number(5) * region_.size()[along];
     // The height of the direction is never 0.
-    const Vec3 outward = on_sphere(1.0 - number(7), 2.0 * std::numbers::pi * number(11));
+    const Vec3 outward = on_sphere(1.0 - number(7), 2.0 * math::kPi * number(11));
     ray.direction[axis] = face % 2 == 0 ? -outward.z : outward.z;
     ray.direction[across] = outward.x;
     ray.direction[along] = outward.y;
@@ -212,7 +212,7 @@ void GuidedSampler::reseed_known_triangles() {
             ray.origin[axis] = region_.lower[axis] +
                                (k < borders ? std::round(place) : place) * region_.size()[axis];
         }
-        const Corners corners = corners_of(mesh_, found_[index % found_.size()]);
+        const Corners corners = geometry::corners(mesh_, found_[index % found_.size()]);
         const double u = std::sqrt(number(4));
         const double v = number(5);
         ray.direction = corners[0] + (u * (1.0 - v)) * (corners[1] - corners[0]) +
@@ -236,8 +236,9 @@ void GuidedSampler::sample_borders(std::span<const Seed> seeds) {
     std::vector<BorderSample> samples;
     samples.reserve(kPolygonVertices * seeds.size());
     for (std::size_t i = 0; i < seeds.size(); ++i) {
-        for (const Vec3& point : enlarged_polygon(
-                 seeds[i].eye, corners_of(mesh_, seeds[i].triangle), options_.border_angle)) {
+        for (const Vec3& point : enlarged_polygon(seeds[i].eye,
+                                                  geometry::corners(mesh_, seeds[i].triangle),
+                                                  options_.border_angle)) {
             samples.push_back({.seed = i, .target = point});
         }
     }
@@ -314,7 +315,7 @@ void GuidedSampler::sample_reverse(const Seed& seed, const BorderSample& sample)
     }
     const Ray ray = {seed.eye, sample.target - seed.eye};
     const auto expected =
-        expected_hit(ray, corners_of(mesh_, seed.triangle), kMaxPlaneDistance * diagonal_);
+        expected_hit(ray, geometry::corners(mesh_, seed.triangle), kMaxPlaneDistance * diagonal_);
     if (!expected ||
         !(glm::distance(*expected, seed.eye) - glm::distance(sample.hit_point, seed.eye) >
           options_.threshold * diagonal_)) {
@@ -323,7 +324,7 @@ void GuidedSampler::sample_reverse(const Seed& seed, const BorderSample& sample)
     const double gap = options_.border_angle * diagonal_;
     if (const auto past = reverse_ray({ray,
                                        sample.hit_point,
-                                       corners_of(mesh_, sample.hit->triangle),
+                                       geometry::corners(mesh_, sample.hit->triangle),
                                        seed.hit_point,
                                        *expected},
                                       region_,

@@ -19,9 +19,8 @@ RegionPvs sample_region(const bvh::WideTree& tree,
     const geometry::BoxRegion box(region.lower, region.upper);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto id = static_cast<TriangleId>(i);
-        const geometry::Triangle& corners = mesh.triangles[i];
-        const bool is_inside = box.touches(
-            mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]);
+        const auto [a, b, c] = geometry::corners(mesh, i);
+        const bool is_inside = box.touches(a, b, c);
         if (sampler.is_known(id) || is_inside) {
             pvs.triangles.push_back(id);
             pvs.witnesses.push_back(sampler.is_known(id)

@@ -3,6 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/bvh/wide_batch.h"
+#include "earshot/geometry/vector.h"
 #include "earshot/visibility/internal/directions.h"
 
 #include <algorithm>
@@ -25,10 +26,11 @@ public:
         if (!view.forward) {
             return;
         }
-        front_ = unit(*view.forward);
+        front_ = geometry::normalized(*view.forward);
         const Vec3 across = glm::cross(front_, Vec3(0.0, 1.0, 0.0));
         // Straight up or down: right is +X, as it is for all that looks along -Z.
-        right_ = glm::dot(across, across) > 0.0 ? unit(across) : Vec3(1.0, 0.0, 0.0);
+        right_ =
+            glm::dot(across, across) > 0.0 ? geometry::normalized(across) : Vec3(1.0, 0.0, 0.0);
         up_ = glm::cross(right_, front_);
         half_width_ = math::tan(view.field_of_view / 2.0);
     }
@@ -40,12 +42,12 @@ public:
         const double x = (2.0 * static_cast<double>(column) + 1.0 - width) / width;
         const double y = (height - 2.0 * static_cast<double>(row) - 1.0);
         if (view_.forward) {
-            return unit(front_ + half_width_ * (x * right_ + y / width * up_));
+            return geometry::normalized(front_ + half_width_ * (x * right_ + y / width * up_));
         }
         const double azimuth = x * math::kPi;
         const double elevation = y / height * math::kPi / 2.0;
         const double level = math::cos(elevation);
-        return unit(
+        return geometry::normalized(
             {level * math::sin(azimuth), math::sin(elevation), -level * math::cos(azimuth)});
     }
 

@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace earshot::visibility {
 
@@ -23,7 +22,7 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr double kFullTurn = 2.0 * std::numbers::pi;
+constexpr double kFullTurn = 2.0 * math::kPi;
 
 // Streams of random numbers; mutations need no low-discrepancy sequence.
 constexpr std::uint64_t kTwoPoint = 100;
@@ -60,14 +59,10 @@ SampleGenerator::SampleGenerator(const geometry::MeshView& mesh,
         Vec3 upper(-lower);
         double sum = 0.0;
         for (const TriangleId id : objects.triangles_of(object)) {
-            const geometry::Triangle& corners = mesh.triangles[id];
-            const Vec3& a = mesh.positions[corners[0]];
-            for (const geometry::VertexId vertex : corners) {
-                lower = glm::min(lower, mesh.positions[vertex]);
-                upper = glm::max(upper, mesh.positions[vertex]);
-            }
-            sum += glm::length(
-                glm::cross(mesh.positions[corners[1]] - a, mesh.positions[corners[2]] - a));
+            const auto [a, b, c] = geometry::corners(mesh, id);
+            lower = glm::min(lower, glm::min(a, glm::min(b, c)));
+            upper = glm::max(upper, glm::max(a, glm::max(b, c)));
+            sum += glm::length(glm::cross(b - a, c - a));
             areas_.push_back(sum);
         }
         radii_.push_back(0.5 * glm::distance(lower, upper));
@@ -93,11 +88,10 @@ SampleGenerator::SurfacePoint SampleGenerator::point_on_object(std::uint64_t ind
     const auto sums = areas_.begin() + static_cast<std::ptrdiff_t>(first_area_[object]);
     const auto end = sums + static_cast<std::ptrdiff_t>(members.size());
     const auto place = std::upper_bound(sums, end - 1, number(index, 11) * *(end - 1));
-    const geometry::Triangle& corners =
-        mesh_.triangles[members[static_cast<std::size_t>(place - sums)]];
-    const Vec3& a = mesh_.positions[corners[0]];
-    const Vec3 b = mesh_.positions[corners[1]] - a;
-    const Vec3 c = mesh_.positions[corners[2]] - a;
+    const auto [a, end_b, end_c] =
+        geometry::corners(mesh_, members[static_cast<std::size_t>(place - sums)]);
+    const Vec3 b = end_b - a;
+    const Vec3 c = end_c - a;
     const double u = std::sqrt(number(index, 13));
     const double v = number(index, 17);
     return {a + (u * (1.0 - v)) * b + (u * v) * c, glm::cross(b, c)};
@@ -186,14 +180,8 @@ bool SampleGenerator::intersects(const Vec3& from, const Vec3& towards, ObjectId
     }
     const auto members = objects_.triangles_of(object);
     return std::any_of(members.begin(), members.end(), [&](TriangleId id) {
-        const geometry::Triangle& corners = mesh_.triangles[id];
-        return ray
-            .hit(mesh_.positions[corners[0]],
-                 mesh_.positions[corners[1]],
-                 mesh_.positions[corners[2]],
-                 ray.t_max(),
-                 max_coordinate_)
-            .has_value();
+        const auto [a, b, c] = geometry::corners(mesh_, id);
+        return ray.hit(a, b, c, ray.t_max(), max_coordinate_).has_value();
     });
 }
 

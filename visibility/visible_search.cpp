@@ -2,6 +2,7 @@
 #include "earshot/visibility/internal/visible_search.h"
 
 #include "earshot/bvh/wide_batch.h"
+#include "earshot/geometry/vector.h"
 #include "earshot/visibility/internal/border_sampling.h"
 #include "earshot/visibility/internal/directions.h"
 
@@ -128,7 +129,8 @@ void VisibleSearch::subdivide(std::vector<DirectionInterval> intervals, double m
     while (!intervals.empty()) {
         middles.clear();
         for (const DirectionInterval& interval : intervals) {
-            middles.push_back(unit(interval.first.direction + interval.second.direction));
+            middles.push_back(
+                geometry::normalized(interval.first.direction + interval.second.direction));
         }
         const auto visible = refine(middles);
         if (!visible) {
@@ -150,7 +152,7 @@ void VisibleSearch::subdivide(std::vector<DirectionInterval> intervals, double m
 }
 
 Corners VisibleSearch::relative_corners(TriangleId triangle) const noexcept {
-    Corners corners = corners_of(mesh_, triangle);
+    Corners corners = geometry::corners(mesh_, triangle);
     for (Vec3& corner : corners) {
         corner -= point_;
     }
@@ -169,8 +171,10 @@ void VisibleSearch::sample_borders(Progress* progress) {
                 enlarged_polygon({},
                                  relative_corners(found_.triangles[borders_followed_].triangle),
                                  options_.border_angle);
-            std::transform(outline.begin(), outline.end(), outline.begin(), unit);
-            if (std::all_of(outline.begin(), outline.end(), is_finite)) {
+            std::transform(outline.begin(), outline.end(), outline.begin(), geometry::normalized);
+            if (std::all_of(outline.begin(), outline.end(), [](const Vec3& v) {
+                    return geometry::is_finite(v);
+                })) {
                 directions.insert(directions.end(), outline.begin(), outline.end());
             }
         }
@@ -207,8 +211,8 @@ void VisibleSearch::aim_at_missing(Progress* progress) {
                 continue;
             }
             const auto corners = relative_corners(static_cast<TriangleId>(next));
-            const Vec3 direction = unit(corners[0] + corners[1] + corners[2]);
-            if (is_finite(direction)) {
+            const Vec3 direction = geometry::normalized(corners[0] + corners[1] + corners[2]);
+            if (geometry::is_finite(direction)) {
                 directions.push_back(direction);
             }
         }

@@ -47,12 +47,8 @@ public:
                 continue;
             }
             const std::uint32_t id = candidates_[i].triangle;
-            const geometry::Triangle& triangle = mesh_->triangles[id];
-            const auto hit = sheared.hit(mesh_->positions[triangle[0]],
-                                         mesh_->positions[triangle[1]],
-                                         mesh_->positions[triangle[2]],
-                                         most(),
-                                         reach_);
+            const auto [a, b, c] = geometry::corners(*mesh_, id);
+            const auto hit = sheared.hit(a, b, c, most(), reach_);
             if (hit && (!best_ || hit->t < best_->t || id < best_->triangle)) {
                 best_ = {id, hit->t, hit->u, hit->v};
             }

@@ -13,7 +13,7 @@
 namespace earshot::bvh {
 
 /// The order of results: by distance, and at the same distance by triangle.
-inline bool is_closer(const geometry::NearPoint& a, const geometry::NearPoint& b) noexcept {
+inline bool is_closer(const geometry::ClosestPoint& a, const geometry::ClosestPoint& b) noexcept {
     return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
 }
 
@@ -29,11 +29,8 @@ void collect_leaf(std::span<const geometry::TriangleId> leaf,
         }
     }
     for (const geometry::TriangleId id : leaf) {
-        const geometry::Triangle& triangle = mesh.triangles[id];
-        auto found = point.nearest(mesh.positions[triangle[0]],
-                                   mesh.positions[triangle[1]],
-                                   mesh.positions[triangle[2]],
-                                   collector.max_distance());
+        const auto [a, b, c] = geometry::corners(mesh, id);
+        auto found = point.closest_point(a, b, c, collector.max_distance());
         if (found) {
             found->triangle = id;
             collector.add(*found);

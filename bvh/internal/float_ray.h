@@ -13,7 +13,7 @@ namespace earshot::bvh {
 /// Boxes. near = plane * inverse_near + offset_near, and far likewise. The planes are exact; the
 /// origin, the product with a plane and the offset are off by 2^-24 of R (in units of coordinates)
 /// each, so the origin is moved outward by 2^-21 R, which leaves room for the padding of
-/// geometry::Slabs (2^-37 R). The inverses are moved by 2^-21, nearer and farther, which is more
+/// geometry::SlabTest (2^-37 R). The inverses are moved by 2^-21, nearer and farther, which is more
 /// than their rounding, the direction's and that of the sum. A component of the direction below
 /// 2^-40 of the largest moves a point of the ray that lies in the scene by less than 2^-37 R; its
 /// inverse is held at 2^40 of the largest's, so that inside the padded slab `far` lies beyond the

@@ -2,6 +2,7 @@
 #include "earshot/collision/broad_phase/internal/normal_cones.h"
 
 #include "earshot/collision/broad_phase/internal/contour.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -197,7 +198,7 @@ bool NormalCones::is_contact_free(const MovingScene& scene,
     const SlotRange slots = swept_bvh.slots_of_node(node);
     // The axis of the cone: the mean of the normals half-way through the step.
     const Vec3 sum = sums_[slots.end] - sums_[slots.begin];
-    const Vec3 direction = normalized_or_zero(sum);
+    const Vec3 direction = geometry::normalized_or_zero(sum);
     return passes_cone_test(slots, direction) &&
            !contour_self_intersects(
                scene,

@@ -38,7 +38,4 @@ struct MovingScene {
                               Contact& contact) const;
 };
 
-/// v / |v|, or 0 where that has no direction.
-geometry::Vec3 normalized_or_zero(const geometry::Vec3& v);
-
 }  // namespace earshot::collision

@@ -5,6 +5,7 @@
 #include "earshot/collision/narrow_phase/triangle_distance.h"
 #include "earshot/geometry/intersect.h"
 #include "earshot/geometry/predicates.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/geometric.hpp>
 
@@ -98,14 +99,9 @@ bool intersect_beyond_shared_features(const Triangle& one_ids,
     return true;
 }
 
-/// v / |v| within a rounding, or 0.
-Vec3 unit(const Vec3& v) noexcept {
-    const double length = glm::length(v);
-    return length > 0.0 ? v / length : Vec3(0.0);
-}
-
 Vec3 direction_between(const Corners& one, const Corners& other) noexcept {
-    return unit(((other[0] - one[0]) + (other[1] - one[1])) + (other[2] - one[2]));
+    return geometry::normalized_or_zero(((other[0] - one[0]) + (other[1] - one[1])) +
+                                        (other[2] - one[2]));
 }
 
 /// Whether a direction separates triangles by more than a distance, so that distance_of_disjoint()
@@ -195,7 +191,7 @@ void DistanceSearch::add(std::uint32_t a, std::uint32_t b) noexcept {
         // this factor are more. The summand stands for squares that underflow.
         constexpr double kGrow = 1.0 + 0x1p-20;
         squared_bound_ = geometry::round_up(kGrow * here.distance * here.distance + 0x1p-120);
-        direction_ = unit(here.on_other - here.on_one);
+        direction_ = geometry::normalized_or_zero(here.on_other - here.on_one);
     }
 }
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/geometry/types.h"
+#include "earshot/geometry/mesh.h"
 
-#include <array>
 #include <optional>
 
 namespace earshot::collision {
 
-using Corners = std::array<geometry::Vec3, 3>;
+using geometry::Corners;
 
 /// Whether two closed triangles share a point, decided exactly: touching at a corner or an edge
 /// counts, and so does overlap in one plane. Triangles without area are segments or points.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/internal/border_loops.h"
 
+#include "earshot/geometry/vector.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -12,13 +14,6 @@ namespace earshot::geometry {
 namespace {
 
 constexpr std::uint32_t kNowhere = std::numeric_limits<std::uint32_t>::max();
-
-bool is_smaller(const Vec3& a, const Vec3& b) noexcept {
-    if (a.x != b.x) {
-        return a.x < b.x;
-    }
-    return a.y != b.y ? a.y < b.y : a.z < b.z;
-}
 
 double squared_distance(const Vec3& point, const Vec3& from, const Vec3& to) noexcept {
     const Vec3 along = to - from;
@@ -36,7 +31,7 @@ std::size_t farthest_from(const Vec3& point, const std::vector<Vec3>& polygon) n
         const Vec3 rest = polygon[i] - point;
         const double distance = glm::dot(rest, rest);
         if (distance > best_distance ||
-            (distance == best_distance && is_smaller(polygon[i], polygon[best]))) {
+            (distance == best_distance && lexicographic_less(polygon[i], polygon[best]))) {
             best = i;
             best_distance = distance;
         }
@@ -86,9 +81,9 @@ std::vector<std::size_t> split_chains(const std::vector<Vec3>& polygon,
 }
 
 /// Splitting takes any vertex of a run parallel to its chord for a corner; those go here.
-void drop_straight_corners(const std::vector<Vec3>& polygon,
-                           std::vector<std::size_t>& corners,
-                           double limit) {
+void remove_straight_corners(const std::vector<Vec3>& polygon,
+                             std::vector<std::size_t>& corners,
+                             double limit) {
     for (bool has_changed = true; has_changed && corners.size() > 3;) {
         has_changed = false;
         for (std::size_t i = 0; i < corners.size() && corners.size() > 3;) {
@@ -111,7 +106,7 @@ void drop_straight_corners(const std::vector<Vec3>& polygon,
 Loop corners_of(const std::vector<Vec3>& polygon, double tolerance) {
     // The farthest vertex from any point is a corner of the convex hull. The smallest vertex and
     // the ones found from it are the same wherever the loop began.
-    const Vec3 smallest = *std::min_element(polygon.begin(), polygon.end(), is_smaller);
+    const Vec3 smallest = *std::min_element(polygon.begin(), polygon.end(), lexicographic_less);
     const std::size_t start = farthest_from(smallest, polygon);
     std::size_t middle = farthest_from(polygon[start], polygon);
     middle += middle < start ? polygon.size() : 0;
@@ -123,14 +118,15 @@ Loop corners_of(const std::vector<Vec3>& polygon, double tolerance) {
         corners.push_back(one.squared >= other.squared ? one.index : other.index);
         std::sort(corners.begin(), corners.end());
     }
-    drop_straight_corners(polygon, corners, limit);
+    remove_straight_corners(polygon, corners, limit);
 
     Loop loop;
     loop.reserve(corners.size());
     for (const std::size_t corner : corners) {
         loop.push_back(polygon[corner % polygon.size()] + 0.0);  // -0 becomes 0
     }
-    std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end(), is_smaller), loop.end());
+    std::rotate(
+        loop.begin(), std::min_element(loop.begin(), loop.end(), lexicographic_less), loop.end());
     return loop;
 }
 

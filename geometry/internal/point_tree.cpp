@@ -16,17 +16,20 @@ namespace {
 // the coordinates: the radius is at least 2^-40 of them.
 constexpr double kGrowth = 1.0 + 0x1p-10;
 constexpr std::uint32_t kLeafSize = 8;
-// Medians halve 2^32 points at most 32 times; depth first, one node waits on each level.
+// Medians halve 2^32 points at most 32 times; depth first, the stack holds one node of each level.
 constexpr std::size_t kStackSize = 40;
 
 /// False only if the segment stays farther than `radius` from the box. Separating axes of a segment
 /// and a box (Gottschalk 2000; Ericson 2005, section 5.3.3), with the box grown by the radius.
-bool may_touch(
-    const Vec3& centre, const Vec3& half, double radius, const Vec3& middle, const Vec3& reach) {
+bool may_touch(const Vec3& centre,
+               const Vec3& half,
+               double radius,
+               const Vec3& middle,
+               const Vec3& half_extent) {
     const Vec3 h = half + Vec3(radius);
     const Vec3 m = middle - centre;
-    const Vec3 r = glm::abs(reach);
-    const Vec3 cross = glm::abs(glm::cross(m, reach));
+    const Vec3 r = glm::abs(half_extent);
+    const Vec3 cross = glm::abs(glm::cross(m, half_extent));
     return std::abs(m.x) <= h.x + r.x && std::abs(m.y) <= h.y + r.y && std::abs(m.z) <= h.z + r.z &&
            cross.x <= h.y * r.z + h.z * r.y && cross.y <= h.x * r.z + h.z * r.x &&
            cross.z <= h.x * r.y + h.y * r.x;
@@ -73,18 +76,18 @@ void PointTree::near_segment(const Segment& segment,
         return;
     }
     const Vec3 middle = 0.5 * segment.from + 0.5 * segment.to;
-    const Vec3 reach = 0.5 * segment.to - 0.5 * segment.from;
+    const Vec3 half_extent = 0.5 * segment.to - 0.5 * segment.from;
     std::array<std::uint32_t, kStackSize> stack{};
-    std::size_t waiting = 1;  // the root, 0
-    while (waiting > 0) {
-        const std::uint32_t index = stack[--waiting];
+    std::size_t count = 1;  // the root, 0
+    while (count > 0) {
+        const std::uint32_t index = stack[--count];
         const Node& node = nodes_[index];
-        if (!may_touch(node.centre, node.half, radius * kGrowth, middle, reach)) {
+        if (!may_touch(node.centre, node.half, radius * kGrowth, middle, half_extent)) {
             continue;
         }
         if (node.right != 0) {
-            stack[waiting++] = node.right;
-            stack[waiting++] = index + 1;
+            stack[count++] = node.right;
+            stack[count++] = index + 1;
             continue;
         }
         for (std::uint32_t i = node.begin; i < node.end; ++i) {

@@ -7,8 +7,8 @@
 
 namespace earshot::geometry {
 
-/// A point seen along an axis.
-inline glm::dvec2 drop(const Vec3& point, int axis) noexcept {
+/// The point projected to 2-D along an axis: the other two coordinates, in cyclic order.
+inline glm::dvec2 project_along(const Vec3& point, int axis) noexcept {
     return {point[(axis + 1) % 3], point[(axis + 2) % 3]};
 }
 

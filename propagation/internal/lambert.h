@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/math.h"
 #include "earshot/geometry/types.h"
 
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <utility>
 
 namespace earshot::propagation {
@@ -13,7 +13,7 @@ namespace earshot::propagation {
 /// Cosine and sine of `turns` / 2^32 of a turn, at the middle of that step; off by less than 1e-13.
 inline std::pair<double, double> point_on_circle(std::uint32_t turns) noexcept {
     // A quarter of a turn at a time, by Taylor's series from its middle.
-    constexpr double kQuarter = 0.5 * std::numbers::pi;
+    constexpr double kQuarter = 0.5 * math::kPi;
     constexpr std::uint32_t kSteps = 1U << 30;
     const double share = (static_cast<double>(turns % kSteps) + 0.5) / kSteps;
     const double x = kQuarter * (share - 0.5);

@@ -42,12 +42,12 @@ std::vector<Segment> rays_in_a_corner(std::uint64_t seed, std::size_t count) {
 std::size_t visits(const Tree& tree, const std::vector<Segment>& rays) {
     std::size_t count = 0;
     for (const Segment& ray : rays) {
-        const geometry::Slabs slabs(ray.from, ray.to - ray.from, max_abs_coordinate(tree));
+        const geometry::SlabTest slab_test(ray.from, ray.to - ray.from, max_abs_coordinate(tree));
         traverse(
             tree,
             [&](const Node& node) {
                 ++count;
-                return !slabs.passage(node.box, 1.0).is_empty();
+                return !slab_test.interval(node.box, 1.0).is_empty();
             },
             [](std::uint32_t) { return true; });
     }

@@ -15,10 +15,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-using Corners = std::array<Vec3, 3>;
-
-NearPoint nearest(const Vec3& point, const Corners& t) {
-    return PreparedPoint(point).nearest(t[0], t[1], t[2], kInfinity).value();
+ClosestPoint nearest(const Vec3& point, const Corners& t) {
+    return PreparedPoint(point).closest_point(t[0], t[1], t[2], kInfinity).value();
 }
 
 /// Fat triangles, needles, segments and points.
@@ -51,7 +49,7 @@ TEST(NearestOfTriangle, NoCornerLiesTowardsThePoint) {
     for (std::uint64_t i = 0; i < 60000; ++i) {
         const Corners t = random_triangle(3, i);
         const Vec3 point = 2.0 * test::random_point(3, 4 * i + 3);
-        const NearPoint found = nearest(point, t);
+        const ClosestPoint found = nearest(point, t);
         const double area = glm::length(glm::cross(t[1] - t[0], t[2] - t[0]));
         const bool is_fat = area > 1e-3 || area == 0.0;
         for (const Vec3& corner : t) {
@@ -80,7 +78,7 @@ TEST(NearestOfTriangle, OfANeedleIsAsNearAsItsLongEdge) {
             const double height = i % 2 == 0 ? width : 1.0;
             const double turn = random_between(4, 2, i, 0.0, 1.0);
             const Vec3 point(x, turn * top, height);  // above the triangle
-            const NearPoint found = nearest(point, t);
+            const ClosestPoint found = nearest(point, t);
             ASSERT_NEAR(found.distance, height, 2e-14) << width << ", " << i;
             ASSERT_NEAR(found.point.x, x, 1e-14 / width) << width << ", " << i;
         }
@@ -95,7 +93,7 @@ TEST(NearestOfTriangle, NamesTheFeatureByExactZeros) {
     EXPECT_EQ(nearest({1, -5, 1}, t).weights, Vec3(0.75, 0.25, 0));
     EXPECT_EQ(nearest({-5, 3, 1}, t).weights, Vec3(0.25, 0, 0.75));
     EXPECT_EQ(nearest({4, 4, -2}, t).weights, Vec3(0, 0.5, 0.5));
-    EXPECT_EQ(nearest({1, 1, 7}, t), (NearPoint{0, 7.0, {1, 1, 0}, {0.5, 0.25, 0.25}}));
+    EXPECT_EQ(nearest({1, 1, 7}, t), (ClosestPoint{0, 7.0, {1, 1, 0}, {0.5, 0.25, 0.25}}));
     EXPECT_EQ(nearest({1, 1, 0}, t).distance, 0.0);
 }
 
@@ -103,9 +101,9 @@ TEST(NearestOfTriangle, NeighboursReportOnePointOfTheirEdge) {
     for (std::uint64_t i = 0; i < 20000; ++i) {
         const Vec3 a = test::random_point(5, 5 * i);
         const Vec3 b = test::random_point(5, 5 * i + 1);
-        const NearPoint one =
+        const ClosestPoint one =
             nearest(Vec3(9.0), {a, b, a - Vec3(test::random_point(5, 5 * i, 5, 6))});
-        const NearPoint other = nearest(Vec3(9.0), {b, test::random_point(5, 5 * i, -6, -5), a});
+        const ClosestPoint other = nearest(Vec3(9.0), {b, test::random_point(5, 5 * i, -6, -5), a});
         ASSERT_EQ(one.weights.z, 0.0);
         ASSERT_EQ(one.point, other.point) << i;
         ASSERT_EQ(one.distance, other.distance) << i;
@@ -115,9 +113,9 @@ TEST(NearestOfTriangle, NeighboursReportOnePointOfTheirEdge) {
 TEST(NearestOfTriangle, TheBoundIsInclusive) {
     const Corners t{Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
     const PreparedPoint point({1, 1, 3});
-    EXPECT_TRUE(point.nearest(t[0], t[1], t[2], 3.0));
-    EXPECT_FALSE(point.nearest(t[0], t[1], t[2], std::nextafter(3.0, 0.0)));
-    EXPECT_FALSE(point.nearest(t[0], t[1], t[2], std::nan("")));
+    EXPECT_TRUE(point.closest_point(t[0], t[1], t[2], 3.0));
+    EXPECT_FALSE(point.closest_point(t[0], t[1], t[2], std::nextafter(3.0, 0.0)));
+    EXPECT_FALSE(point.closest_point(t[0], t[1], t[2], std::nan("")));
 }
 
 TEST(PreparedPoint, NoTriangleIsNearerThanABoxAroundIt) {
@@ -130,7 +128,7 @@ TEST(PreparedPoint, NoTriangleIsNearerThanABoxAroundIt) {
         Aabb box = triangle_box(t[0], t[1], t[2]);
         const PreparedPoint point(Vec3(100.0, -3.0, 5e3) +
                                   2.0 * scale * test::random_point(7, 4 * i + 3));
-        const double distance = point.nearest(t[0], t[1], t[2], kInfinity)->distance;
+        const double distance = point.closest_point(t[0], t[1], t[2], kInfinity)->distance;
         const double bound = PreparedPoint::squared_bound(distance);
         ASSERT_LE(point.squared_distance(box), bound) << i;
         box.include(Vec3(100.0) + scale * test::random_point(8, i));

@@ -156,7 +156,7 @@ double nasty_number(std::uint64_t seed, std::uint64_t index) {
                          : random_between(seed, 10, index, -2.0, 2.0);
 }
 
-TEST(Slabs, ABoxInsideAnotherIsPassedInsideItsPassage) {
+TEST(SlabTest, TheIntervalOfABoxInsideAnotherLiesInsideTheOthers) {
     int passed = 0;
     for (std::uint64_t seed = 0; seed < 100000; ++seed) {
         const Vec3 origin(nasty_number(seed, 0), nasty_number(seed, 1), nasty_number(seed, 2));
@@ -171,23 +171,23 @@ TEST(Slabs, ABoxInsideAnotherIsPassedInsideItsPassage) {
                 inner.include(point);
             }
         }
-        const Slabs slabs(origin, direction, 1e30);
-        const Slabs exact(origin, direction, 0.0);
-        for (const Slabs& each : {slabs, exact}) {
-            const auto in_inner = each.passage(inner, 1e300);
-            const auto in_outer = each.passage(outer, 1e300);
+        const SlabTest slab_test(origin, direction, 1e30);
+        const SlabTest exact(origin, direction, 0.0);
+        for (const SlabTest& each : {slab_test, exact}) {
+            const auto in_inner = each.interval(inner, 1e300);
+            const auto in_outer = each.interval(outer, 1e300);
             // Also where the inner box is missed: near and far are monotone on their own.
-            ASSERT_LE(in_outer.near, in_inner.near) << "seed " << seed;
-            ASSERT_GE(in_outer.far, in_inner.far) << "seed " << seed;
-            ASSERT_LE(each.passage(outer).near, each.passage(inner).near) << "seed " << seed;
-            ASSERT_GE(each.passage(outer).far, each.passage(inner).far) << "seed " << seed;
+            ASSERT_LE(in_outer.min, in_inner.min) << "seed " << seed;
+            ASSERT_GE(in_outer.max, in_inner.max) << "seed " << seed;
+            ASSERT_LE(each.interval(outer).min, each.interval(inner).min) << "seed " << seed;
+            ASSERT_GE(each.interval(outer).max, each.interval(inner).max) << "seed " << seed;
             passed += in_inner.is_empty() ? 0 : 1;
         }
     }
     EXPECT_GT(passed, 5000);
 }
 
-TEST(Slabs, KeepEveryPointOfABox) {
+TEST(SlabTest, KeepsEveryPointOfABox) {
     // Corners and points of faces and edges, aimed at from near and far, along and across axes.
     for (std::uint64_t seed = 0; seed < 100000; ++seed) {
         const double size = seed % 3 == 0 ? 1e-3 : seed % 3 == 1 ? 1.0 : 1e6;
@@ -209,11 +209,11 @@ TEST(Slabs, KeepEveryPointOfABox) {
             origin[axis] = choice % 5 == 0 ? inside[axis] : origin[axis];
         }
         const double t = random(seed, 13, 0);
-        const Slabs slabs(origin, (inside - origin) / t, size);
-        const Passage passage = slabs.passage(box, 2.0);
-        ASSERT_FALSE(passage.is_empty()) << "seed " << seed;
-        ASSERT_LE(passage.near, t) << "seed " << seed;
-        ASSERT_GE(passage.far, t) << "seed " << seed;
+        const SlabTest slab_test(origin, (inside - origin) / t, size);
+        const Interval interval = slab_test.interval(box, 2.0);
+        ASSERT_FALSE(interval.is_empty()) << "seed " << seed;
+        ASSERT_LE(interval.min, t) << "seed " << seed;
+        ASSERT_GE(interval.max, t) << "seed " << seed;
     }
 }
 
@@ -241,10 +241,10 @@ TEST(PreparedRay, AHitLiesInThePassageOfEveryBoxAroundTheTriangle) {
         if (seed % 2 == 0) {
             box.include(point(6));
         }
-        const Passage passage = prepared.passage(box, prepared.t_max());
-        ASSERT_FALSE(passage.is_empty()) << "seed " << seed;
-        ASSERT_GE(hit->t, passage.near) << "seed " << seed;
-        ASSERT_LE(hit->t, passage.far) << "seed " << seed;
+        const Interval interval = prepared.box_interval(box, prepared.t_max());
+        ASSERT_FALSE(interval.is_empty()) << "seed " << seed;
+        ASSERT_GE(hit->t, interval.min) << "seed " << seed;
+        ASSERT_LE(hit->t, interval.max) << "seed " << seed;
         ++hits;
     }
     EXPECT_GT(hits, 10000);

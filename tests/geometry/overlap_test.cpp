@@ -16,8 +16,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-using Corners = std::array<Vec3, 3>;
-
 // Contact and degeneracy are frequent on a small grid.
 Vec3 grid_point(std::uint64_t seed, std::uint64_t i) {
     const auto coordinate = [&](std::uint64_t k) {
@@ -210,9 +208,9 @@ TEST(ConvexRegion, OfAPyramidTakesWhatItSees) {
 TEST(ConvexRegion, NeedsFinitePlanesAndNotTooMany) {
     const std::vector<Plane> unknown = {{{1, 0, std::nan("")}, 0.0}};
     EXPECT_FALSE(ConvexRegion(unknown).touches({-1, 0, 0}, {-2, 0, 0}, {-1, 1, 0}));
-    const std::vector<Plane> few(ConvexRegion::kMostPlanes, Plane{{1, 0, 0}, 0.0});
+    const std::vector<Plane> few(ConvexRegion::kMaxPlanes, Plane{{1, 0, 0}, 0.0});
     EXPECT_TRUE(ConvexRegion(few).touches({-1, 0, 0}, {1, 0, 0}, {1, 1, 0}));
-    const std::vector<Plane> many(ConvexRegion::kMostPlanes + 1);
+    const std::vector<Plane> many(ConvexRegion::kMaxPlanes + 1);
     EXPECT_THROW(ConvexRegion{many}, Error);
 }
 
@@ -220,8 +218,8 @@ TEST(ConvexRegion, NeedsFinitePlanesAndNotTooMany) {
 TEST(ConvexRegion, CutsByAllItsPlanes) {
     std::vector<Plane> planes;
     constexpr double kTurn = 6.283185307179586;
-    for (std::size_t i = 0; i < ConvexRegion::kMostPlanes; ++i) {
-        const double angle = kTurn * static_cast<double>(i) / ConvexRegion::kMostPlanes;
+    for (std::size_t i = 0; i < ConvexRegion::kMaxPlanes; ++i) {
+        const double angle = kTurn * static_cast<double>(i) / ConvexRegion::kMaxPlanes;
         planes.push_back({{std::cos(angle), std::sin(angle), 0.0}, 1.0});
     }
     const ConvexRegion disc(planes);

@@ -19,8 +19,7 @@ namespace {
 const Vec3 kParityRay{0.5403023058681398, 0.7071067811865476, -0.3183098861837907};
 
 std::array<Vec3, 3> corners_of(const Room& room, std::size_t i) {
-    const auto& t = room.mesh.triangles[i];
-    return {room.mesh.positions[t[0]], room.mesh.positions[t[1]], room.mesh.positions[t[2]]};
+    return geometry::corners(room.mesh, i);
 }
 
 // Moeller and Trumbore 1997; the ray is known to avoid edges.

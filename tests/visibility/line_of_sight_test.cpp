@@ -33,9 +33,8 @@ std::optional<Blocker> first_by_brute_force(const Mesh& mesh,
         if (excluded.contains(id) || !blocks(mesh.view(), id, segment)) {
             continue;
         }
-        const auto& t = mesh.triangles[id];
-        const auto at = geometry::first_touch(
-            segment, mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+        const auto [a, b, c] = geometry::corners(mesh, id);
+        const auto at = geometry::first_touch(segment, a, b, c);
         if (at && (!first || *at < first->t)) {
             first = {id, *at};
         }

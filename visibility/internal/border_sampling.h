@@ -13,13 +13,7 @@ namespace earshot::visibility {
 // The rays of guided visibility sampling (Wonka et al. 2006): adaptive border sampling and reverse
 // sampling.
 
-using Corners = std::array<geometry::Vec3, 3>;
-
-/// The corners of a triangle of a mesh.
-inline Corners corners_of(const geometry::MeshView& mesh, geometry::TriangleId triangle) noexcept {
-    const geometry::Triangle& corners = mesh.triangles[triangle];
-    return {mesh.positions[corners[0]], mesh.positions[corners[1]], mesh.positions[corners[2]]};
-}
+using geometry::Corners;
 
 inline constexpr std::size_t kPolygonVertices = 9;
 

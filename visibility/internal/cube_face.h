@@ -3,6 +3,7 @@
 
 #include "earshot/base/math.h"
 #include "earshot/geometry/types.h"
+#include "earshot/geometry/vector.h"
 #include "earshot/visibility/internal/directions.h"
 
 #include <cmath>
@@ -27,7 +28,7 @@ public:
     /// The unit vector of a position on the face, in pixels; half-integers are middles of pixels.
     /// Off the face it continues over the edge.
     geometry::Vec3 direction(double column, double row) const noexcept {
-        return unit(front_ + at(column) * right_ + at(row) * up_);
+        return geometry::normalized(front_ + at(column) * right_ + at(row) * up_);
     }
 
     /// The signed solid angle of the rectangle between the face's middle and a corner of pixels:

@@ -18,20 +18,14 @@ namespace earshot::visibility {
 inline bool touches(const geometry::Segment& segment,
                     const geometry::MeshView& mesh,
                     geometry::TriangleId id) noexcept {
-    const geometry::Triangle& triangle = mesh.triangles[id];
-    return geometry::touches(segment,
-                             mesh.positions[triangle[0]],
-                             mesh.positions[triangle[1]],
-                             mesh.positions[triangle[2]]);
+    const auto [a, b, c] = geometry::corners(mesh, id);
+    return geometry::touches(segment, a, b, c);
 }
 inline std::optional<double> first_touch(const geometry::Segment& segment,
                                          const geometry::MeshView& mesh,
                                          geometry::TriangleId id) noexcept {
-    const geometry::Triangle& triangle = mesh.triangles[id];
-    return geometry::first_touch(segment,
-                                 mesh.positions[triangle[0]],
-                                 mesh.positions[triangle[1]],
-                                 mesh.positions[triangle[2]]);
+    const auto [a, b, c] = geometry::corners(mesh, id);
+    return geometry::first_touch(segment, a, b, c);
 }
 
 /// What stands in a slot of a node.
@@ -66,7 +60,7 @@ std::size_t walk(const bvh::WideTree& tree,
         return 0;
     }
     const geometry::Vec3 direction = segment.to - segment.from;
-    const geometry::Slabs slabs(segment.from, direction, tree.max_abs_coordinate());
+    const geometry::SlabTest slab_test(segment.from, direction, tree.max_abs_coordinate());
     const int shift =
         3 * ((std::signbit(direction.x) ? 1 : 0) + (std::signbit(direction.y) ? 2 : 0) +
              (std::signbit(direction.z) ? 4 : 0));
@@ -94,8 +88,9 @@ std::size_t walk(const bvh::WideTree& tree,
             if (box.is_empty() || !opens(current.child, slot)) {
                 continue;
             }
-            if (const auto passage = slabs.passage(box, most); !passage.is_empty()) {
-                waiting[count++] = {node.child[slot], passage.near};
+            if (const geometry::Interval interval = slab_test.interval(box, most);
+                !interval.is_empty()) {
+                waiting[count++] = {node.child[slot], interval.min};
             }
         }
     }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/geometry/internal/check_animated_mesh.h"
-
 #include "earshot/base/error.h"
+#include "earshot/geometry/animated_mesh.h"
+#include "earshot/geometry/vector.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace earshot::geometry {
 namespace {
@@ -13,25 +12,6 @@ void require(bool holds, const std::string& subject, const char* what, const cha
     if (!holds) {
         throw Error(subject, what, remedy);
     }
-}
-
-bool is_finite(double value) noexcept {
-    return std::isfinite(value);
-}
-
-bool is_finite(const Vec3& v) noexcept {
-    return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
-}
-
-bool is_finite(const glm::dmat4& m) noexcept {
-    for (int column = 0; column < 4; ++column) {
-        for (int row = 0; row < 4; ++row) {
-            if (!is_finite(m[column][row])) {
-                return false;
-            }
-        }
-    }
-    return true;
 }
 
 template <typename Values>
@@ -43,7 +23,7 @@ bool is_index(int index, std::size_t count) noexcept {
     return index >= 0 && static_cast<std::size_t>(index) < count;
 }
 
-void check(const Track& track, std::size_t width, const std::string& subject) {
+void validate_track(const Track& track, std::size_t width, const std::string& subject) {
     const std::size_t numbers = track.interpolation == Interpolation::cubic_spline ? 3 : 1;
     require(track.values.size() == track.times.size() * width * numbers,
             subject,
@@ -55,14 +35,14 @@ void check(const Track& track, std::size_t width, const std::string& subject) {
             "key times are not strictly ascending");
 }
 
-void check(const Node& node, std::size_t index) {
+void validate_node(const Node& node, std::size_t index) {
     const std::string subject = "node " + std::to_string(index);
     require(node.parent >= -1 && (node.parent == -1 || is_index(node.parent, index)),
             subject,
             "its parent does not stand before it");
-    check(node.translation, 3, subject);
-    check(node.rotation, 4, subject);
-    check(node.scale, 3, subject);
+    validate_track(node.translation, 3, subject);
+    validate_track(node.rotation, 4, subject);
+    validate_track(node.scale, 3, subject);
     const glm::dquat& q = node.rest.rotation;
     require(is_finite(node.rest.translation) && is_finite(node.rest.scale) &&
                 is_finite(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w),
@@ -77,7 +57,7 @@ void check(const Node& node, std::size_t index) {
     }
 }
 
-void check(const Skin& skin, std::size_t index, std::size_t node_count) {
+void validate_skin(const Skin& skin, std::size_t index, std::size_t node_count) {
     const std::string subject = "skin " + std::to_string(index);
     require(skin.inverse_bind.size() == skin.joints.size(),
             subject,
@@ -88,7 +68,7 @@ void check(const Skin& skin, std::size_t index, std::size_t node_count) {
     }
 }
 
-void check_skinning(const Part& part, const Skin& skin, const std::string& subject) {
+void validate_skinning(const Part& part, const Skin& skin, const std::string& subject) {
     require(part.influences_per_vertex > 0 &&
                 part.influences.size() == part.positions.size() * part.influences_per_vertex,
             subject,
@@ -99,10 +79,10 @@ void check_skinning(const Part& part, const Skin& skin, const std::string& subje
     }
 }
 
-void check(const Part& part,
-           std::size_t index,
-           std::size_t node_count,
-           std::span<const Skin> skins) {
+void validate_part(const Part& part,
+                   std::size_t index,
+                   std::size_t node_count,
+                   std::span<const Skin> skins) {
     const std::string subject = "part " + std::to_string(index);
     require(part.node == -1 || is_index(part.node, node_count), subject, "its node does not exist");
     require(all_finite(part.positions), subject, "a position is not finite");
@@ -110,7 +90,7 @@ void check(const Part& part,
             subject,
             "the number of morph weights is not the number of targets");
     require(all_finite(part.rest_weights), subject, "a morph weight is not finite");
-    check(part.weights, part.targets.size(), subject);
+    validate_track(part.weights, part.targets.size(), subject);
     for (const MorphTarget& target : part.targets) {
         require(target.displacement.size() == part.positions.size(),
                 subject,
@@ -119,29 +99,26 @@ void check(const Part& part,
     }
     if (part.skin != -1) {
         require(is_index(part.skin, skins.size()), subject, "its skin does not exist");
-        check_skinning(part, skins[static_cast<std::size_t>(part.skin)], subject);
+        validate_skinning(part, skins[static_cast<std::size_t>(part.skin)], subject);
     }
 }
 
 }  // namespace
 
-void check_animated_mesh(std::span<const Node> nodes,
-                         std::span<const Skin> skins,
-                         std::span<const Part> parts,
-                         std::span<const Triangle> triangles) {
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        check(nodes[i], i);
+void AnimatedMesh::validate() const {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        validate_node(nodes_[i], i);
     }
-    for (std::size_t i = 0; i < skins.size(); ++i) {
-        check(skins[i], i, nodes.size());
+    for (std::size_t i = 0; i < skins_.size(); ++i) {
+        validate_skin(skins_[i], i, nodes_.size());
     }
     std::size_t vertex_count = 0;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        check(parts[i], i, nodes.size(), skins);
-        vertex_count += parts[i].positions.size();
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+        validate_part(parts_[i], i, nodes_.size(), skins_);
+        vertex_count += parts_[i].positions.size();
     }
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        for (const VertexId vertex : triangles[i]) {
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+        for (const VertexId vertex : triangles_[i]) {
             require(vertex < vertex_count,
                     "triangle " + std::to_string(i),
                     "a vertex index is out of range");
