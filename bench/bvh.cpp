@@ -14,6 +14,7 @@
 
 #include "bvh_contenders.h"
 #include "bvh_rays.h"
+#include "harness.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -39,18 +40,6 @@ struct Options {
     std::vector<std::string> sets, only;
 };
 
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values.empty() ? 0.0 : values[values.size() / 2];
-}
-
-template <typename Work>
-double seconds_of(Work&& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 bool is_wanted(const std::vector<std::string>& list, const std::string& name) {
     return list.empty() || std::any_of(list.begin(), list.end(), [&](const std::string& part) {
                return name.find(part) != std::string::npos;
@@ -68,7 +57,7 @@ std::vector<double> take_turns(std::size_t contenders, int repeats, Run&& run) {
     }
     std::vector<double> medians;
     for (auto& of_one : times) {
-        medians.push_back(median(of_one));
+        medians.push_back(bench::median(of_one));
     }
     return medians;
 }
@@ -163,7 +152,7 @@ Table measure_builds(const Options& options,
     const std::size_t count = contenders.size();
     Table table(contenders);
     table.add("build, s", take_turns(count, options.repeats, [&](std::size_t i) {
-                  return seconds_of([&] { contenders[i]->build(mesh.view(), executor); });
+                  return bench::seconds_of([&] { contenders[i]->build(mesh.view(), executor); });
               }));
     std::vector<double> bytes;
     for (const auto& contender : contenders) {
@@ -174,8 +163,8 @@ Table measure_builds(const Options& options,
     const Mesh moved = shaken(mesh);
     table.add("refit, ms", take_turns(count, options.repeats, [&](std::size_t i) {
                   bool has_refit = false;
-                  const double seconds =
-                      seconds_of([&] { has_refit = contenders[i]->refit(moved.view(), executor); });
+                  const double seconds = bench::seconds_of(
+                      [&] { has_refit = contenders[i]->refit(moved.view(), executor); });
                   return has_refit ? 1e3 * seconds : 0.0;
               }));
     for (const auto& contender : contenders) {
@@ -200,7 +189,7 @@ Table measure_rays(const Options& options,
             asks_any ? contender->prepare(set.segments) : contender->prepare(set.rays);
         }
         const auto seconds = take_turns(contenders.size(), options.repeats, [&](std::size_t i) {
-            return seconds_of([&] {
+            return bench::seconds_of([&] {
                 hits[i] =
                     asks_any ? contenders[i]->any(executor) : contenders[i]->closest(executor);
             });
@@ -262,7 +251,7 @@ double peak_memory() {
     return static_cast<double>(usage.ru_maxrss) / (1024.0 * 1024.0);
 }
 
-void run(const Options& options) {
+void measure(const Options& options) {
     earshot::override_simd_target(options.simd);
     const Mesh mesh =
         options.generate > 0 ? generated_city(options.generate) : loaded(options.scene);
@@ -305,9 +294,7 @@ std::vector<std::string> builder_names() {
     return names;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     Options options;
     CLI::App app("Builds, refits and traces a mesh with earshot and Embree");
     app.add_option("SCENE", options.scene, "mesh or glTF scene");
@@ -327,11 +314,12 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "bench_bvh: error: give a scene, or --generate and a number\n");
         return 2;
     }
-    try {
-        run(options);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_bvh: error: %s\n", error.what());
-        return 1;
-    }
+    measure(options);
     return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return bench::run_main("bench_bvh", argc, argv, run);
 }

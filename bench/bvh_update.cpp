@@ -14,6 +14,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "harness.h"
 #include "structures/area_ratio_rule.h"
 #include <algorithm>
 #include <chrono>
@@ -40,12 +41,6 @@ using earshot::geometry::Ray;
 using earshot::geometry::Vec3;
 
 constexpr int kFrames = 30;
-
-double seconds_of(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 struct Box {
     Vec3 lower{1e300}, upper{-1e300};
@@ -179,8 +174,8 @@ void follow(const char* name, const Motion& motion, std::size_t ray_count) {
         double fresh = 0.0;
         for (Policy& policy : policies) {
             policy.hits.resize(ray_count);
-            policy.update_seconds += seconds_of([&] { policy.update(mesh.view()); });
-            const double asked = seconds_of(
+            policy.update_seconds += bench::seconds_of([&] { policy.update(mesh.view()); });
+            const double asked = bench::seconds_of(
                 [&] { earshot::bvh::closest_hits(policy.tree(), mesh.view(), rays, policy.hits); });
             policy.ray_seconds += asked;
             fresh = fresh == 0.0 ? asked : fresh;
@@ -228,8 +223,9 @@ void move_one_of_a_hundred(const Mesh& part) {
         for (std::size_t i = 0; i < part.positions.size(); ++i) {
             mesh.positions[42 * part.positions.size() + i].y += 0.01 * size;
         }
-        partial = std::min(partial, seconds_of([&] { places.refit(tree, mesh.view(), one); }));
-        full = std::min(full, seconds_of([&] { tree.refit(mesh.view()); }));
+        partial =
+            std::min(partial, bench::seconds_of([&] { places.refit(tree, mesh.view(), one); }));
+        full = std::min(full, bench::seconds_of([&] { tree.refit(mesh.view()); }));
     }
     std::printf("\nOne of 100 parts moves, %zu triangles: %.3f ms, %.2f %% of a full refit\n",
                 mesh.triangles.size(),
@@ -237,7 +233,7 @@ void move_one_of_a_hundred(const Mesh& part) {
                 100.0 * partial / full);
 }
 
-void run(const char* file, std::size_t rays) {
+void measure(const char* file, std::size_t rays) {
     const auto scene = earshot::io::load_scene(file, {});
     const auto& source = scene.scene.mesh;
     const Mesh mesh = {source.positions_at(0.0),
@@ -264,18 +260,17 @@ void run(const char* file, std::size_t rays) {
     move_one_of_a_hundred(mesh);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     if (argc < 2 || argc > 3) {
         std::fprintf(stderr, "usage: bench_bvh_update MESH [RAYS]\n");
         return 2;
     }
-    try {
-        run(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 100000);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_bvh_update: error: %s\n", error.what());
-        return 1;
-    }
+    measure(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 100000);
     return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return bench::run_main("bench_bvh_update", argc, argv, run);
 }

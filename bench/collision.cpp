@@ -7,6 +7,7 @@
 #include "earshot/collision/narrow_phase/ccd.h"
 #include "earshot/io/contact_queries.h"
 
+#include "harness.h"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -48,12 +49,12 @@ void measure(const std::filesystem::path& folder, const std::string& kind) {
     for (int repeat = 0; repeat < 5; ++repeat) {
         wrong = hits = 0;
         for (std::size_t i = 0; i < queries.size(); ++i) {
-            const auto start = std::chrono::steady_clock::now();
-            const bool hit =
-                is_face ? earshot::collision::vertex_face_ccd(queries[i].points).has_value()
-                        : earshot::collision::edge_edge_ccd(queries[i].points).has_value();
-            const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-            times[i] = std::min(times[i], 1e6 * elapsed.count());
+            bool hit = false;
+            const double seconds = bench::seconds_of([&] {
+                hit = is_face ? earshot::collision::vertex_face_ccd(queries[i].points).has_value()
+                              : earshot::collision::edge_edge_ccd(queries[i].points).has_value();
+            });
+            times[i] = std::min(times[i], 1e6 * seconds);
             hits += hit ? 1 : 0;
             wrong += hit != queries[i].truth ? 1 : 0;
         }
@@ -78,22 +79,21 @@ void measure(const std::filesystem::path& folder, const std::string& kind) {
                 times.back());
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     if (argc != 2) {
         std::fprintf(stderr, "usage: bench_collision FOLDER\n");
         return 2;
     }
-    try {
-        std::printf(
-            "| queries | count | contacts | wrong | mean us | median us | 90 %% | 99 %% | "
-            "worst |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
-        measure(argv[1], "vertex-face");
-        measure(argv[1], "edge-edge");
-        return 0;
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_collision: %s\n", error.line().c_str());
-        return 1;
-    }
+    std::printf(
+        "| queries | count | contacts | wrong | mean us | median us | 90 %% | 99 %% | "
+        "worst |\n| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+    measure(argv[1], "vertex-face");
+    measure(argv[1], "edge-edge");
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return bench::run_main("bench_collision", argc, argv, run);
 }

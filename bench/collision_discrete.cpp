@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 
 #include "collision_contenders.h"
+#include "harness.h"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -250,10 +251,5 @@ int run(int argc, char** argv) {
 }  // namespace bench
 
 int main(int argc, char** argv) {
-    try {
-        return bench::run(argc, argv);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_collision_discrete: %s\n", error.line().c_str());
-        return 1;
-    }
+    return bench::run_main("bench_collision_discrete", argc, argv, bench::run);
 }

@@ -14,6 +14,7 @@
 #include "earshot/collision/narrow_phase/internal/element_tester.h"
 #include "earshot/collision/world.h"
 
+#include "harness.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -51,11 +52,6 @@ double processor_ms() {
     return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
 Measured measure(const std::vector<Part>& parts,
                  const ContactOptions& options,
                  Executor& executor) {
@@ -71,17 +67,15 @@ Measured measure(const std::vector<Part>& parts,
                          parts[mesh].at(frame / double(kFrames)),
                          parts[mesh].at((frame + 1) / double(kFrames)));
         }
-        const auto start = std::chrono::steady_clock::now();
-        const double processor_start = processor_ms();
-        measured.contacts += world.contacts(options, executor).size();
-        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-        times.push_back(1e3 * elapsed.count());
-        processor_times.push_back(processor_ms() - processor_start);
+        const bench::Times spent =
+            bench::times_of([&] { measured.contacts += world.contacts(options, executor).size(); });
+        times.push_back(1e3 * spent.clock);
+        processor_times.push_back(1e3 * spent.processor);
         measured.sum += world.statistics();
     }
-    measured.median_ms = median(times);
+    measured.median_ms = bench::median(times);
     measured.worst_ms = *std::max_element(times.begin(), times.end());
-    measured.processor_ms = median(processor_times);
+    measured.processor_ms = bench::median(processor_times);
     return measured;
 }
 
@@ -181,8 +175,11 @@ void split(const char* name, const std::vector<Part>& parts) {
         search.push_back(searched - followed);
         test.push_back(processor_ms() - searched);
     }
-    std::printf(
-        "| %s | %.1f | %.1f | %.1f |\n", name, median(follow), median(search), median(test));
+    std::printf("| %s | %.1f | %.1f | %.1f |\n",
+                name,
+                bench::median(follow),
+                bench::median(search),
+                bench::median(test));
 }
 
 int run(int argc, char** argv) {
@@ -216,10 +213,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_collision_sequences: %s\n", error.line().c_str());
-        return 1;
-    }
+    return bench::run_main("bench_collision_sequences", argc, argv, run);
 }

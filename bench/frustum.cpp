@@ -8,6 +8,7 @@
 #include "earshot/io/scene_file.h"
 #include "earshot/propagation/simulator.h"
 
+#include "harness.h"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -40,10 +41,9 @@ Measurement measure(const earshot::propagation::Scene& scene,
     result.seconds = std::numeric_limits<double>::infinity();
     Simulator simulator(scene, options);
     for (int repeat = 0; repeat < repeats; ++repeat) {
-        const auto start = std::chrono::steady_clock::now();
-        const auto pairs = simulator.run();
-        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-        result.seconds = std::min(result.seconds, elapsed.count());
+        std::vector<earshot::propagation::PairResult> pairs;
+        result.seconds =
+            std::min(result.seconds, bench::seconds_of([&] { pairs = simulator.run(); }));
         earshot::Digest digest;
         result.paths.clear();
         for (const auto& pair : pairs) {
@@ -107,10 +107,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_frustum: %s\n", error.line().c_str());
-        return 1;
-    }
+    return bench::run_main("bench_frustum", argc, argv, run);
 }

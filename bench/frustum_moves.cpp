@@ -10,6 +10,7 @@
 #include "earshot/io/scene_file.h"
 #include "earshot/propagation/simulator.h"
 
+#include "harness.h"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -27,18 +28,10 @@ using earshot::geometry::Vec3;
 
 constexpr int kRepeats = 5;
 
-/// Least milliseconds of a few runs.
+/// The minimum of a few runs.
 template <typename Work>
 double milliseconds_of(Work&& work) {
-    double least = std::numeric_limits<double>::infinity();
-    for (int repeat = 0; repeat < kRepeats; ++repeat) {
-        const auto start = std::chrono::steady_clock::now();
-        work();
-        const std::chrono::duration<double, std::milli> elapsed =
-            std::chrono::steady_clock::now() - start;
-        least = std::min(least, elapsed.count());
-    }
-    return least;
+    return 1e3 * bench::min_times_of(kRepeats, work).clock;
 }
 
 std::uint64_t digest_of(const TraceResult& result) {
@@ -120,10 +113,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_frustum_moves: %s\n", error.line().c_str());
-        return 1;
-    }
+    return bench::run_main("bench_frustum_moves", argc, argv, run);
 }

@@ -10,6 +10,7 @@
 #include "earshot/io/scene_file.h"
 #include "earshot/propagation/simulator.h"
 
+#include "harness.h"
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -104,18 +105,15 @@ void measure(const Scene& scene, Mode mode, int order, int resolution, Executor&
     const earshot::propagation::Simulator simulator(scene, {}, executor);
     const Vec3 source = scene.position_at(scene.sources.front(), 0.0);
     const Vec3 listener = scene.position_at(scene.listeners.front(), 0.0);
-    double seconds = std::numeric_limits<double>::infinity();
     earshot::frustum::TraceResult found;
-    for (int repeat = 0; repeat < 3; ++repeat) {
-        const auto start = std::chrono::steady_clock::now();
+    const auto trace = [&] {
         found = find_specular_paths(simulator.scene_view(),
                                     source,
                                     std::span(&listener, 1),
                                     {.max_order = order, .mode = mode, .resolution = resolution},
                                     executor);
-        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-        seconds = std::min(seconds, elapsed.count());
-    }
+    };
+    const double seconds = bench::min_times_of(3, trace).clock;
     const auto frusta = static_cast<double>(found.statistics.frusta);
     std::printf("| %s | %zu | %zu | %s | %d | %llu | %zu | %.0f | %.0f |\n",
                 scene.name.c_str(),
@@ -150,10 +148,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_frustum_rates: %s\n", error.line().c_str());
-        return 1;
-    }
+    return bench::run_main("bench_frustum_rates", argc, argv, run);
 }

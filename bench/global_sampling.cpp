@@ -7,6 +7,7 @@
 
 #include "earshot/visibility/global_sampling.h"
 
+#include "harness.h"
 #include "sampling_setup.h"
 #include <array>
 #include <cstdio>
@@ -54,7 +55,7 @@ void print_ratios(const GlobalPvs& all, const GlobalPvs& plain) {
     }
 }
 
-void run(int argc, char** argv) {
+int run(int argc, char** argv) {
     SamplingSetup setup(argc, argv, {{1.0, 1.0, 1.0}, {239.0, 3.0, 239.0}});
     std::array<std::uint32_t, 3> counts = {16, 2, 16};
     for (int k = 0; k < 3 && argc > 4 + k; ++k) {
@@ -91,10 +92,11 @@ void run(int argc, char** argv) {
         }
     }
     print_ratios(last, plain);
+    return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    return run_benchmark("bench_global_sampling", [&] { run(argc, argv); });
+    return bench::run_main("bench_global_sampling", argc, argv, run);
 }

@@ -6,6 +6,7 @@
 
 #include "earshot/visibility/guided_sampling.h"
 
+#include "harness.h"
 #include "sampling_setup.h"
 #include <algorithm>
 #include <cstdio>
@@ -62,7 +63,7 @@ std::size_t missing(const RegionPvs& view, const RegionPvs& other) {
     return lacks.size();
 }
 
-void run(int argc, char** argv) {
+int run(int argc, char** argv) {
     SamplingSetup setup(argc, argv, {{126.0, 1.0, 126.0}, {130.0, 3.0, 130.0}});
     const auto million = [&](int k, double standard) {
         return static_cast<std::uint64_t>(1e6 * (argc > k ? std::atof(argv[k]) : standard));
@@ -87,10 +88,11 @@ void run(int argc, char** argv) {
                 missing(guided, plain),
                 missing(longer, plain));
     std::printf("share of random rays that met something new: %.2g\n", guided.missed_share);
+    return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    return run_benchmark("bench_guided_sampling", [&] { run(argc, argv); });
+    return bench::run_main("bench_guided_sampling", argc, argv, run);
 }

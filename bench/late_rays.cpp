@@ -10,6 +10,7 @@
 #include "earshot/base/error.h"
 #include "earshot/io/scene_file.h"
 
+#include "harness.h"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -63,31 +64,24 @@ void measure(const char* name,
     const std::vector<std::uint32_t> material_of_triangle(mesh.triangles.size(), 0);
     const auto tree = earshot::bvh::Tree::build(earshot::bvh::triangle_boxes(mesh.view()));
     const RayScene scene = {tree, mesh.view(), material_of_triangle, materials};
-    double seconds = std::numeric_limits<double>::infinity();
-    double processor = seconds;
     std::uint64_t bounces = 0;
-    for (int repeat = 0; repeat < 5; ++repeat) {
-        const auto start = std::chrono::steady_clock::now();
-        const std::clock_t start_processor = std::clock();
+    const auto trace = [&] {
         bounces = trace_late_rays(scene,
                                   {.pose = {.position = source}},
                                   std::span(&listener, 1),
                                   {.rays = 20000},
                                   executor)
                       .balance.bounces;
-        const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-        seconds = std::min(seconds, elapsed.count());
-        processor = std::min(processor,
-                             static_cast<double>(std::clock() - start_processor) / CLOCKS_PER_SEC);
-    }
+    };
+    const bench::Times best = bench::min_times_of(5, trace);
     const double millions = 1e-6 * static_cast<double>(bounces);
     std::printf("| %s | %zu | %llu | %.0f | %.2f | %.2f |\n",
                 name,
                 mesh.triangles.size(),
                 static_cast<unsigned long long>(bounces),
-                1e3 * seconds,
-                millions / seconds / executor.threads(),
-                millions / processor);
+                1e3 * best.clock,
+                millions / best.clock / executor.threads(),
+                millions / best.processor);
 }
 
 int run(int argc, char** argv) {
@@ -121,10 +115,5 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    try {
-        return run(argc, argv);
-    } catch (const earshot::Error& error) {
-        std::fprintf(stderr, "bench_late_rays: %s\n", error.line().c_str());
-        return 1;
-    }
+    return bench::run_main("bench_late_rays", argc, argv, run);
 }

@@ -68,16 +68,4 @@ struct SamplingSetup {
     visibility::ViewRegion region;
 };
 
-/// Runs a benchmark; an Error ends it with one line on standard error. Returns the exit status.
-template <typename Run>
-int run_benchmark(const char* name, Run&& run) {
-    try {
-        run();
-        return 0;
-    } catch (const Error& error) {
-        std::fprintf(stderr, "%s: %s\n", name, error.line().c_str());
-        return 1;
-    }
-}
-
 }  // namespace earshot

@@ -15,6 +15,7 @@
 
 #include <glm/common.hpp>
 
+#include "harness.h"
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -35,21 +36,7 @@ struct Choice {
     int threads = 1;
 };
 
-/// Seconds on the clock and of the processor.
-struct Times {
-    double clock = 0.0, processor = 0.0;
-};
-
-template <typename Work>
-Times times_of(Work&& work) {
-    const auto start = std::chrono::steady_clock::now();
-    const std::clock_t used = std::clock();
-    work();
-    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-            static_cast<double>(std::clock() - used) / CLOCKS_PER_SEC};
-}
-
-void print(const char* what, const Times& times) {
+void print(const char* what, const bench::Times& times) {
     std::printf("%s: %.2f s, processor %.2f s\n", what, times.clock, times.processor);
 }
 
@@ -119,7 +106,7 @@ void add(Digest& digest, const BuiltCells& built) {
     }
 }
 
-void run(const Mesh& mesh, const Choice& choice) {
+void measure(const Mesh& mesh, const Choice& choice) {
     Executor executor(choice.threads);
     const auto tree =
         bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
@@ -127,7 +114,7 @@ void run(const Mesh& mesh, const Choice& choice) {
     const Objects objects = Objects::groups(mesh.view(), choice.group);
     const auto costs = object_costs(objects);
     std::vector<FreeSegment> segments;
-    const Times sampling = times_of([&] {
+    const bench::Times sampling = bench::times_of([&] {
         segments = sample_free_segments(
             tree, mesh.view(), region, {.count = choice.segments, .skip_solids = true}, executor);
     });
@@ -147,17 +134,17 @@ void run(const Mesh& mesh, const Choice& choice) {
     options.max_cells = choice.cells;
     options.mesh = mesh.view();
     BuiltCells by_cost{ViewCells(region)}, by_middle = by_cost;
-    print("splits by cost", times_of([&] {
+    print("splits by cost", bench::times_of([&] {
               by_cost = build_view_cells(region, segments, objects, options, executor);
           }));
     options.rule = CellRule::middle;
-    print("splits in the middle", times_of([&] {
+    print("splits in the middle", bench::times_of([&] {
               by_middle = build_view_cells(region, segments, objects, options, executor);
           }));
     const Sets cost_sets = seen(by_cost.cells, others, objects);
     const Sets middle_sets = seen(by_middle.cells, others, objects);
     std::vector<MergeHistory> histories;
-    print("merging", times_of([&] {
+    print("merging", bench::times_of([&] {
               histories.push_back(merge_cells(by_cost.cells, cost_sets, costs, {}, executor));
           }));
     Digest digest;
@@ -191,28 +178,27 @@ void run(const Mesh& mesh, const Choice& choice) {
     }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     if (argc < 2) {
         std::fprintf(stderr,
                      "usage: bench_view_cells SCENE [CELLS [SEGMENTS [GROUP [THREADS]]]]\n");
         return 2;
     }
-    try {
-        const auto number = [&](int place, std::size_t otherwise) {
-            return argc > place ? std::strtoull(argv[place], nullptr, 10) : otherwise;
-        };
-        const auto scene = io::load_scene(argv[1]).scene;
-        const Choice standard;
-        run({scene.mesh.positions_at(0.0), scene.mesh.triangles()},
+    const auto number = [&](int place, std::size_t otherwise) {
+        return argc > place ? std::strtoull(argv[place], nullptr, 10) : otherwise;
+    };
+    const auto scene = io::load_scene(argv[1]).scene;
+    const Choice standard;
+    measure({scene.mesh.positions_at(0.0), scene.mesh.triangles()},
             {number(2, standard.cells),
              number(3, standard.segments),
              number(4, standard.group),
              static_cast<int>(number(5, 1))});
-    } catch (const Error& error) {
-        std::fprintf(stderr, "bench_view_cells: %s\n", error.what());
-        return 1;
-    }
     return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return bench::run_main("bench_view_cells", argc, argv, run);
 }

@@ -11,6 +11,7 @@
 #include <glm/common.hpp>
 
 #include "bvh_contenders.h"
+#include "harness.h"
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -25,18 +26,6 @@ using geometry::Segment;
 using geometry::Vec3;
 
 constexpr int kRepeats = 5;
-
-template <typename Work>
-double seconds_of(Work&& work) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
 
 class Places {
 public:
@@ -93,19 +82,20 @@ void compare_with_embree(const Mesh& mesh, std::size_t count) {
             contender->prepare(segments);
         }
         for (int repeat = 0; repeat < kRepeats; ++repeat) {
-            times[0].push_back(
-                seconds_of([&] { seen = visibility::visible(tree, mesh.view(), segments); }));
+            times[0].push_back(bench::seconds_of(
+                [&] { seen = visibility::visible(tree, mesh.view(), segments); }));
             for (std::size_t i = 0; i < contenders.size(); ++i) {
-                times[i + 1].push_back(seconds_of([&] { contenders[i]->any(Executor::serial()); }));
+                times[i + 1].push_back(
+                    bench::seconds_of([&] { contenders[i]->any(Executor::serial()); }));
             }
         }
         std::size_t best = 0;
         for (std::size_t i = 1; i < contenders.size(); ++i) {
-            best = median(times[i + 1]) < median(times[best + 1]) ? i : best;
+            best = bench::median(times[i + 1]) < bench::median(times[best + 1]) ? i : best;
         }
         const double million = 1e-6 * static_cast<double>(segments.size());
-        const double own = million / median(times[0]);
-        const double theirs = contenders.empty() ? 0.0 : million / median(times[best + 1]);
+        const double own = million / bench::median(times[0]);
+        const double theirs = contenders.empty() ? 0.0 : million / bench::median(times[best + 1]);
         std::printf("| %s | %.1f | %.2f | %.2f | %s | %.2f |\n",
                     name.c_str(),
                     1e-4 / million * static_cast<double>(std::count(seen.begin(), seen.end(), 1)),
@@ -152,8 +142,8 @@ void measure_coherence(const Mesh& mesh, std::size_t count) {
         double seconds = 0.0, scratch_seconds = 0.0;
         for (int frame = 1; frame <= kFrames; ++frame) {
             const Mesh moved = swung(mesh, share, frame);
-            seconds += seconds_of([&] { coherent.visible(moved.view(), segments); });
-            scratch_seconds += seconds_of([&] {
+            seconds += bench::seconds_of([&] { coherent.visible(moved.view(), segments); });
+            scratch_seconds += bench::seconds_of([&] {
                 tree.update(moved.view());
                 visibility::visible(tree.tree(), moved.view(), segments);
             });
@@ -174,22 +164,21 @@ void measure_coherence(const Mesh& mesh, std::size_t count) {
     }
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
     if (argc < 2) {
         std::fprintf(stderr, "usage: bench_visibility MESH [COUNT]\n");
         return 2;
     }
-    try {
-        const auto scene = io::load_scene(argv[1]).scene;
-        const Mesh mesh{scene.mesh.positions_at(0.0), scene.mesh.triangles()};
-        const std::size_t count = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1000000;
-        compare_with_embree(mesh, count);
-        measure_coherence(mesh, count / 4);
-    } catch (const Error& error) {
-        std::fprintf(stderr, "bench_visibility: %s\n", error.what());
-        return 1;
-    }
+    const auto scene = io::load_scene(argv[1]).scene;
+    const Mesh mesh{scene.mesh.positions_at(0.0), scene.mesh.triangles()};
+    const std::size_t count = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1000000;
+    compare_with_embree(mesh, count);
+    measure_coherence(mesh, count / 4);
     return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return bench::run_main("bench_visibility", argc, argv, run);
 }

@@ -2,7 +2,7 @@
 #include "earshot/cli/arguments.h"
 
 #include "earshot/base/simd.h"
-#include "earshot/cli/spelling.h"
+#include "earshot/base/spelling.h"
 #include "earshot/cli/values.h"
 
 #include <algorithm>
@@ -74,9 +74,9 @@ std::string suggestion(const CLI::App& command,
                        const std::string& typed,
                        std::span<const std::string> known) {
     constexpr std::size_t kShortOption = 2;  // "-x" is near every other short option
-    const std::string nearest = typed.size() > kShortOption ? nearest_word(typed, known) : "";
+    const std::string closest = typed.size() > kShortOption ? closest_word(typed, known) : "";
     const std::string see = "see " + full_name(command) + " --help";
-    return nearest.empty() ? see : "did you mean " + nearest + "? " + see;
+    return closest.empty() ? see : "did you mean " + closest + "? " + see;
 }
 
 UsageError unknown_option(const CLI::App& command, const std::string& option) {

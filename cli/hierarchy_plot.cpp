@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/assert.h"
 #include "earshot/cli/hierarchy_report.h"
+#include "earshot/io/svg.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
+#include <vector>
 
 namespace earshot::cli {
 namespace {
 
-constexpr double kWidth = 720.0, kHeight = 360.0, kMargin = 56.0;  // pixels
+constexpr double kWidth = 720.0, kHeight = 360.0, kMargin = 56.0;  // of the picture
+constexpr int kTickSteps = 4;
 
 struct Curve {
     const char* label;
@@ -22,90 +24,50 @@ constexpr std::array<Curve, 3> kCurves = {
      {"rebuild always", "#808080", &HierarchyFrame::rebuild_steps},
      {"update", "#2060c0", &HierarchyFrame::update_steps}}};
 
-/// Where values stand in the picture.
-struct Scale {
-    double begin = 0.0, end = 1.0;  // of time
-    double max_steps = 1.0;         // of steps
-
-    double x(double time) const {
-        const double share = end > begin ? (time - begin) / (end - begin) : 0.5;
-        return kMargin + share * (kWidth - 2.0 * kMargin);
+io::SvgAxis axis(double first, double last, double begin, double end, const char* unit) {
+    io::SvgAxis result{first, last, begin, end, {}, unit};
+    for (int k = 0; k <= kTickSteps; ++k) {
+        result.ticks.push_back(first + (last - first) * k / kTickSteps);
     }
-    double y(double steps) const {
-        return kHeight - kMargin - steps / max_steps * (kHeight - 2.0 * kMargin);
-    }
-};
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
-
-std::string axes(const Scale& scale) {
-    std::string text = formatted("<path d='M%.1f %.1f V%.1f H%.1f' fill='none' stroke='black'/>\n",
-                                 kMargin,
-                                 kMargin,
-                                 kHeight - kMargin,
-                                 kWidth - kMargin);
-    for (int k = 0; k <= 4; ++k) {
-        const double steps = scale.max_steps * k / 4.0;
-        const double time = scale.begin + (scale.end - scale.begin) * k / 4.0;
-        text += formatted("<text x='%.1f' y='%.1f' text-anchor='end'>%.3g</text>\n",
-                          kMargin - 6.0,
-                          scale.y(steps) + 4.0,
-                          steps);
-        text += formatted("<text x='%.1f' y='%.1f' text-anchor='middle'>%.3g s</text>\n",
-                          scale.x(time),
-                          kHeight - kMargin + 18.0,
-                          time);
-    }
-    return text;
+    return result;
 }
 
 }  // namespace
 
 std::string hierarchy_plot(const HierarchyReport& report) {
     EARSHOT_ASSERT(!report.frames.empty());
-    Scale scale = {.begin = report.frames.front().time, .end = report.frames.back().time};
+    double max_steps = 1.0;
     for (const HierarchyFrame& frame : report.frames) {
-        scale.max_steps =
-            std::max({scale.max_steps, frame.refit_steps, frame.rebuild_steps, frame.update_steps});
+        max_steps =
+            std::max({max_steps, frame.refit_steps, frame.rebuild_steps, frame.update_steps});
     }
-    std::string text = formatted(
-        "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 %.0f %.0f' font-family='sans-serif' "
-        "font-size='12'>\n<rect width='100%%' height='100%%' fill='white'/>\n",
-        kWidth,
-        kHeight);
-    text += formatted(
-        "<text x='%.1f' y='24' font-size='14'>expected steps of a random ray</text>\n", kMargin);
-    text += axes(scale);
+    const io::SvgAxis time = axis(
+        report.frames.front().time, report.frames.back().time, kMargin, kWidth - kMargin, " s");
+    const io::SvgAxis steps = axis(0.0, max_steps, kHeight - kMargin, kMargin, "");
+
+    io::SvgPicture picture(kWidth, kHeight, 12.0);
+    picture.text({kMargin, 24.0}, "expected steps of a random ray", {.size = 14.0});
+    picture.axes(time, steps);
     double legend = kMargin;
     for (const Curve& curve : kCurves) {
-        text +=
-            formatted("<polyline fill='none' stroke='%s' stroke-width='2' points='", curve.colour);
+        std::vector<io::SvgPoint> points;
         for (const HierarchyFrame& frame : report.frames) {
-            text += formatted("%.1f,%.1f ", scale.x(frame.time), scale.y(frame.*curve.steps));
+            points.push_back({time.at(frame.time), steps.at(frame.*curve.steps)});
         }
-        text += "'/>\n";
-        text += formatted(
-            "<text x='%.1f' y='44' fill='%s'>%s</text>\n", legend, curve.colour, curve.label);
+        picture.polyline(points, curve.colour, 2.0);
+        picture.text({legend, 44.0}, curve.label, {.fill = curve.colour});
         legend += 120.0;
     }
     // What the update did, where it did more than a refit.
     for (const HierarchyFrame& frame : report.frames) {
         if (frame.action != bvh::UpdateAction::refit) {
-            text += formatted(
-                "<circle cx='%.1f' cy='%.1f' r='4' fill='%s'><title>%s</title>"
-                "</circle>\n",
-                scale.x(frame.time),
-                scale.y(frame.update_steps),
-                frame.action == bvh::UpdateAction::rebuild ? "#2060c0" : "white",
-                std::string(bvh::name_of(frame.action)).c_str());
+            picture.disc({time.at(frame.time), steps.at(frame.update_steps)},
+                         4.0,
+                         frame.action == bvh::UpdateAction::rebuild ? "#2060c0" : "white",
+                         bvh::name_of(frame.action));
         }
     }
-    return text + "</svg>\n";
+    return picture.str();
 }
 
 }  // namespace earshot::cli

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/base/spelling.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
-#include "earshot/cli/spelling.h"
 #include "earshot/propagation/material.h"
 
 #include <nlohmann/json.hpp>
@@ -141,11 +141,9 @@ private:
         }
         const auto found = std::find(names.begin(), names.end(), name_);
         if (found == names.end()) {
-            const std::string nearest = nearest_word(name_, names);
-            throw UsageError(
-                name_,
-                "no such material in the library",
-                nearest.empty() ? "see earshot materials" : "did you mean " + nearest + "?");
+            throw UsageError(name_,
+                             "no such material in the library",
+                             did_you_mean(name_, names, "see earshot materials"));
         }
         return rows.subspan(static_cast<std::size_t>(found - names.begin()), 1);
     }

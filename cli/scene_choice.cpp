@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/scene_choice.h"
 
-#include "earshot/cli/spelling.h"
+#include "earshot/base/spelling.h"
 #include "earshot/cli/values.h"
 
 #include <algorithm>
@@ -62,11 +62,9 @@ std::uint32_t material_named(const propagation::Scene& scene, const std::string&
     }
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) {
-        const std::string nearest = nearest_word(name, names);
-        throw Error(
-            name,
-            "the scene has no such material",
-            nearest.empty() ? "see the scene's materials" : "did you mean " + nearest + "?");
+        throw Error(name,
+                    "the scene has no such material",
+                    did_you_mean(name, names, "see the scene's materials"));
     }
     return static_cast<std::uint32_t>(found - names.begin());
 }

@@ -104,19 +104,6 @@ SlabTest::SlabTest(const Vec3& origin, const Vec3& direction, double max_abs_coo
     }
 }
 
-std::optional<double> ShearedRay::move_into_own_box(double t,
-                                                    const Vec3& a,
-                                                    const Vec3& b,
-                                                    const Vec3& c,
-                                                    double max_abs_coordinate) const noexcept {
-    const Interval own =
-        SlabTest(origin_, direction_, max_abs_coordinate).interval(triangle_box(a, b, c));
-    if (own.is_empty()) {
-        return std::nullopt;
-    }
-    return std::clamp(t, own.min, own.max);
-}
-
 Aabb triangle_box(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
     Aabb box;
     for (int axis = 0; axis < 3; ++axis) {

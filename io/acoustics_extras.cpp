@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/internal/acoustics_extras.h"
 
+#include "earshot/base/spelling.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <numeric>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -25,22 +26,6 @@ struct Place {
         throw Error(file, element + ": " + what, remedy);
     }
 };
-
-/// Levenshtein 1966: the least number of single-character edits.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({row[j] + 1, diagonal + 1, changed});
-        }
-    }
-    return row.back();
-}
 
 /// extras.acoustics, if the object has it.
 const Json* acoustics_of(const Json& object, const Place& place) {
@@ -130,14 +115,13 @@ Material library_material(const Json& name, const Place& place) {
 
 std::string nearest_library_names(const std::string& name) {
     constexpr std::size_t kSuggestions = 3;
-    std::vector<std::pair<std::size_t, std::string_view>> ranked;
+    std::vector<std::string> names;
     for (const propagation::LibraryMaterial& row : propagation::material_library()) {
-        ranked.emplace_back(edit_distance(name, row.name), row.name);
+        names.emplace_back(row.name);
     }
-    std::sort(ranked.begin(), ranked.end());
     std::string text;
-    for (std::size_t i = 0; i < std::min(kSuggestions, ranked.size()); ++i) {
-        text += (i == 0 ? "nearest are " : ", ") + std::string(ranked[i].second);
+    for (const std::string& close : closest_words(name, names, kSuggestions)) {
+        text += (text.empty() ? "nearest are " : ", ") + close;
     }
     return text.empty() ? "see earshot materials" : text + " (see earshot materials)";
 }

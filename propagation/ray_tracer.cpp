@@ -122,12 +122,9 @@ void RayTracer::describe_surfaces() {
 void RayTracer::describe_triangles() {
     triangle_surfaces_.reserve(scene_.mesh.triangles.size());
     for (std::size_t i = 0; i < scene_.mesh.triangles.size(); ++i) {
-        const geometry::Triangle& triangle = scene_.mesh.triangles[i];
-        const Vec3& a = scene_.mesh.positions[triangle[0]];
-        triangle_surfaces_.push_back(
-            {.normal = glm::normalize(glm::cross(scene_.mesh.positions[triangle[1]] - a,
-                                                 scene_.mesh.positions[triangle[2]] - a)),
-             .surface = scene_.material_of_triangle[i]});
+        const auto [a, b, c] = geometry::corners(scene_.mesh, i);
+        triangle_surfaces_.push_back({.normal = glm::normalize(glm::cross(b - a, c - a)),
+                                      .surface = scene_.material_of_triangle[i]});
     }
 }
 

@@ -34,12 +34,4 @@ void add_polygon(PolygonMesh& mesh,
                  const std::string& file,
                  const std::string& face);
 
-/// Appends the triangles of a simple polygon, of the same winding: ears cut off in the plane of its
-/// area vector, so concave polygons come out right. A polygon that crosses itself becomes a fan
-/// from where no ear is left. Fewer than three corners give nothing.
-/// Precondition: every corner is below positions.size(). O(n^2) for n corners where convex.
-void triangulate(std::span<const geometry::Vec3> positions,
-                 std::span<const geometry::VertexId> corners,
-                 std::vector<geometry::Triangle>& triangles);
-
 }  // namespace earshot::io

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/scenes/carving.h"
 
-#include "earshot/scenes/triangulate.h"
+#include "earshot/scenes/tick_grid.h"
 
 #include <algorithm>
 #include <map>
@@ -342,7 +342,7 @@ private:
             faces.push_back(face_of(patch, loops.front()));
             return;
         }
-        for (const auto& [a, b, c] : triangulate(std::move(loops))) {
+        for (const auto& [a, b, c] : triangulate(loops)) {
             faces.push_back(face_of(patch, {a, b, c}));
         }
     }

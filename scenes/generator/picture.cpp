@@ -2,6 +2,9 @@
 #include "earshot/scenes/picture.h"
 
 #include "earshot/base/math.h"
+#include "earshot/io/svg.h"
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
@@ -36,19 +39,11 @@ struct WorldFace {
     std::size_t material = 0;
 };
 
-Vec3 cross(const Vec3& a, const Vec3& b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-double dot(const Vec3& a, const Vec3& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
 // A vector times `rotation`, written out: quaternion products of libraries may round otherwise.
 Vec3 turned(const glm::dquat& rotation, const Vec3& vector) {
     const Vec3 axis(rotation.x, rotation.y, rotation.z);
-    const Vec3 twist = cross(axis, vector) + vector * rotation.w;
-    return vector + cross(axis, twist) * 2.0;
+    const Vec3 twist = glm::cross(axis, vector) + vector * rotation.w;
+    return vector + glm::cross(axis, twist) * 2.0;
 }
 
 Vec3 posed(const DraftNode& node, const Vec3& rest) {
@@ -74,14 +69,15 @@ public:
         right_ = {math::cos(turn), 0.0, -math::sin(turn)};
         towards_ = {
             math::sin(turn) * math::cos(tilt), math::sin(tilt), math::cos(turn) * math::cos(tilt)};
-        up_ = cross(towards_, right_);
+        up_ = glm::cross(towards_, right_);
         Vec3 low(std::numeric_limits<double>::max());
         Vec3 high(std::numeric_limits<double>::lowest());
         for (const DraftNode& node : draft.nodes) {
             for (const Face& face : node.faces) {
                 for (std::size_t i = 0; i < face.corner_count; ++i) {
                     const Vec3 at = posed(node, face.corners[i]);
-                    const Vec3 seen(dot(at, right_), dot(at, up_), dot(at, towards_));
+                    const Vec3 seen(
+                        glm::dot(at, right_), glm::dot(at, up_), glm::dot(at, towards_));
                     for (int axis = 0; axis < 3; ++axis) {
                         low[axis] = std::min(low[axis], seen[axis]);
                         high[axis] = std::max(high[axis], seen[axis]);
@@ -96,13 +92,13 @@ public:
     }
 
     Drawn draw(const Vec3& at) const {
-        return {(dot(at, right_) - left_) * scale_ + kMargin,
-                (top_ - dot(at, up_)) * scale_ + kMargin,
-                dot(at, towards_) * scale_};
+        return {(glm::dot(at, right_) - left_) * scale_ + kMargin,
+                (top_ - glm::dot(at, up_)) * scale_ + kMargin,
+                glm::dot(at, towards_) * scale_};
     }
 
     /// Cosine between a unit normal and the direction to the viewer.
-    double facing(const Vec3& normal) const { return dot(normal, towards_); }
+    double facing(const Vec3& normal) const { return glm::dot(normal, towards_); }
     int height() const { return height_; }
 
 private:
@@ -124,8 +120,8 @@ std::vector<WorldFace> faces_towards(const SceneDraft& draft, const View& view) 
                 seen.corners.push_back(posed(node, face.corners[i]));
             }
             const Vec3 area =
-                cross(seen.corners[1] - seen.corners[0], seen.corners[2] - seen.corners[0]);
-            const double length = std::sqrt(dot(area, area));
+                glm::cross(seen.corners[1] - seen.corners[0], seen.corners[2] - seen.corners[0]);
+            const double length = std::sqrt(glm::dot(area, area));
             if (length > 0.0) {
                 seen.normal = area / length;
                 if (view.facing(seen.normal) > kGrazing) {
@@ -214,18 +210,26 @@ std::map<Ends, std::vector<const WorldFace*>> edges_of(const std::vector<WorldFa
 bool is_seam(const std::vector<const WorldFace*>& beside) {
     constexpr double kSmooth = 0.999;  // cosine; 2.6 degrees
     return beside.size() == 2 && beside[0]->material == beside[1]->material &&
-           dot(beside[0]->normal, beside[1]->normal) > kSmooth;
+           glm::dot(beside[0]->normal, beside[1]->normal) > kSmooth;
 }
 
 std::string whole(double number) {
     return std::to_string(static_cast<int>(std::lround(number)));
 }
 
-// The visible stretches of an edge as SVG path commands.
-std::string visible(const Drawn& from, const Drawn& to, const DepthBuffer& buffer) {
+// A point of the drawing without its depth, rounded to its units.
+io::SvgPoint flat(const Drawn& point) {
+    return {std::round(point.x), std::round(point.y)};
+}
+
+// Appends the visible stretches of an edge.
+void append_visible(const Drawn& from,
+                    const Drawn& to,
+                    const DepthBuffer& buffer,
+                    std::vector<std::vector<io::SvgPoint>>& lines) {
     const double length = std::hypot(to.x - from.x, to.y - from.y);
     if (length < kShortest) {
-        return {};
+        return;
     }
     const int steps = static_cast<int>(length) + 1;
     const auto at = [&](int step) {
@@ -234,7 +238,6 @@ std::string visible(const Drawn& from, const Drawn& to, const DepthBuffer& buffe
                      from.y + (to.y - from.y) * t,
                      from.depth + (to.depth - from.depth) * t};
     };
-    std::string path;
     int start = -1;
     for (int step = 0; step <= steps + 1; ++step) {
         const bool shown = step <= steps && !buffer.hides(at(step));
@@ -242,14 +245,11 @@ std::string visible(const Drawn& from, const Drawn& to, const DepthBuffer& buffe
             start = step;
         } else if (!shown && start >= 0) {
             if (step - 1 - start >= kShortest) {
-                const Drawn a = at(start);
-                const Drawn b = at(step - 1);
-                path += "M" + whole(a.x) + " " + whole(a.y) + "L" + whole(b.x) + " " + whole(b.y);
+                lines.push_back({flat(at(start)), flat(at(step - 1))});
             }
             start = -1;
         }
     }
-    return path;
 }
 
 // A stroke dark enough for white paper.
@@ -280,7 +280,7 @@ std::vector<Drawn> label_places(const std::vector<Drawn>& dots) {
     return places;
 }
 
-std::string emitters(const SceneDraft& draft, const View& view) {
+void draw_emitters(const SceneDraft& draft, const View& view, io::SvgPicture& picture) {
     std::vector<const DraftNode*> nodes;
     std::vector<Drawn> dots;
     for (const DraftNode& node : draft.nodes) {
@@ -290,16 +290,11 @@ std::string emitters(const SceneDraft& draft, const View& view) {
         }
     }
     const std::vector<Drawn> labels = label_places(dots);
-    std::string text;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
         const char* colour = nodes[i]->role == Role::source ? "#c1121f" : "#1d4ed8";
-        text += "<circle cx=\"" + whole(dots[i].x) + "\" cy=\"" + whole(dots[i].y) +
-                "\" r=\"5\" fill=\"" + colour + "\"/><text x=\"" + whole(labels[i].x) + "\" y=\"" +
-                whole(labels[i].y) + "\" fill=\"" + colour +
-                "\" stroke=\"#fff\" stroke-width=\"3\" paint-order=\"stroke\">" + nodes[i]->name +
-                "</text>\n";
+        picture.disc(flat(dots[i]), 5.0, colour);
+        picture.text(flat(labels[i]), nodes[i]->name, {.fill = colour, .halo = true});
     }
-    return text;
 }
 
 }  // namespace
@@ -316,29 +311,23 @@ std::string draw_picture(const SceneDraft& draft) {
         }
     }
 
-    std::vector<std::string> paths(draft.materials.size());
+    std::vector<std::vector<std::vector<io::SvgPoint>>> lines(draft.materials.size());
     for (const auto& [ends, beside] : edges_of(faces)) {
         if (!is_seam(beside)) {
             const auto& [from, to] = ends;
-            paths[beside.back()->material] += visible(
-                view.draw({from[0], from[1], from[2]}), view.draw({to[0], to[1], to[2]}), buffer);
+            append_visible(view.draw({from[0], from[1], from[2]}),
+                           view.draw({to[0], to[1], to[2]}),
+                           buffer,
+                           lines[beside.back()->material]);
         }
     }
 
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " +
-                      std::to_string(kWidth) + " " + std::to_string(view.height()) +
-                      "\" font-family=\"sans-serif\" font-size=\"13\">\n"
-                      "<title>" +
-                      draft.name +
-                      "</title>\n"
-                      "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-    for (std::size_t material = 0; material < paths.size(); ++material) {
-        if (!paths[material].empty()) {
-            svg += "<path fill=\"none\" stroke=\"" + stroke(draft.materials[material].colour) +
-                   "\" d=\"" + paths[material] + "\"/>\n";
-        }
+    io::SvgPicture picture(kWidth, view.height(), 13.0, draft.name);
+    for (std::size_t material = 0; material < lines.size(); ++material) {
+        picture.polylines(lines[material], stroke(draft.materials[material].colour));
     }
-    return svg + emitters(draft, view) + "</svg>\n";
+    draw_emitters(draft, view, picture);
+    return picture.str();
 }
 
 }  // namespace earshot::scenes

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/scenes/shapes.h"
 
-#include "earshot/scenes/triangulate.h"
+#include "earshot/scenes/tick_grid.h"
 
 #include <algorithm>
 

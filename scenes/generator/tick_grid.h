@@ -21,16 +21,11 @@ inline constexpr double kTicksPerMetre = 10000.0;
 /// The nearest tick.
 std::int64_t ticks(double metres);
 
-/// Twice the signed area of a triangle: positive if a, b, c turn counter-clockwise.
-std::int64_t doubled_area(const GridPoint& a, const GridPoint& b, const GridPoint& c);
-
-/// Twice the signed area inside a loop.
+/// Twice the signed area inside a loop: positive if it runs counter-clockwise.
 std::int64_t doubled_area(const std::vector<GridPoint>& loop);
 
-/// Triangles (counter-clockwise) that fill a polygon: loops[0] is its outline, counter-clockwise,
-/// the others are its holes, clockwise. No loop crosses or touches another. Every corner is used,
-/// no other point is made: neighbours that share corners fit without T-junctions.
+/// geometry::triangulate() of loops on the grid, the ear with the shortest diagonal first.
 /// Precondition: there are at least three corners that do not lie on one line.
-std::vector<std::array<GridPoint, 3>> triangulate(std::vector<std::vector<GridPoint>> loops);
+std::vector<std::array<GridPoint, 3>> triangulate(const std::vector<std::vector<GridPoint>>& loops);
 
 }  // namespace earshot::scenes
