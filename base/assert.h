@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/floating_point.h"
+
 #include <cassert>
 
 /// A precondition the caller must keep: checked in builds without NDEBUG (dev, asan, tsan), free in

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/floating_point.h"
+
 namespace earshot {
 
 /// An unevaluated sum hi + lo with |lo| at most half an ulp of hi: about 106 bits.

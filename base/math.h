@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/floating_point.h"
+
 namespace earshot::math {
 
 // Transcendental functions whose results reach output files. glibc picks variants with or without

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/floating_point.h"
+
 namespace earshot::geometry {
 
 /// A closed interval of the parameter t along a line; empty if min > max.
