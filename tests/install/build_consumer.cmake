@@ -1,4 +1,5 @@
 # Configures, builds and tests the consumer in SOURCE; see CMakeLists.txt for the arguments.
+cmake_minimum_required(VERSION 3.25)
 if(FLAGS MATCHES "x86-64-v3" AND EXISTS /proc/cpuinfo)
   file(STRINGS /proc/cpuinfo capabilities REGEX "^flags" LIMIT_COUNT 1)
   foreach(capability avx2 fma bmi1 bmi2 f16c movbe)

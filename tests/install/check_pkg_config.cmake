@@ -1,5 +1,6 @@
 # Compiles and runs the consumer's program by what pkg-config says, and compares its digests with the
 # library's own; see CMakeLists.txt for the arguments. Fast mathematics must be refused.
+cmake_minimum_required(VERSION 3.25)
 find_program(pkg_config pkg-config REQUIRED)
 set(ENV{PKG_CONFIG_PATH} ${PKG_CONFIG_DIR}:$ENV{PKG_CONFIG_PATH})
 file(MAKE_DIRECTORY ${SCRATCH})

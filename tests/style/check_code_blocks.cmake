@@ -2,6 +2,7 @@
 # program of docs/examples (without its first line, the licence) that tests/examples runs; any other
 # block is a part of a function and must compile inside one, its #include lines before it.
 # Arguments: SOURCE_DIR, COMPILER, INCLUDES (directories, joined by commas), SCRATCH.
+cmake_minimum_required(VERSION 3.25)
 string(REPLACE "," ";" include_flags "${INCLUDES}")
 list(TRANSFORM include_flags PREPEND "-I")
 file(GLOB examples ${SOURCE_DIR}/docs/examples/*.cpp)

@@ -2,6 +2,7 @@
 # or names one that does not exist. Names stand in backticks: `x.h`, `internal/x.cpp`, `x.*`,
 # `x_*.cpp`. A name without a folder stands for files of that name anywhere below the README.
 # Arguments: SOURCE_DIR, FOLDERS (joined by commas).
+cmake_minimum_required(VERSION 3.25)
 string(REPLACE "," ";" folders "${FOLDERS}")
 set(complaints)
 
