@@ -22,8 +22,8 @@ struct SvgAxis {
     double last = 1.0;   ///< value at `end`
     double begin = 0.0;  ///< coordinate in the picture
     double end = 1.0;
-    std::vector<double> ticks;  ///< values that are labelled
-    std::string unit;           ///< follows each label, with its space: " s"
+    std::vector<double> ticks{};  ///< values that are labelled
+    std::string unit{};           ///< follows each label, with its space: " s"
 
     /// The coordinate of a value; the middle if the axis has no length.
     double at(double value) const noexcept;
