@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/all_hits.h"
 
+#include "earshot/bvh/better_hit.h"
 #include "earshot/bvh/ray.h"
 
 #include <algorithm>
@@ -13,12 +14,8 @@ using geometry::TriangleId;
 
 namespace {
 
-bool comes_before(const Hit& a, const Hit& b) noexcept {
-    return a.t != b.t ? a.t < b.t : a.triangle < b.triangle;
-}
-
-bool comes_after(const Hit& a, const Hit& b) noexcept {
-    return comes_before(b, a);
+bool worse_hit(const Hit& a, const Hit& b) noexcept {
+    return better_hit(b, a);
 }
 
 std::optional<Hit> hit_of(const PreparedRay& ray, const geometry::MeshView& mesh, TriangleId id) {
@@ -35,51 +32,47 @@ std::optional<Hit> hit_of(const PreparedRay& ray, const geometry::MeshView& mesh
 OrderedHits::OrderedHits(const Tree& tree, const geometry::MeshView& mesh, const geometry::Ray& ray)
     : tree_(tree), mesh_(mesh), ray_(ray, max_abs_coordinate(tree)) {
     if (!tree.nodes().empty() && ray_.is_valid()) {
-        wait_for(0);
+        push_node(0);
     }
 }
 
 std::optional<Hit> OrderedHits::next() {
     // A node that begins at the distance of a hit may hold another of lower index.
-    while (!waiting_.empty() && (hits_.empty() || waiting_.front().near <= hits_.front().t)) {
-        const std::uint32_t node = waiting_.front().node;
-        std::pop_heap(waiting_.begin(), waiting_.end(), [](const Waiting& a, const Waiting& b) {
-            return a.near > b.near;
-        });
-        waiting_.pop_back();
-        open(node);
+    while (!nodes_.empty() && (hits_.empty() || nodes_.front().t_near <= hits_.front().t)) {
+        const std::uint32_t node = nodes_.front().node;
+        std::pop_heap(nodes_.begin(), nodes_.end(), is_farther);
+        nodes_.pop_back();
+        expand(node);
     }
     if (hits_.empty()) {
         return std::nullopt;
     }
-    std::pop_heap(hits_.begin(), hits_.end(), comes_after);
-    const Hit first = hits_.back();
+    std::pop_heap(hits_.begin(), hits_.end(), worse_hit);
+    const Hit best = hits_.back();
     hits_.pop_back();
-    return first;
+    return best;
 }
 
-void OrderedHits::wait_for(std::uint32_t node) {
-    const geometry::Interval interval = ray_.box_interval(tree_.nodes()[node].box, ray_.t_max());
+void OrderedHits::push_node(std::uint32_t node) {
+    const auto interval = ray_.box_interval(tree_.nodes()[node].box, ray_.t_max());
     if (interval.is_empty()) {
         return;
     }
-    waiting_.push_back({node, interval.min});
-    std::push_heap(waiting_.begin(), waiting_.end(), [](const Waiting& a, const Waiting& b) {
-        return a.near > b.near;
-    });
+    nodes_.push_back({node, interval.min});
+    std::push_heap(nodes_.begin(), nodes_.end(), is_farther);
 }
 
-void OrderedHits::open(std::uint32_t index) {
+void OrderedHits::expand(std::uint32_t index) {
     const Node& node = tree_.nodes()[index];
     if (!node.is_leaf()) {
-        wait_for(node.first);
-        wait_for(node.first + 1);
+        push_node(node.first);
+        push_node(node.first + 1);
         return;
     }
     for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         if (const auto hit = hit_of(ray_, mesh_, tree_.primitives()[i])) {
             hits_.push_back(*hit);
-            std::push_heap(hits_.begin(), hits_.end(), comes_after);
+            std::push_heap(hits_.begin(), hits_.end(), worse_hit);
         }
     }
 }
@@ -103,7 +96,7 @@ std::vector<Hit> all_hits(const Tree& tree,
             }
             return true;
         });
-    std::sort(hits.begin(), hits.end(), comes_before);
+    std::sort(hits.begin(), hits.end(), better_hit<Hit>);
     return hits;
 }
 

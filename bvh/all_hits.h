@@ -12,34 +12,38 @@
 
 namespace earshot::bvh {
 
-// Every triangle a ray hits, nearest first and by TriangleId where several are hit at the same t.
-// Trees are those of ray.h, and hits are decided as closest_hit() decides them: it gives the first
-// of these. A ray through an edge hits the triangles on both sides of it.
+// All triangles that a ray hits, in the order of better_hit(). Trees are those of ray.h, and hits
+// are decided as closest_hit() decides them: it returns the first of these. A ray through an edge
+// hits the triangles on both sides of it.
 
-/// The hits of one ray, one at a time. Boxes are opened in the order in which the ray enters them
-/// (Hjaltason and Samet 1999), so the work ends where the caller stops asking.
+/// The hits of one ray, one at a time: an incremental traversal that expands nodes in the order in
+/// which the ray enters their boxes, by a priority queue (Hjaltason and Samet 1999), so that hits
+/// beyond the last one asked for cost nothing.
 class OrderedHits {
 public:
-    /// Precondition: tree and mesh stay as they are while hits are asked for.
+    /// Precondition: tree and mesh do not change while this exists.
     OrderedHits(const Tree& tree, const geometry::MeshView& mesh, const geometry::Ray& ray);
 
     /// The next hit; empty after the last.
     std::optional<geometry::Hit> next();
 
 private:
-    struct Waiting {
+    struct QueueEntry {
         std::uint32_t node = 0;
-        double near = 0.0;
+        double t_near = 0.0;  // where the ray enters the node's box
     };
 
-    void wait_for(std::uint32_t node);
-    void open(std::uint32_t node);
+    static bool is_farther(const QueueEntry& a, const QueueEntry& b) noexcept {
+        return a.t_near > b.t_near;
+    }
+    void push_node(std::uint32_t node);
+    void expand(std::uint32_t node);
 
     const Tree& tree_;
     geometry::MeshView mesh_;
     geometry::PreparedRay ray_;
-    std::vector<Waiting> waiting_;     // a heap with the nearest node on top
-    std::vector<geometry::Hit> hits_;  // a heap with the first hit on top
+    std::vector<QueueEntry> nodes_;    // a heap with the closest node on top
+    std::vector<geometry::Hit> hits_;  // a heap with the best hit on top
 };
 
 /// All hits in order.

@@ -10,33 +10,33 @@ namespace {
 /// Ranges up to this size are built by one task.
 constexpr std::uint32_t kTaskSize = 16384;
 
-/// Larger ranges are binned and parted in pieces of this size.
-constexpr std::uint32_t kPieceSize = 4096;
+/// Larger ranges are binned and partitioned in chunks of this size.
+constexpr std::uint32_t kChunkSize = 4096;
 
 /// Some references of a range.
-struct Piece {
+struct Chunk {
     std::uint32_t node = 0;  // of the top
     std::uint32_t begin = 0, end = 0;
 };
 
-/// A range of the present level.
-struct Cut {
+/// The split of a range of the present level.
+struct RangeSplit {
     Binning binning{};
     Split split{};
-    std::uint32_t first_piece = 0, last_piece = 0;
+    std::uint32_t first_chunk = 0, last_chunk = 0;
 };
 
-/// The top of the tree, cut level by level until ranges are small enough for a task each. All
-/// ranges of a level are binned and parted together, in pieces.
-class Top {
+/// The upper levels of the tree, split level by level until ranges are small enough for a task
+/// each. All ranges of a level are binned and partitioned in parallel, in chunks.
+class UpperLevels {
 public:
-    Top(const BuildRange& all, const SplitRule& rule, Executor& executor)
+    UpperLevels(const BuildRange& all, const SplitRule& rule, Executor& executor)
         : rule_(rule), executor_(executor), ranges_{all} {
         std::uint32_t begin = 0;
         while (begin < ranges_.size()) {
             const auto end = static_cast<std::uint32_t>(ranges_.size());
             nodes_.resize(end);
-            cut_level(begin, end);
+            split_level(begin, end);
             begin = end;
         }
     }
@@ -45,9 +45,9 @@ public:
     std::span<const BuildRange> tasks() const { return tasks_; }
 
 private:
-    void cut_level(std::uint32_t begin, std::uint32_t end) {
-        pieces_.clear();
-        cuts_.assign(end - begin, {});
+    void split_level(std::uint32_t begin, std::uint32_t end) {
+        chunks_.clear();
+        splits_.assign(end - begin, {});
         for (std::uint32_t i = begin; i < end; ++i) {
             const BuildRange& range = ranges_[i];
             if (range.end - range.begin <= kTaskSize) {
@@ -55,93 +55,96 @@ private:
                 tasks_.push_back(range);
                 continue;
             }
-            Cut& cut = cuts_[i - begin];
-            cut.first_piece = static_cast<std::uint32_t>(pieces_.size());
-            for (std::uint32_t from = range.begin; from < range.end; from += kPieceSize) {
-                pieces_.push_back({i, from, std::min(from + kPieceSize, range.end)});
+            RangeSplit& range_split = splits_[i - begin];
+            range_split.first_chunk = static_cast<std::uint32_t>(chunks_.size());
+            for (std::uint32_t from = range.begin; from < range.end; from += kChunkSize) {
+                chunks_.push_back({i, from, std::min(from + kChunkSize, range.end)});
             }
-            cut.last_piece = static_cast<std::uint32_t>(pieces_.size());
+            range_split.last_chunk = static_cast<std::uint32_t>(chunks_.size());
         }
-        bins_.resize(std::max(bins_.size(), pieces_.size()));
+        bins_.resize(std::max(bins_.size(), chunks_.size()));
         find_splits(begin);
-        part_all(begin);
+        partition_all(begin);
         for (std::uint32_t i = begin; i < end; ++i) {
-            if (cuts_[i - begin].first_piece != cuts_[i - begin].last_piece) {
-                add_children(i, cuts_[i - begin]);
+            if (splits_[i - begin].first_chunk != splits_[i - begin].last_chunk) {
+                add_children(i, splits_[i - begin]);
             }
         }
     }
 
-    std::uint32_t count_of(const Piece& piece) const { return piece.end - piece.begin; }
+    std::uint32_t count_of(const Chunk& chunk) const { return chunk.end - chunk.begin; }
 
-    const PrimRef* refs_of(const Piece& piece) const {
-        const BuildRange& range = ranges_[piece.node];
-        return range.refs[range.side] + piece.begin;
+    const PrimRef* refs_of(const Chunk& chunk) const {
+        const BuildRange& range = ranges_[chunk.node];
+        return range.refs[range.side] + chunk.begin;
     }
 
     void find_splits(std::uint32_t begin) {
-        for (std::size_t i = 0; i < cuts_.size(); ++i) {
+        for (std::size_t i = 0; i < splits_.size(); ++i) {
             const BuildRange& range = ranges_[begin + i];
-            cuts_[i].binning = choose_binning(rule_, range.bounds, range.end - range.begin);
+            splits_[i].binning = choose_binning(rule_, range.bounds, range.end - range.begin);
         }
-        executor_.for_each(pieces_.size(), 1, [&](std::size_t first, std::size_t) {
-            const Piece& piece = pieces_[first];
+        executor_.for_each(chunks_.size(), 1, [&](std::size_t first, std::size_t) {
+            const Chunk& chunk = chunks_[first];
             fill_bins(
-                refs_of(piece), count_of(piece), cuts_[piece.node - begin].binning, bins_[first]);
+                refs_of(chunk), count_of(chunk), splits_[chunk.node - begin].binning, bins_[first]);
         });
-        executor_.for_each(cuts_.size(), 1, [&](std::size_t first, std::size_t) {
-            Cut& cut = cuts_[first];
-            if (cut.first_piece == cut.last_piece ||
+        executor_.for_each(splits_.size(), 1, [&](std::size_t first, std::size_t) {
+            RangeSplit& range_split = splits_[first];
+            if (range_split.first_chunk == range_split.last_chunk ||
                 ranges_[begin + first].depth >= kMedianSplitDepth) {
                 return;
             }
-            Bins all = bins_[cut.first_piece];
-            for (std::uint32_t i = cut.first_piece + 1; i < cut.last_piece; ++i) {
-                merge_bins(bins_[i], cut.binning, all);
+            Bins all = bins_[range_split.first_chunk];
+            for (std::uint32_t i = range_split.first_chunk + 1; i < range_split.last_chunk; ++i) {
+                merge_bins(bins_[i], range_split.binning, all);
             }
-            cut.split = find_split(all, cut.binning);
+            range_split.split = find_split(all, range_split.binning);
         });
     }
 
-    void part_all(std::uint32_t begin) {
-        // Where the left part of each piece goes follows from the counts of its bins.
-        lefts_.assign(pieces_.size(), 0);
-        for (std::size_t i = 0; i < cuts_.size(); ++i) {
-            const Cut& cut = cuts_[i];
+    void partition_all(std::uint32_t begin) {
+        // The counts of the bins tell where the left references of each chunk go.
+        left_offsets_.assign(chunks_.size(), 0);
+        for (std::size_t i = 0; i < splits_.size(); ++i) {
+            const RangeSplit& range_split = splits_[i];
             std::uint32_t left = ranges_[begin + i].begin;
-            for (std::uint32_t piece = cut.first_piece; piece < cut.last_piece; ++piece) {
-                lefts_[piece] = left;
-                for (std::uint32_t bin = 0; bin < cut.split.first_right_bin; ++bin) {
-                    left += static_cast<std::uint32_t>(bins_[piece].at[bin].counts[cut.split.axis]);
+            for (std::uint32_t chunk = range_split.first_chunk; chunk < range_split.last_chunk;
+                 ++chunk) {
+                left_offsets_[chunk] = left;
+                for (std::uint32_t bin = 0; bin < range_split.split.first_right_bin; ++bin) {
+                    left += static_cast<std::uint32_t>(
+                        bins_[chunk].at[bin].counts[range_split.split.axis]);
                 }
             }
         }
-        centres_.resize(std::max(centres_.size(), 2 * pieces_.size()));
-        executor_.for_each(pieces_.size(), 1, [&](std::size_t first, std::size_t) {
-            const Piece& piece = pieces_[first];
-            const Cut& cut = cuts_[piece.node - begin];
-            if (cut.split.first_right_bin == 0) {
+        centroids_.resize(std::max(centroids_.size(), 2 * chunks_.size()));
+        executor_.for_each(chunks_.size(), 1, [&](std::size_t first, std::size_t) {
+            const Chunk& chunk = chunks_[first];
+            const RangeSplit& range_split = splits_[chunk.node - begin];
+            if (range_split.split.first_right_bin == 0) {
                 return;
             }
-            const BuildRange& range = ranges_[piece.node];
+            const BuildRange& range = ranges_[chunk.node];
             PrimRef* const target = range.refs[1 - range.side];
-            const std::uint32_t middle = range.begin + cut.split.left_count;
-            // As many as stand before the piece and did not go to the left went to the right.
-            const std::uint32_t right = middle + (piece.begin - lefts_[first]);
-            partition({refs_of(piece), count_of(piece), target + lefts_[first], target + right},
-                      cut.binning,
-                      cut.split,
-                      &centres_[2 * first]);
+            const std::uint32_t middle = range.begin + range_split.split.left_count;
+            // References before the chunk that did not go to the left went to the right.
+            const std::uint32_t right = middle + (chunk.begin - left_offsets_[first]);
+            partition(
+                {refs_of(chunk), count_of(chunk), target + left_offsets_[first], target + right},
+                range_split.binning,
+                range_split.split,
+                &centroids_[2 * first]);
         });
     }
 
-    void add_children(std::uint32_t index, const Cut& cut) {
+    void add_children(std::uint32_t index, const RangeSplit& range_split) {
         BuildRange range = ranges_[index];
         nodes_[index] = {.box = to_aabb(range.bounds.box),
                          .left = static_cast<std::uint32_t>(ranges_.size())};
         BuildRange left = range, right = range;
         left.depth = right.depth = range.depth + 1;
-        if (cut.split.first_right_bin == 0) {
+        if (range_split.split.first_right_bin == 0) {
             PrimRef* const refs = range.refs[range.side];
             const std::size_t count =
                 split_at_median(refs + range.begin, range.end - range.begin, range.bounds.box);
@@ -149,13 +152,13 @@ private:
             left.bounds = bounds_of({refs + left.begin, left.end - left.begin});
             right.bounds = bounds_of({refs + right.begin, right.end - right.begin});
         } else {
-            left.end = right.begin = range.begin + cut.split.left_count;
+            left.end = right.begin = range.begin + range_split.split.left_count;
             left.side = right.side = 1 - range.side;
-            left.bounds = {cut.split.box[0], empty_bounds().centroids};
-            right.bounds = {cut.split.box[1], empty_bounds().centroids};
-            for (std::uint32_t i = cut.first_piece; i < cut.last_piece; ++i) {
-                left.bounds.centroids = united(left.bounds.centroids, centres_[2 * i]);
-                right.bounds.centroids = united(right.bounds.centroids, centres_[2 * i + 1]);
+            left.bounds = {range_split.split.box[0], empty_bounds().centroids};
+            right.bounds = {range_split.split.box[1], empty_bounds().centroids};
+            for (std::uint32_t i = range_split.first_chunk; i < range_split.last_chunk; ++i) {
+                left.bounds.centroids = united(left.bounds.centroids, centroids_[2 * i]);
+                right.bounds.centroids = united(right.bounds.centroids, centroids_[2 * i + 1]);
             }
         }
         ranges_.push_back(left);
@@ -167,11 +170,11 @@ private:
     std::vector<BuildRange> ranges_;
     std::vector<TopNode> nodes_;  // per range
     std::vector<BuildRange> tasks_;
-    std::vector<Piece> pieces_;
-    std::vector<Cut> cuts_;
-    std::vector<Bins> bins_;            // per piece
-    std::vector<std::uint32_t> lefts_;  // per piece
-    std::vector<BuildBox> centres_;     // two per piece
+    std::vector<Chunk> chunks_;
+    std::vector<RangeSplit> splits_;
+    std::vector<Bins> bins_;                   // per chunk
+    std::vector<std::uint32_t> left_offsets_;  // per chunk
+    std::vector<BuildBox> centroids_;          // two per chunk
 };
 
 }  // namespace
@@ -180,7 +183,7 @@ Tree build_binned(std::span<const geometry::Aabb> boxes,
                   const SplitRule& rule,
                   Executor& executor) {
     PrimRefs refs(boxes, executor);
-    const Top top(refs.root_range(), rule, executor);
+    const UpperLevels top(refs.root_range(), rule, executor);
     return refs.build_tree(top.nodes(), top.tasks(), rule, executor);
 }
 

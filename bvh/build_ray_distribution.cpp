@@ -17,13 +17,13 @@ namespace {
 /// Ranges up to this size are left to the surface area heuristic.
 constexpr std::uint32_t kSmallRange = 4;
 
-/// A range of the top, and the rays of the sample that meet its box.
+/// A range of the upper levels, and the rays of the sample that hit its box.
 struct RayRange {
     BuildRange range;
     std::vector<std::uint32_t> rays{};
 };
 
-/// One cut of a range, and what lies on both sides.
+/// A candidate for the split of a range, with the counts and boxes of both sides.
 struct Candidate {
     std::uint32_t axis = 0;
     std::uint32_t first_right_bin = 0;
@@ -54,31 +54,32 @@ std::vector<Candidate> candidates_along(std::uint32_t axis, const Bins& bins, st
     return candidates;
 }
 
-/// Cuts ranges level by level as long as rays meet them; what no ray meets becomes a task.
-class RayTop {
+/// Splits ranges level by level as long as rays of the sample hit them; a range that none of them
+/// hits becomes a task.
+class RayUpperLevels {
 public:
-    RayTop(const BuildRange& all,
-           const BuildOptions& options,
-           const SplitRule& rule,
-           Executor& executor)
+    RayUpperLevels(const BuildRange& all,
+                   const BuildOptions& options,
+                   const SplitRule& rule,
+                   Executor& executor)
         : rule_(rule) {
-        double reach = 0.0;
+        double max_abs_coordinate = 0.0;
         for (std::size_t k = 0; k < 3; ++k) {
             const BuildBox& box = all.bounds.box;
-            reach = std::max({reach,
-                              std::abs(static_cast<double>(box.low[k])),
-                              std::abs(static_cast<double>(box.high[k]))});
+            max_abs_coordinate = std::max({max_abs_coordinate,
+                                           std::abs(static_cast<double>(box.low[k])),
+                                           std::abs(static_cast<double>(box.high[k]))});
         }
         RayRange root{all};
         for (const geometry::Segment& ray : options.rays) {
-            slab_tests_.emplace_back(ray.from, ray.to - ray.from, reach);
+            slab_tests_.emplace_back(ray.from, ray.to - ray.from, max_abs_coordinate);
             root.rays.push_back(static_cast<std::uint32_t>(root.rays.size()));
         }
-        root.rays = those_meeting(all.bounds.box, root.rays);
+        root.rays = rays_hitting(all.bounds.box, root.rays);
         std::vector<RayRange> level;
         level.push_back(std::move(root));
         while (!level.empty()) {
-            level = cut_level(std::move(level), executor);
+            level = split_level(std::move(level), executor);
         }
     }
 
@@ -86,19 +87,19 @@ public:
     std::span<const BuildRange> tasks() const { return tasks_; }
 
 private:
-    std::vector<std::uint32_t> those_meeting(const BuildBox& box,
-                                             const std::vector<std::uint32_t>& rays) const {
+    std::vector<std::uint32_t> rays_hitting(const BuildBox& box,
+                                            const std::vector<std::uint32_t>& rays) const {
         const Aabb bounds = to_aabb(box);
-        std::vector<std::uint32_t> meeting;
+        std::vector<std::uint32_t> hitting;
         for (const std::uint32_t ray : rays) {
             if (!slab_tests_[ray].interval(bounds, 1.0).is_empty()) {
-                meeting.push_back(ray);
+                hitting.push_back(ray);
             }
         }
-        return meeting;
+        return hitting;
     }
 
-    double share_meeting(const BuildBox& box, const std::vector<std::uint32_t>& rays) const {
+    double ratio_hitting(const BuildBox& box, const std::vector<std::uint32_t>& rays) const {
         const Aabb bounds = to_aabb(box);
         const auto count = std::count_if(rays.begin(), rays.end(), [&](std::uint32_t ray) {
             return !slab_tests_[ray].interval(bounds, 1.0).is_empty();
@@ -112,14 +113,14 @@ private:
                node.range.depth >= kMedianSplitDepth;
     }
 
-    std::vector<RayRange> cut_level(std::vector<RayRange> level, Executor& executor) {
+    std::vector<RayRange> split_level(std::vector<RayRange> level, Executor& executor) {
         std::vector<std::array<RayRange, 2>> children(level.size());
         executor.for_each(level.size(), 1, [&](std::size_t i, std::size_t) {
             if (!is_task(level[i])) {
-                children[i] = cut(level[i]);
+                children[i] = split(level[i]);
             }
         });
-        // Nodes of a level stand together, and their children in the same order.
+        // The nodes of a level are contiguous, and their children in the same order.
         const auto next = static_cast<std::uint32_t>(nodes_.size() + level.size());
         std::vector<RayRange> below;
         for (std::size_t i = 0; i < level.size(); ++i) {
@@ -137,14 +138,14 @@ private:
         return below;
     }
 
-    std::array<RayRange, 2> cut(const RayRange& node) const {
+    std::array<RayRange, 2> split(const RayRange& node) const {
         const BuildRange& range = node.range;
         const std::uint32_t size = range.end - range.begin;
         PrimRef* const refs = range.refs[range.side] + range.begin;
         const Binning binning = choose_binning(rule_, range.bounds, size);
         Bins bins;
         fill_bins(refs, size, binning, bins);
-        const Candidate best = best_of(node, bins, binning.bins);
+        const Candidate best = best_candidate(node, bins, binning.bins);
         std::array<RayRange, 2> children = {RayRange{range}, RayRange{range}};
         BuildRange& left = children[0].range;
         BuildRange& right = children[1].range;
@@ -159,25 +160,30 @@ private:
             left.end = right.begin = range.begin + best.counts[0];
             left.side = right.side = 1 - range.side;
             PrimRef* const target = range.refs[left.side];
-            std::array<BuildBox, 2> centres;
-            Split split{};
-            split.axis = best.axis;
-            split.first_right_bin = best.first_right_bin;
+            std::array<BuildBox, 2> centroids;
+            Split best_split{};
+            best_split.axis = best.axis;
+            best_split.first_right_bin = best.first_right_bin;
             partition({refs, size, target + left.begin, target + right.begin},
                       binning,
-                      split,
-                      centres.data());
-            left.bounds = {best.boxes[0], centres[0]};
-            right.bounds = {best.boxes[1], centres[1]};
+                      best_split,
+                      centroids.data());
+            left.bounds = {best.boxes[0], centroids[0]};
+            right.bounds = {best.boxes[1], centroids[1]};
         }
         for (RayRange& child : children) {
-            child.rays = those_meeting(child.range.bounds.box, node.rays);
+            child.rays = rays_hitting(child.range.bounds.box, node.rays);
         }
         return children;
     }
 
-    /// The cheapest cut when sides are visited as often as the sample and their areas let expect.
-    Candidate best_of(const RayRange& node, const Bins& bins, std::uint32_t bin_count) const {
+    /// The cheapest split by the ray distribution heuristic. With w the weight of n rays that hit
+    /// the node, a side of area a and m rays is visited with the probability
+    ///     P(side) = (1 - w) a(side) / a(node) + w m / n,    w = 0.9 (1 - 1 / (1 + 0.1 n)),
+    /// and its cost is P(side) times its count.
+    Candidate best_candidate(const RayRange& node,
+                             const Bins& bins,
+                             std::uint32_t bin_count) const {
         const double area = to_aabb(node.range.bounds.box).half_area();
         const double weight = ray_blend_weight(node.rays.size());
         Candidate best;
@@ -190,9 +196,9 @@ private:
                     by_area += (area > 0.0 ? part / area : 1.0) * candidate.counts[side];
                 }
                 double cost = (1.0 - weight) * by_area;
-                // Counting takes most of the time, and costs only grow.
+                // Counting rays takes most of the time, and costs only grow.
                 for (std::size_t side = 0; side < 2 && cost < best_cost; ++side) {
-                    cost += weight * share_meeting(candidate.boxes[side], node.rays) *
+                    cost += weight * ratio_hitting(candidate.boxes[side], node.rays) *
                             candidate.counts[side];
                 }
                 if (cost < best_cost) {
@@ -217,11 +223,11 @@ double ray_blend_weight(std::size_t rays) noexcept {
     return kAlpha * (1.0 - 1.0 / (1.0 + kBeta * static_cast<double>(rays)));
 }
 
-// Bittner and Havran 2009: in a node that rays of the sample meet, the probability that a side is
-// visited is blended from the share of them that meets it and its share of the area. They cut a
-// kd-tree; here candidates are the cuts between bins, and rays are counted against the boxes that
-// the children would have. Leaves are made by the surface area heuristic alone, so no ray from
-// elsewhere finds a large one.
+// Bittner and Havran 2009: in a node that rays of the sample hit, the probability that a side is
+// visited is blended from the ratio of these rays that hit it and the ratio of the areas. They
+// build a kd-tree; here candidates are the splits between bins, and rays are tested against the
+// boxes that the children would have. Leaves are made by the surface area heuristic alone, so no
+// ray from elsewhere finds a large one.
 Tree build_ray_distribution(std::span<const Aabb> boxes,
                             const BuildOptions& options,
                             Executor& executor) {
@@ -231,7 +237,7 @@ Tree build_ray_distribution(std::span<const Aabb> boxes,
     }
     const SplitRule rule = {.max_leaf_size = static_cast<std::uint32_t>(options.max_leaf_size),
                             .traversal_cost = static_cast<float>(options.traversal_cost)};
-    const RayTop top(refs.root_range(), options, rule, executor);
+    const RayUpperLevels top(refs.root_range(), options, rule, executor);
     return refs.build_tree(top.nodes(), top.tasks(), rule, executor);
 }
 

@@ -4,8 +4,8 @@
 
 namespace earshot::bvh {
 
-// Lauterbach 2010, section 4.2: every box is cut in the middle of its longest side, and boxes go by
-// their centres; by count where all of them would go to one side.
+// Lauterbach 2010, section 4.2: every range is split in the middle of the longest side of its box,
+// by the centroids of its primitives; at the median where all of them would go to one side.
 Tree build_spatial_median(std::span<const geometry::Aabb> boxes,
                           const BuildOptions& options,
                           Executor& executor) {

@@ -27,7 +27,7 @@ void sweep_costs(std::span<const Aabb> boxes,
 
 namespace {
 
-/// Keeps every range sorted along all three axes: sorted once, parted stably ever after.
+/// Keeps every range sorted along all three axes: sorted once, then partitioned stably.
 class SweepSplitter {
 public:
     SweepSplitter(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor)
@@ -37,7 +37,7 @@ public:
           goes_left_(boxes.size()) {
         executor.for_each(3, 1, [&](std::size_t axis, std::size_t) {
             costs_[axis].resize(boxes.size());
-            spare_[axis].resize(boxes.size());
+            scratch_[axis].resize(boxes.size());
             sort_along(axis);
         });
     }
@@ -50,28 +50,28 @@ public:
         return box;
     }
 
-    std::uint32_t cut(const Range& range, const Aabb& box, Executor& executor) {
+    std::uint32_t split(const Range& range, const Aabb& box, Executor& executor) {
         if (range.size() == 1 ||
             (range.depth >= kMedianSplitDepth && range.size() <= max_leaf_size_)) {
             return range.end;
         }
-        const Place place =
-            range.depth >= kMedianSplitDepth ? halving_of(range, box) : best_of(range, executor);
+        const SweepSplit found = range.depth >= kMedianSplitDepth ? median_split(range, box)
+                                                                  : cheapest_split(range, executor);
         if (range.depth < kMedianSplitDepth && range.size() <= max_leaf_size_) {
             const double area = box.half_area();
             const double leaf_cost = static_cast<double>(range.size()) * area;
-            if (!(traversal_cost_ * area + place.cost < leaf_cost)) {
+            if (!(traversal_cost_ * area + found.cost < leaf_cost)) {
                 return range.end;
             }
         }
-        partition(range, place, executor);
-        return range.begin + place.left_count;
+        partition(range, found, executor);
+        return range.begin + found.left_count;
     }
 
     std::vector<std::uint32_t> primitives() && { return std::move(orders_[0]); }
 
 private:
-    struct Place {
+    struct SweepSplit {
         std::size_t axis = 0;
         std::uint32_t left_count = 0;
         double cost = 0.0;
@@ -79,7 +79,7 @@ private:
 
     void sort_along(std::size_t axis) {
         struct Key {
-            double centre;  // doubled
+            double doubled_centroid;
             std::uint32_t index;
         };
         std::vector<Key> keys(boxes_.size());
@@ -89,7 +89,9 @@ private:
                        i};
         }
         std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
-            return a.centre != b.centre ? a.centre < b.centre : a.index < b.index;
+            return a.doubled_centroid != b.doubled_centroid
+                       ? a.doubled_centroid < b.doubled_centroid
+                       : a.index < b.index;
         });
         orders_[axis].reserve(keys.size());
         for (const Key& key : keys) {
@@ -97,21 +99,22 @@ private:
         }
     }
 
-    /// The cheapest of all cuts; of equals the first, axis after axis.
-    Place best_of(const Range& range, Executor& executor) {
-        std::array<Place, 3> places;
+    /// The cheapest of all splits; of equals the first, axis after axis.
+    SweepSplit cheapest_split(const Range& range, Executor& executor) {
+        std::array<SweepSplit, 3> splits;
         executor.for_each(3, 1, [&](std::size_t axis, std::size_t) {
             const std::span costs(costs_[axis].data() + range.begin, range.size());
             sweep_costs(boxes_, {orders_[axis].data() + range.begin, range.size()}, costs);
             const auto best = std::min_element(costs.begin() + 1, costs.end());
-            places[axis] = {axis, static_cast<std::uint32_t>(best - costs.begin()), *best};
+            splits[axis] = {axis, static_cast<std::uint32_t>(best - costs.begin()), *best};
         });
-        return *std::min_element(places.begin(), places.end(), [](const Place& a, const Place& b) {
-            return a.cost < b.cost;
-        });
+        return *std::min_element(
+            splits.begin(), splits.end(), [](const SweepSplit& a, const SweepSplit& b) {
+                return a.cost < b.cost;
+            });
     }
 
-    static Place halving_of(const Range& range, const Aabb& box) {
+    static SweepSplit median_split(const Range& range, const Aabb& box) {
         std::size_t axis = 0;
         for (std::size_t k = 1; k < 3; ++k) {
             if (box.upper[k] - box.lower[k] > box.upper[axis] - box.lower[axis]) {
@@ -121,24 +124,24 @@ private:
         return {.axis = axis, .left_count = range.size() / 2};
     }
 
-    void partition(const Range& range, const Place& place, Executor& executor) {
-        const std::uint32_t middle = range.begin + place.left_count;
-        const std::vector<std::uint32_t>& sorted = orders_[place.axis];
+    void partition(const Range& range, const SweepSplit& split, Executor& executor) {
+        const std::uint32_t middle = range.begin + split.left_count;
+        const std::vector<std::uint32_t>& sorted = orders_[split.axis];
         for (std::uint32_t i = range.begin; i < range.end; ++i) {
             goes_left_[sorted[i]] = i < middle ? 1 : 0;
         }
         executor.for_each(3, 1, [&](std::size_t axis, std::size_t) {
-            if (axis == place.axis) {
+            if (axis == split.axis) {
                 return;
             }
             std::uint32_t* left = orders_[axis].data() + range.begin;
-            std::uint32_t* const rest = spare_[axis].data() + range.begin;
-            std::uint32_t* right = rest;
+            std::uint32_t* const scratch = scratch_[axis].data() + range.begin;
+            std::uint32_t* right = scratch;
             for (std::uint32_t i = range.begin; i < range.end; ++i) {
                 const std::uint32_t index = orders_[axis][i];
                 (goes_left_[index] != 0 ? *left++ : *right++) = index;
             }
-            std::copy(rest, right, left);
+            std::copy(scratch, right, left);
         });
     }
 
@@ -147,14 +150,14 @@ private:
     double traversal_cost_;
     std::array<std::vector<std::uint32_t>, 3> orders_;  // of primitives along each axis
     std::array<std::vector<double>, 3> costs_;
-    std::array<std::vector<std::uint32_t>, 3> spare_;
+    std::array<std::vector<std::uint32_t>, 3> scratch_;
     std::vector<unsigned char> goes_left_;  // per primitive
 };
 
 }  // namespace
 
-// MacDonald and Booth 1990, and Wald 2007, section 2.2: the surface area heuristic over all cuts
-// between neighbouring centres, along all axes.
+// MacDonald and Booth 1990, and Wald 2007, section 2.2: the surface area heuristic over all
+// splits between neighbouring centroids, along all axes.
 Tree build_sweep_sah(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
     SweepSplitter splitter(boxes, options, executor);
     std::vector<Node> nodes =

@@ -8,13 +8,14 @@ namespace {
 
 constexpr std::array kBuilders = {
     NamedBuilder{Builder::binned_sah, "binned_sah", "surface area heuristic over bins"},
-    NamedBuilder{Builder::sweep_sah, "sweep_sah", "the same over all cuts: slow, the reference"},
-    NamedBuilder{
-        Builder::spatial_median, "spatial_median", "boxes cut in the middle of the longest side"},
-    NamedBuilder{Builder::quality, "quality", "binned_sah, then re-insertion: the fastest to ask"},
+    NamedBuilder{Builder::sweep_sah, "sweep_sah", "the same over all splits: slow, the reference"},
+    NamedBuilder{Builder::spatial_median,
+                 "spatial_median",
+                 "ranges split in the middle of the longest side"},
+    NamedBuilder{Builder::quality, "quality", "binned_sah, then reinsertion: the fastest queries"},
     NamedBuilder{Builder::lbvh, "lbvh", "along a Morton curve: the fastest to build"},
     NamedBuilder{Builder::hybrid, "hybrid", "six levels along the curve, then binned_sah"},
-    NamedBuilder{Builder::fast, "fast", "along the curve, then the largest boxes re-inserted"},
+    NamedBuilder{Builder::fast, "fast", "along the curve, then the largest boxes reinserted"},
 };
 
 }  // namespace

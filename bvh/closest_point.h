@@ -14,8 +14,8 @@ namespace earshot::bvh {
 
 // Queries over a tree whose primitive i is triangle i of the mesh, in the box triangle_boxes()
 // gives it. Distances are decided by geometry::PreparedPoint, so answers depend on the mesh alone,
-// never on the tree. Nothing is near a point with a coordinate that is not finite, and nothing
-// within a distance that is negative or not a number.
+// never on the tree. No triangle is found from a point with a coordinate that is not finite, and
+// none within a distance that is negative or not a number.
 
 /// The closest point of the mesh within `max_distance` metres (inclusive); of triangles at the same
 /// distance the lowest TriangleId. Does not allocate.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/bvh/better_hit.h"
 #include "earshot/bvh/tree.h"
 #include "earshot/bvh/wide_tree.h"
 #include "earshot/geometry/mesh.h"
@@ -29,6 +30,12 @@ struct InstanceHit {
 
     friend bool operator==(const InstanceHit&, const InstanceHit&) = default;
 };
+
+/// The order of hits of instances: by t, then by InstanceId, then by TriangleId.
+constexpr bool better_hit(const InstanceHit& a, const InstanceHit& b) noexcept {
+    return a.hit.t == b.hit.t && a.instance != b.instance ? a.instance < b.instance
+                                                          : better_hit(a.hit, b.hit);
+}
 
 /// A two-level hierarchy. On the bottom level every part, a mesh, has a hierarchy of its own; the
 /// top level is a hierarchy over the boxes of instances, each of which is a part and a transform

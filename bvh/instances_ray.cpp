@@ -38,21 +38,23 @@ public:
     }
 
     void test_instance(const Instances::Instance& instance) noexcept {
-        const auto own = prepared_.box_interval(instance.box, prepared_.t_max());
-        if (own.is_empty() || own.min > t_max_) {
+        const auto interval = prepared_.box_interval(instance.box, prepared_.t_max());
+        if (interval.is_empty() || interval.min > t_max_) {
             return;
         }
-        // A hit beyond the best may still be moved before it if the interval ends there.
-        const double bound = own.max <= t_max_ ? prepared_.t_max() : t_max_;
+        // Where the interval ends before the best hit, a hit beyond may still be clamped to its
+        // end.
+        const double local_t_max = interval.max <= t_max_ ? prepared_.t_max() : t_max_;
         const Instances::Part& part = instances_.part(instance.part);
-        auto hit = closest_hit(part.tree, part.mesh, instance.to_local(ray_, bound));
+        const auto hit = closest_hit(part.tree, part.mesh, instance.to_local(ray_, local_t_max));
         if (!hit) {
             return;
         }
-        hit->t = std::clamp(hit->t, own.min, own.max);
-        if (hit->t < t_max_ || (hit->t == t_max_ && (!best_ || instance.id < best_->instance))) {
-            best_ = InstanceHit{instance.id, *hit};
-            t_max_ = hit->t;
+        InstanceHit candidate = {instance.id, *hit};
+        candidate.hit.t = std::clamp(hit->t, interval.min, interval.max);
+        if (candidate.hit.t <= t_max_ && (!best_ || better_hit(candidate, *best_))) {
+            best_ = candidate;
+            t_max_ = candidate.hit.t;
         }
     }
 

@@ -9,12 +9,14 @@
 namespace earshot::bvh {
 namespace {
 
-enum Mark : std::uint8_t { kChildMoved = 1, kLeafMoved = 2 };
+enum DirtyFlag : std::uint8_t { kChildMoved = 1, kLeafMoved = 2 };
 
 }  // namespace
 
 PartialRefit::PartialRefit(const WideTree& tree)
-    : node_of_(tree.triangle_count()), parents_(tree.nodes().size()), marks_(tree.nodes().size()) {
+    : node_of_triangle_(tree.triangle_count()),
+      parents_(tree.nodes().size()),
+      dirty_(tree.nodes().size()) {
     for (std::uint32_t i = 0; i < tree.nodes().size(); ++i) {
         for (const std::uint32_t child : tree.nodes()[i].child) {
             if (!is_leaf(child)) {
@@ -22,7 +24,7 @@ PartialRefit::PartialRefit(const WideTree& tree)
                 continue;
             }
             for (const std::uint32_t id : tree.leaf_triangles(child)) {
-                node_of_[id] = i;
+                node_of_triangle_[id] = i;
             }
         }
     }
@@ -31,29 +33,29 @@ PartialRefit::PartialRefit(const WideTree& tree)
 void PartialRefit::refit(WideTree& tree,
                          const geometry::MeshView& mesh,
                          std::span<const TriangleRange> moved) {
-    EARSHOT_ASSERT(tree.triangle_count() == node_of_.size() &&
-                   tree.nodes().size() == marks_.size());
+    EARSHOT_ASSERT(tree.triangle_count() == node_of_triangle_.size() &&
+                   tree.nodes().size() == dirty_.size());
     std::uint32_t last = 0;
     bool has_moved = false;
     for (const TriangleRange& range : moved) {
         for (std::uint32_t i = range.begin; i < range.end; ++i) {
-            marks_[node_of_[i]] = kLeafMoved;
-            last = std::max(last, node_of_[i]);
+            dirty_[node_of_triangle_[i]] = kLeafMoved;
+            last = std::max(last, node_of_triangle_[i]);
             has_moved = true;
         }
     }
     if (!has_moved) {
         return;
     }
-    // Parents stand before their children.
+    // Parents come before their children.
     for (std::uint32_t i = last + 1; i-- > 0;) {
-        const std::uint8_t mark = marks_[i];
-        if (mark == 0) {
+        const std::uint8_t flags = dirty_[i];
+        if (flags == 0) {
             continue;
         }
-        marks_[i] = 0;
-        marks_[parents_[i]] |= i > 0 ? kChildMoved : 0;
-        tree.refit_node(i, mesh, (mark & kLeafMoved) != 0);
+        dirty_[i] = 0;
+        dirty_[parents_[i]] |= i > 0 ? kChildMoved : 0;
+        tree.refit_node(i, mesh, (flags & kLeafMoved) != 0);
     }
     tree.set_box();
 }

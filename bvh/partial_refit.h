@@ -14,14 +14,14 @@ struct TriangleRange {
     std::uint32_t begin = 0, end = 0;
 };
 
-/// Where the triangles of a wide tree stand, for refits whose cost follows what has moved. Valid as
-/// long as the tree's topology is.
+/// Links from the triangles of a wide tree to its nodes and to their parents, for refits whose cost
+/// follows what has moved. Valid as long as the topology does not change.
 class PartialRefit {
 public:
     /// O(n); 4 bytes per triangle.
     explicit PartialRefit(const WideTree& tree);
 
-    /// Refits the tree to the mesh where triangles of these ranges lie, and above: the same bits as
+    /// Refits the leaves with triangles of these ranges and the nodes above them: the same bits as
     /// WideTree::refit(), if nothing else has moved. Costs as much per triangle, and a byte read
     /// per node of the whole tree. Preconditions: the tree given first, refitted since or not;
     /// ranges within the mesh, overlapping or not.
@@ -30,9 +30,9 @@ public:
                std::span<const TriangleRange> moved);
 
 private:
-    std::vector<std::uint32_t> node_of_;  // of each triangle
-    std::vector<std::uint32_t> parents_;  // of each node
-    std::vector<std::uint8_t> marks_;     // of each node, all 0 between calls
+    std::vector<std::uint32_t> node_of_triangle_;  // the node whose leaf holds it
+    std::vector<std::uint32_t> parents_;           // of each node
+    std::vector<std::uint8_t> dirty_;              // flags of each node, all 0 between calls
 };
 
 }  // namespace earshot::bvh

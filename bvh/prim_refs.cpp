@@ -11,18 +11,18 @@ using geometry::Aabb;
 
 namespace {
 
-/// The box of a single point: twice the centre.
+/// Twice the centroid, as the box of a single point.
 BuildBox centroid_box(const BuildBox& box) {
-    BuildBox centre;
+    BuildBox centroid;
     for (std::size_t k = 0; k < 4; ++k) {
-        centre.low[k] = box.low[k] - box.high[k];
-        centre.high[k] = box.high[k] - box.low[k];
+        centroid.low[k] = box.low[k] - box.high[k];
+        centroid.high[k] = box.high[k] - box.low[k];
     }
-    return centre;
+    return centroid;
 }
 
-// When a subtree is built, its references are not needed any more, and there is room for all of its
-// nodes where they stood: first in one array, then in the other.
+// When a subtree is built, its references are not needed any more, and their two arrays have room
+// for all of its nodes: the first nodes overwrite refs[0], the others refs[1].
 
 void store_nodes(const BuildRange& range, const RawNode* nodes, std::uint32_t count) {
     static_assert(sizeof(RawNode) == sizeof(BuildBox));
@@ -36,10 +36,10 @@ void store_nodes(const BuildRange& range, const RawNode* nodes, std::uint32_t co
 
 RawNode load_node(const BuildRange& range, std::uint32_t index) {
     const std::uint32_t size = range.end - range.begin;
-    const PrimRef* const place = index < size ? range.refs[0] + range.begin + index
-                                              : range.refs[1] + range.begin + (index - size);
+    const PrimRef* const storage = index < size ? range.refs[0] + range.begin + index
+                                                : range.refs[1] + range.begin + (index - size);
     RawNode node;
-    std::memcpy(&node, place, sizeof(node));
+    std::memcpy(&node, storage, sizeof(node));
     return node;
 }
 
@@ -140,7 +140,7 @@ Tree PrimRefs::build_tree(std::span<const TopNode> top,
         return to_node(load_node(tasks[task], index));
     };
     Tree tree =
-        Tree::from_nodes(Assembly(top, counts, node_of).nodes(executor), std::move(primitives));
+        Tree::from_nodes(TreeAssembly(top, counts, node_of).nodes(executor), std::move(primitives));
     if (are_clamped()) {
         tree.refit(boxes_, executor);
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/internal/ray_packet.h"
 
+#include "earshot/bvh/better_hit.h"
 #include "earshot/geometry/aabb.h"
 
 #include <glm/gtc/type_ptr.hpp>
@@ -129,8 +130,11 @@ void RayPacket::settle(const geometry::MeshView& mesh, std::size_t ray) noexcept
         }
         const auto [a, b, c] = geometry::corners(mesh, id);
         const auto hit = sheared.hit(a, b, c, best ? best->t : rays_[ray].t_max, reach_);
-        if (hit && (!best || hit->t < best->t || id < best->triangle)) {
-            best = {id, hit->t, hit->u, hit->v};
+        if (hit) {
+            const geometry::Hit candidate = {id, hit->t, hit->u, hit->v};
+            if (!best || better_hit(candidate, *best)) {
+                best = candidate;
+            }
         }
     }
     counts_[ray] = 0;

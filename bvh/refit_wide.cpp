@@ -7,34 +7,34 @@
 namespace earshot::bvh {
 namespace {
 
-/// Nodes from a root on that stand in one run, in depth-first order.
-struct Run {
+/// A subtree: the nodes [begin, end), in depth-first order, the root first.
+struct SubtreeRange {
     std::size_t begin = 0, end = 0;
 };
 
-/// The nodes above the runs, and the runs.
-struct Cut {
+/// Subtrees for a task each, and the nodes above them.
+struct Decomposition {
     std::vector<std::size_t> top;
-    std::vector<Run> runs;
+    std::vector<SubtreeRange> subtrees;
 };
 
-Cut cut(std::span<const WideNode> nodes) {
-    constexpr std::size_t kRunSize = 512;
-    Cut result;
-    std::vector<Run> open = {{0, nodes.size()}};
-    while (!open.empty()) {
-        const Run run = open.back();
-        open.pop_back();
-        if (run.end - run.begin <= kRunSize) {
-            result.runs.push_back(run);
+Decomposition decompose(std::span<const WideNode> nodes) {
+    constexpr std::size_t kMaxSubtreeSize = 512;
+    Decomposition result;
+    std::vector<SubtreeRange> stack = {{0, nodes.size()}};
+    while (!stack.empty()) {
+        const SubtreeRange range = stack.back();
+        stack.pop_back();
+        if (range.end - range.begin <= kMaxSubtreeSize) {
+            result.subtrees.push_back(range);
             continue;
         }
-        result.top.push_back(run.begin);
-        std::size_t end = run.end;
+        result.top.push_back(range.begin);
+        std::size_t end = range.end;
         for (std::size_t slot = WideNode::kWidth; slot-- > 0;) {
-            const std::uint32_t child = nodes[run.begin].child[slot];
+            const std::uint32_t child = nodes[range.begin].child[slot];
             if (!is_leaf(child) && child != kNoChild) {
-                open.push_back({child, end});
+                stack.push_back({child, end});
                 end = child;
             }
         }
@@ -53,7 +53,7 @@ void WideTree::refit_node(std::size_t index, const geometry::MeshView& mesh, boo
                 set_slot_box(
                     node,
                     slot,
-                    fill_leaf(leaf_encoding_, packed_leaf(child), leaf_count(child), mesh));
+                    pack_leaf(leaf_encoding_, packed_leaf(child), leaf_count(child), mesh));
             }
         } else if (child != kNoChild) {
             set_slot_box(node, slot, box_of(nodes_[child]));
@@ -77,28 +77,28 @@ void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
             }
         }
     };
-    // What a node will read of the mesh is asked for some nodes before.
-    constexpr std::size_t kAhead = 2;
-    const auto fetch_for = [&](const Run& run, std::size_t index) {
-        if (index >= run.begin + 2 * kAhead) {
-            for_each_leaf(nodes_[index - 2 * kAhead],
+    // Triangles and vertices are prefetched some nodes before they are read.
+    constexpr std::size_t kDistance = 2;
+    const auto prefetch_for = [&](const SubtreeRange& range, std::size_t index) {
+        if (index >= range.begin + 2 * kDistance) {
+            for_each_leaf(nodes_[index - 2 * kDistance],
                           [&](std::span<const std::uint32_t> triangles) {
-                              fetch_triangles(triangles, mesh);
+                              prefetch_triangles(triangles, mesh);
                           });
         }
-        if (index >= run.begin + kAhead) {
-            for_each_leaf(nodes_[index - kAhead], [&](std::span<const std::uint32_t> triangles) {
-                fetch_corners(triangles, mesh);
+        if (index >= range.begin + kDistance) {
+            for_each_leaf(nodes_[index - kDistance], [&](std::span<const std::uint32_t> triangles) {
+                prefetch_vertices(triangles, mesh);
             });
         }
     };
-    // Children stand behind their parents, so running backwards is bottom-up.
-    const Cut parts = cut(nodes_);
-    executor.for_each(parts.runs.size(), 1, [&](std::size_t begin, std::size_t end) {
+    // Children come after their parents, so running backwards is bottom-up.
+    const Decomposition parts = decompose(nodes_);
+    executor.for_each(parts.subtrees.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const Run& run = parts.runs[i];
-            for (std::size_t node = run.end; node-- > run.begin;) {
-                fetch_for(run, node);
+            const SubtreeRange& range = parts.subtrees[i];
+            for (std::size_t node = range.end; node-- > range.begin;) {
+                prefetch_for(range, node);
                 refit_node(node, mesh, true);
             }
         }

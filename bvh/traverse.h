@@ -18,15 +18,15 @@ void traverse(const Tree& tree, Overlaps&& overlaps, Visit&& visit) {
     if (nodes.empty()) {
         return;
     }
-    // Of each inner node on the way down one child waits here.
-    std::array<std::uint32_t, kMaxDepth + 1> waiting;
+    // Each inner node on the way down leaves its right child on the stack.
+    std::array<std::uint32_t, kMaxDepth + 1> stack;
     std::size_t count = 0;
     std::uint32_t index = 0;
     while (true) {
         const Node& node = nodes[index];
         if (overlaps(node)) {
             if (!node.is_leaf()) {
-                waiting[count++] = node.first + 1;
+                stack[count++] = node.first + 1;
                 index = node.first;
                 continue;
             }
@@ -39,7 +39,7 @@ void traverse(const Tree& tree, Overlaps&& overlaps, Visit&& visit) {
         if (count == 0) {
             return;
         }
-        index = waiting[--count];
+        index = stack[--count];
     }
 }
 

@@ -22,7 +22,7 @@ void check(const BuildOptions& options, std::size_t count) {
     }
     for (const geometry::Segment& ray : options.rays) {
         if (!geometry::is_finite(ray.from) || !geometry::is_finite(ray.to)) {
-            throw Error("sample of rays", "must be finite", "cut rays off where they hit");
+            throw Error("sample of rays", "must be finite", "end rays where they hit");
         }
     }
     if (count >= std::size_t{1} << 31) {

@@ -14,7 +14,7 @@ namespace earshot::bvh {
 /// No leaf lies deeper; the root has depth 0.
 inline constexpr std::size_t kMaxDepth = 64;
 
-/// One node in 32 bytes. Children of an inner node stand side by side.
+/// A node in 32 bytes. The children of an inner node are neighbours in the array.
 struct Node {
     geometry::Aabb box;
     std::uint32_t first =
@@ -30,27 +30,26 @@ static_assert(sizeof(Node) == 32);
 /// query time.
 enum class Builder {
     binned_sah,      ///< surface area heuristic over bins (Wald 2007)
-    sweep_sah,       ///< the same heuristic over all cuts between centres: the reference, slow
-    spatial_median,  ///< every box in the middle of its longest side (Lauterbach 2010): slow to ask
-    quality,  ///< binned_sah, then optimise_by_reinsertion(): half as long again to build, the
-              ///< fastest to ask
+    sweep_sah,       ///< SAH over all splits between centroids: the reference, slow to build
+    spatial_median,  ///< in the middle of the longest side (Lauterbach 2010): slow to query
+    quality,  ///< binned_sah, then reinsertion: 1.5 times the build time, the fastest queries
     lbvh,     ///< along a Morton curve of 63 bits (Lauterbach 2010): the fastest to build
-    hybrid,   ///< six levels along the curve, then binned_sah
-    fast,     ///< along the curve, then optimise_by_reinsertion() of the largest boxes
+    hybrid,   ///< six levels along the Morton curve, then binned_sah
+    fast,     ///< lbvh, then reinsertion of the largest boxes
 };
 
 struct BuildOptions {
     Builder builder = Builder::binned_sah;
-    int max_leaf_size = 4;        ///< most primitives in a leaf, 1..15
+    int max_leaf_size = 4;        ///< primitives in a leaf, 1..15
     double traversal_cost = 1.0;  ///< cost of a node visit, in primitive tests
-    /// A sample of the rays that will be asked, cut off where they hit, finite; some thousands are
-    /// plenty. With it binned_sah prefers cuts whose sides few of these rays meet; other builders
-    /// do not look at it. The memory is needed during the build only.
+    /// A sample of the rays that will be traced, as finite segments that end where they hit; some
+    /// thousands are plenty. With it binned_sah weighs splits by how many of these rays hit their
+    /// sides (Bittner and Havran 2009); other builders ignore it. Read during the build only.
     std::span<const geometry::Segment> rays{};
 };
 
-/// A binary hierarchy over boxes that may move. It knows boxes and indices only; triangles, swept
-/// triangles and instances are all built over their boxes.
+/// A binary hierarchy over boxes that may move. It knows boxes and indices only: triangles, swept
+/// triangles and instances are primitives by their boxes.
 class Tree {
 public:
     Tree() = default;
@@ -61,12 +60,12 @@ public:
                       const BuildOptions& options = {},
                       Executor& executor = Executor::serial());
 
-    /// A tree of nodes that someone else put together. Preconditions: as nodes() and primitives()
+    /// A tree of given nodes. Preconditions: as nodes() and primitives()
     /// promise; every primitive in one leaf; boxes contain what is below them; no deeper than
     /// kMaxDepth.
     static Tree from_nodes(std::vector<Node> nodes, std::vector<std::uint32_t> primitives);
 
-    /// Moves every node to its new box, bottom-up, keeping the topology.
+    /// Gives every node its new box, bottom-up; the topology does not change.
     /// Precondition: boxes.size() == primitives().size(). O(n).
     void refit(std::span<const geometry::Aabb> boxes, Executor& executor = Executor::serial());
 

@@ -12,15 +12,6 @@ namespace earshot::bvh {
 
 using geometry::Aabb;
 
-Aabb slot_box(const WideNode& node, std::size_t slot) noexcept {
-    Aabb box;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        box.lower[axis] = node.planes[2 * axis][slot];
-        box.upper[axis] = node.planes[2 * axis + 1][slot];
-    }
-    return box;
-}
-
 void set_slot_box(WideNode& node, std::size_t slot, const Aabb& box) noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         node.planes[2 * axis][slot] = box.lower[axis];
@@ -45,7 +36,7 @@ void set_order(WideNode& node) noexcept {
         }
     }
     std::array<std::uint32_t, kWidth> order{};
-    // Octants 0 ... 3 have a positive z; the others see the same order from behind.
+    // Octants 0 ... 3 have a positive z; the opposite octants have the reverse orders.
     for (std::uint32_t octant = 0; octant < 4; ++octant) {
         std::array<float, kWidth> keys{};
         std::array<std::uint32_t, kWidth> ranked{};
@@ -53,17 +44,18 @@ void set_order(WideNode& node) noexcept {
             const auto& c = centres[slot];
             const float key =
                 ((octant & 1U) != 0 ? -c[0] : c[0]) + ((octant & 2U) != 0 ? -c[1] : c[1]) + c[2];
-            std::size_t place = slot;
-            for (; place > 0 && keys[place - 1] < key; --place) {
-                keys[place] = keys[place - 1];
-                ranked[place] = ranked[place - 1];
+            // Insertion sort, farthest first; stable, so that empty slots do not matter.
+            std::size_t rank = slot;
+            for (; rank > 0 && keys[rank - 1] < key; --rank) {
+                keys[rank] = keys[rank - 1];
+                ranked[rank] = ranked[rank - 1];
             }
-            keys[place] = key;
-            ranked[place] = slot;
+            keys[rank] = key;
+            ranked[rank] = slot;
         }
-        for (std::size_t r = 0; r < kWidth; ++r) {
-            order[r] |= ranked[r] << (3 * octant);
-            order[kWidth - 1 - r] |= ranked[r] << (3 * (7 - octant));
+        for (std::size_t rank = 0; rank < kWidth; ++rank) {
+            order[rank] |= ranked[rank] << (3 * octant);
+            order[kWidth - 1 - rank] |= ranked[rank] << (3 * (7 - octant));
         }
     }
     std::copy(order.begin(), order.end(), node.order);
@@ -71,19 +63,19 @@ void set_order(WideNode& node) noexcept {
 
 namespace {
 
-/// Writes the corners in single precision and returns their box.
-Aabb fill_single_leaf(std::uint32_t* words,
+/// Writes the vertices in single precision and returns their box.
+Aabb pack_single_leaf(std::uint32_t* words,
                       std::size_t count,
                       const geometry::MeshView& mesh) noexcept {
-    // Rounding is monotone, so the box of all corners is rounded once.
+    // Rounding is monotone, so the box of all vertices is rounded once.
     geometry::Vec3 lower(std::numeric_limits<double>::infinity());
     geometry::Vec3 upper(-std::numeric_limits<double>::infinity());
     for (std::size_t i = 0; i < count; ++i) {
         std::uint32_t* word = words + i;
         for (const geometry::VertexId vertex : mesh.triangles[words[9 * count + i]]) {
-            const geometry::Vec3& corner = mesh.positions[vertex];
+            const geometry::Vec3& position = mesh.positions[vertex];
             for (int axis = 0; axis < 3; ++axis) {
-                const double value = corner[axis];
+                const double value = position[axis];
                 lower[axis] = value < lower[axis] ? value : lower[axis];
                 upper[axis] = value > upper[axis] ? value : upper[axis];
                 *word = std::bit_cast<std::uint32_t>(static_cast<float>(value));
@@ -108,29 +100,30 @@ std::uint16_t steps_to(double value, float lower, float step) noexcept {
                            : static_cast<std::uint16_t>(std::min(steps, 65535.0));
 }
 
-/// Writes the frame and the corners in it, and returns their box. No coordinate is farther than
-/// half a step from where it was.
-Aabb fill_quantised_leaf(std::uint32_t* words,
+/// Writes the quantisation frame and the vertices in it, and returns their box. No coordinate moves
+/// by more than half a step.
+Aabb pack_quantised_leaf(std::uint32_t* words,
                          std::size_t count,
                          const geometry::MeshView& mesh) noexcept {
-    constexpr LeafEncoding kForm = LeafEncoding::quantised;
-    const std::size_t before = triangle_ids_offset(kForm, count);
+    constexpr LeafEncoding kEncoding = LeafEncoding::quantised;
+    const std::size_t before = triangle_ids_offset(kEncoding, count);
     const std::uint32_t* triangles = words + before;
     std::array<std::uint32_t, 10 * kMaxLeafTriangles> single;
     std::copy_n(triangles, count, single.begin() + static_cast<std::ptrdiff_t>(9 * count));
-    const Aabb box = fill_single_leaf(single.data(), count, mesh);
+    const Aabb box = pack_single_leaf(single.data(), count, mesh);
     float extent = 0.0F;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         extent = std::max(extent, box.upper[axis] - box.lower[axis]);
         words[axis] = std::bit_cast<std::uint32_t>(box.lower[axis]);
     }
-    // Longer by more than roundings, so that the last step is not beyond 65535.
+    // Longer by more than the roundings, so that the last coordinate is not beyond 65535 steps.
     const float step = extent * (1.0F + 0x1p-20F) / 65535.0F;
     words[3] = std::bit_cast<std::uint32_t>(step);
     // Gaps hold zeros, so that equal trees have equal bytes.
     words[before - 1] = 0;
-    std::fill(
-        words + before + count, words + words_per_block(kForm) * leaf_blocks(kForm, count), 0U);
+    std::fill(words + before + count,
+              words + words_per_block(kEncoding) * leaf_blocks(kEncoding, count),
+              0U);
     for (std::size_t i = 0; i < count; ++i) {
         std::size_t run = 0;
         for (const geometry::VertexId vertex : mesh.triangles[triangles[i]]) {
@@ -149,23 +142,23 @@ Aabb fill_quantised_leaf(std::uint32_t* words,
 
 }  // namespace
 
-Aabb fill_leaf(LeafEncoding form,
+Aabb pack_leaf(LeafEncoding encoding,
                std::uint32_t* words,
                std::size_t count,
                const geometry::MeshView& mesh) noexcept {
-    return form == LeafEncoding::single ? fill_single_leaf(words, count, mesh)
-                                        : fill_quantised_leaf(words, count, mesh);
+    return encoding == LeafEncoding::single ? pack_single_leaf(words, count, mesh)
+                                            : pack_quantised_leaf(words, count, mesh);
 }
 
-void fetch_triangles(std::span<const std::uint32_t> triangles,
-                     const geometry::MeshView& mesh) noexcept {
+void prefetch_triangles(std::span<const std::uint32_t> triangles,
+                        const geometry::MeshView& mesh) noexcept {
     for (const std::uint32_t triangle : triangles) {
         __builtin_prefetch(&mesh.triangles[triangle]);
     }
 }
 
-void fetch_corners(std::span<const std::uint32_t> triangles,
-                   const geometry::MeshView& mesh) noexcept {
+void prefetch_vertices(std::span<const std::uint32_t> triangles,
+                       const geometry::MeshView& mesh) noexcept {
     for (const std::uint32_t triangle : triangles) {
         for (const geometry::VertexId vertex : mesh.triangles[triangle]) {
             __builtin_prefetch(&mesh.positions[vertex]);

@@ -45,6 +45,16 @@ constexpr std::size_t leaf_count(std::uint32_t child) noexcept {
     return (child >> kLeafCountShift & 7U) + 1;
 }
 
+/// The box of a slot; empty if the slot has no child.
+inline geometry::Aabb slot_box(const WideNode& node, std::size_t slot) noexcept {
+    geometry::Aabb box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        box.lower[axis] = node.planes[2 * axis][slot];
+        box.upper[axis] = node.planes[2 * axis + 1][slot];
+    }
+    return box;
+}
+
 /// How a wide tree stores the vertices of its triangles. The answers are the same.
 enum class LeafEncoding {
     single,     ///< in single precision: about 50 bytes per triangle

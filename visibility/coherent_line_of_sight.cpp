@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/coherent_line_of_sight.h"
 
+#include "earshot/bvh/traverse_wide.h"
 #include "earshot/bvh/wide_ray.h"
-#include "earshot/visibility/internal/segment_walk.h"
+#include "earshot/visibility/internal/mesh_touch.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -128,7 +129,7 @@ TriangleId CoherentLineOfSight::state_of(const MeshView& mesh,
         return kNoBlocker;
     }
     TriangleId blocker = kNoBlocker;
-    statistics.nodes += walk(
+    statistics.nodes += bvh::traverse_front_to_back(
         tree_.tree(),
         segment,
         1.0,

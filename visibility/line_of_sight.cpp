@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/line_of_sight.h"
 
+#include "earshot/bvh/better_hit.h"
+#include "earshot/bvh/traverse_wide.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
 #include "earshot/visibility/internal/batch_query.h"
 #include "earshot/visibility/internal/coherent_order.h"
-#include "earshot/visibility/internal/segment_walk.h"
+#include "earshot/visibility/internal/mesh_touch.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -27,7 +29,7 @@ bool is_blocked(const WideTree& tree,
                 const Segment& segment,
                 const ExclusionMask& excluded) noexcept {
     bool is_blocked = false;
-    walk(tree, segment, 1.0, opens_all, [&](TriangleId id) {
+    bvh::traverse_front_to_back(tree, segment, 1.0, bvh::every_slot, [&](TriangleId id) {
         is_blocked = !excluded.contains(id) && touches(segment, mesh, id);
         return !is_blocked;
     });
@@ -44,12 +46,12 @@ std::optional<Blocker> find_first(const WideTree& tree,
     constexpr double kSlack = 0x1p-36;
     std::optional<Blocker> first;
     double t_max = 1.0;
-    walk(tree, segment, t_max, opens_all, [&](TriangleId id) {
+    bvh::traverse_front_to_back(tree, segment, t_max, bvh::every_slot, [&](TriangleId id) {
         if (excluded.contains(id)) {
             return true;
         }
         const auto t = first_touch(segment, mesh, id);
-        if (t && (!first || *t < first->t || (*t == first->t && id < first->triangle))) {
+        if (t && (!first || bvh::better_hit(Blocker{id, *t}, *first))) {
             first = {id, *t};
             t_max = std::min(1.0, *t + kSlack);
         }

@@ -10,22 +10,23 @@
 
 namespace earshot::bvh {
 
-/// A node of the top of a tree, whose subtrees were built by a task each.
+/// A node of the upper levels of a tree, below which subtrees are built by a task each.
 struct TopNode {
     geometry::Aabb box{};
-    std::uint32_t left = 0;  ///< index of the left child, which the right one follows; 0: a task
+    std::uint32_t left = 0;  ///< index of the left child, which the right one follows; 0: the root
+                             ///< of a task's subtree
     std::uint32_t task = 0;
 };
 
-/// Joins the top of a tree, top[0] being the root, and the subtrees of its tasks in depth-first
-/// order. Task t built counts[t] nodes in depth-first order, the root first, and node_of(t, i) is
-/// the i-th, whose child index counts from that root.
+/// Joins the upper levels of a tree, top[0] being the root, and the subtrees of the tasks into one
+/// array of nodes in depth-first order. Task t built counts[t] nodes in depth-first order, the root
+/// first, and node_of(t, i) is the i-th, whose child index counts from that root.
 template <class NodeOf>
-class Assembly {
+class TreeAssembly {
 public:
-    Assembly(std::span<const TopNode> top,
-             std::span<const std::uint32_t> counts,
-             const NodeOf& node_of)
+    TreeAssembly(std::span<const TopNode> top,
+                 std::span<const std::uint32_t> counts,
+                 const NodeOf& node_of)
         : top_(top), counts_(counts), node_of_(node_of), shifts_(counts.size()) {
         std::size_t all = 1;
         for (const TopNode& node : top) {
@@ -34,7 +35,7 @@ public:
         nodes_.reserve(all);
         ask_for_large_pages(nodes_.data(), all * sizeof(Node));
         nodes_.resize(all);
-        place(0, 0);
+        emit(0, 0);
     }
 
     std::vector<Node> nodes(Executor& executor) && {
@@ -54,7 +55,7 @@ private:
         return node;
     }
 
-    void place(std::uint32_t source, std::uint32_t target) {
+    void emit(std::uint32_t source, std::uint32_t target) {
         const TopNode& node = top_[source];
         if (node.left == 0) {
             // A task's nodes follow its root, which goes to the slot beside its sibling.
@@ -67,8 +68,8 @@ private:
         next_ += 2;
         nodes_[target].box = node.box;
         nodes_[target].first = children;
-        place(node.left, children);
-        place(node.left + 1, children + 1);
+        emit(node.left, children);
+        emit(node.left + 1, children + 1);
     }
 
     std::span<const TopNode> top_;

@@ -10,25 +10,25 @@
 
 namespace earshot::bvh {
 
-/// A node whose descendants, a contiguous run in depth-first order, are visited by one task.
+/// A node and its descendants, a contiguous range in depth-first order, which one task visits.
 struct Subtree {
     std::size_t root = 0;
     std::size_t begin = 0, end = 0;  // descendants
 };
 
-/// The nodes above the tasks, and the tasks.
-struct SubtreeCut {
+/// Subtrees for a task each, and the nodes above them.
+struct SubtreeDecomposition {
     std::vector<std::size_t> top;
     std::vector<Subtree> tasks;
 };
 
-inline SubtreeCut cut_into_subtrees(std::span<const Node> nodes) {
+inline SubtreeDecomposition decompose_into_subtrees(std::span<const Node> nodes) {
     constexpr std::size_t kTaskSize = 8192;
-    SubtreeCut result;
-    std::vector<Subtree> open = {{0, 1, nodes.size()}};
-    while (!open.empty()) {
-        const Subtree subtree = open.back();
-        open.pop_back();
+    SubtreeDecomposition result;
+    std::vector<Subtree> stack = {{0, 1, nodes.size()}};
+    while (!stack.empty()) {
+        const Subtree subtree = stack.back();
+        stack.pop_back();
         if (subtree.end - subtree.begin <= kTaskSize) {
             result.tasks.push_back(subtree);
             continue;
@@ -37,20 +37,20 @@ inline SubtreeCut cut_into_subtrees(std::span<const Node> nodes) {
         const std::size_t left = nodes[subtree.root].first;
         const Node& right = nodes[left + 1];
         const std::size_t between = right.is_leaf() ? subtree.end : right.first;
-        open.push_back({left + 1, between, subtree.end});
-        open.push_back({left, left + 2, between});
+        stack.push_back({left + 1, between, subtree.end});
+        stack.push_back({left, left + 2, between});
     }
     return result;
 }
 
-/// Calls visit(index) for every node, children before parents; subtrees at the same time.
+/// Calls visit(index) for every node, children before parents; subtrees in parallel.
 template <typename Visit>
 void for_each_bottom_up(std::span<const Node> nodes, Executor& executor, Visit&& visit) {
     if (nodes.empty()) {
         return;
     }
     // Children stand behind their parents, so running backwards is bottom-up.
-    const SubtreeCut parts = cut_into_subtrees(nodes);
+    const SubtreeDecomposition parts = decompose_into_subtrees(nodes);
     executor.for_each(parts.tasks.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t task = begin; task < end; ++task) {
             const Subtree& subtree = parts.tasks[task];

@@ -15,7 +15,7 @@ Bounds united(const Bounds& a, const Bounds& b) noexcept;
 /// The identity of united().
 Bounds empty_bounds() noexcept;
 
-/// The bounds of a run of refs.
+/// The bounds of references.
 Bounds bounds_of(std::span<const PrimRef> refs) noexcept;
 
 geometry::Aabb to_aabb(const BuildBox& box) noexcept;
@@ -28,10 +28,11 @@ public:
     /// The range of all references, to be split and reordered.
     BuildRange root_range() noexcept;
 
-    /// Whether some bounds are not those of the boxes, but kMaxCoordinate.
+    /// Whether some bounds exceed kMaxCoordinate and were clamped to it.
     bool are_clamped() const noexcept;
 
-    /// Builds the subtrees of the tasks and joins them under the top. Uses up the refs.
+    /// Builds the subtrees of the tasks and joins them under the upper levels. The references
+    /// are overwritten.
     Tree build_tree(std::span<const TopNode> top,
                     std::span<const BuildRange> tasks,
                     const SplitRule& rule,

@@ -10,7 +10,7 @@
 
 namespace earshot::bvh {
 
-/// Primitives of a node, at these places of the builder's order.
+/// The primitives [begin, end) of a node, in the builder's order.
 struct Range {
     std::uint32_t begin = 0, end = 0;
     std::uint32_t depth = 0;
@@ -19,16 +19,16 @@ struct Range {
 
 /// Builds a tree from the root by a Splitter that has
 ///     geometry::Aabb box_of(Range) const;
-///     std::uint32_t cut(Range, const geometry::Aabb& box, Executor&);
-/// `cut` reorders a range and says where its right half begins; at its end, if it is to be a leaf.
-/// Large ranges are cut one after another with all threads, the others by a task each, so cuts of
-/// ranges that do not overlap must not touch each other's data.
+///     std::uint32_t split(Range, const geometry::Aabb& box, Executor&);
+/// `split` reorders a range and returns where its right part begins: at its end, if it becomes a
+/// leaf. Large ranges are split one after another with all threads, the others by a task each, so
+/// splits of disjoint ranges must not touch each other's data.
 template <class Splitter>
 class TopDown {
 public:
     TopDown(Splitter& splitter, std::uint32_t count, Executor& executor)
         : splitter_(splitter), executor_(executor) {
-        cut_top(count);
+        split_top(count);
     }
 
     std::vector<Node> nodes() {
@@ -42,14 +42,14 @@ public:
             counts.push_back(static_cast<std::uint32_t>(tree.size()));
         }
         const auto node_of = [&](std::uint32_t task, std::uint32_t i) { return trees[task][i]; };
-        return Assembly(std::span<const TopNode>(top_), counts, node_of).nodes(executor_);
+        return TreeAssembly(std::span<const TopNode>(top_), counts, node_of).nodes(executor_);
     }
 
 private:
     /// Ranges up to this size are built by one task.
     static constexpr std::uint32_t kTaskSize = 8192;
 
-    void cut_top(std::uint32_t count) {
+    void split_top(std::uint32_t count) {
         std::vector<Range> ranges = {{0, count, 0}};
         for (std::size_t i = 0; i < ranges.size(); ++i) {
             const Range range = ranges[i];
@@ -60,7 +60,7 @@ private:
                 continue;
             }
             node.box = splitter_.box_of(range);
-            const std::uint32_t middle = splitter_.cut(range, node.box, executor_);
+            const std::uint32_t middle = splitter_.split(range, node.box, executor_);
             node.left = static_cast<std::uint32_t>(ranges.size());
             ranges.push_back({range.begin, middle, range.depth + 1});
             ranges.push_back({middle, range.end, range.depth + 1});
@@ -70,7 +70,7 @@ private:
     void build(std::vector<Node>& nodes, std::uint32_t target, const Range& range) {
         EARSHOT_ASSERT(range.depth <= kMaxDepth);
         const geometry::Aabb box = splitter_.box_of(range);
-        const std::uint32_t middle = splitter_.cut(range, box, Executor::serial());
+        const std::uint32_t middle = splitter_.split(range, box, Executor::serial());
         nodes[target].box = box;
         if (middle == range.end) {
             nodes[target].first = range.begin;

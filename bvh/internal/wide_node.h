@@ -9,46 +9,46 @@
 
 namespace earshot::bvh {
 
-// How nodes and leaves of a WideTree are filled.
+// Writing the nodes and packed leaves of a WideTree.
 
-/// A slot's box.
-geometry::Aabb slot_box(const WideNode& node, std::size_t slot) noexcept;
+/// Sets the box of a slot.
 void set_slot_box(WideNode& node, std::size_t slot, const geometry::Aabb& box) noexcept;
 
-/// The union of the slots.
+/// The union of the boxes of all slots.
 geometry::Aabb box_of(const WideNode& node) noexcept;
 
-/// Sorts the slots along the eight diagonals.
+/// Sets the traversal orders from the boxes: the slots sorted along the eight diagonals.
 void set_order(WideNode& node) noexcept;
 
-/// Ask the memory for what fill_leaf() will read: first the triangles, and when they have come
-/// their corners.
-void fetch_triangles(std::span<const std::uint32_t> triangles,
-                     const geometry::MeshView& mesh) noexcept;
-void fetch_corners(std::span<const std::uint32_t> triangles,
-                   const geometry::MeshView& mesh) noexcept;
+/// Prefetch what pack_leaf() will read: first the triangles, and when these are in the cache, their
+/// vertices.
+void prefetch_triangles(std::span<const std::uint32_t> triangles,
+                        const geometry::MeshView& mesh) noexcept;
+void prefetch_vertices(std::span<const std::uint32_t> triangles,
+                       const geometry::MeshView& mesh) noexcept;
 
-// A quantised leaf begins with its frame.
+/// Words of the quantisation frame that a quantised leaf begins with.
 inline constexpr std::size_t kQuantisationFrameWords = 4;
 
-/// Words of a leaf of `count` triangles before their indices.
-constexpr std::size_t triangle_ids_offset(LeafEncoding form, std::size_t count) noexcept {
-    return form == LeafEncoding::single ? 9 * count : kQuantisationFrameWords + (9 * count + 1) / 2;
+/// The first word of the triangle indices in a packed leaf of `count` triangles.
+constexpr std::size_t triangle_ids_offset(LeafEncoding encoding, std::size_t count) noexcept {
+    return encoding == LeafEncoding::single ? 9 * count
+                                            : kQuantisationFrameWords + (9 * count + 1) / 2;
 }
 
-/// Leaves begin at multiples of so many words, a place.
-constexpr std::size_t words_per_block(LeafEncoding form) noexcept {
-    return form == LeafEncoding::single ? 10 : 4;
+/// The unit of storage of packed leaves: each begins at a multiple of so many words.
+constexpr std::size_t words_per_block(LeafEncoding encoding) noexcept {
+    return encoding == LeafEncoding::single ? 10 : 4;
 }
 
-/// Places that a leaf of `count` triangles takes.
-constexpr std::size_t leaf_blocks(LeafEncoding form, std::size_t count) noexcept {
-    const std::size_t place = words_per_block(form);
-    return (triangle_ids_offset(form, count) + count + place - 1) / place;
+/// Blocks that a leaf of `count` triangles takes.
+constexpr std::size_t leaf_blocks(LeafEncoding encoding, std::size_t count) noexcept {
+    const std::size_t block = words_per_block(encoding);
+    return (triangle_ids_offset(encoding, count) + count + block - 1) / block;
 }
 
-/// Fills a leaf whose triangle indices are set from the mesh, and returns its box.
-geometry::Aabb fill_leaf(LeafEncoding form,
+/// Packs the vertices of a leaf, whose triangle indices are set, and returns its box.
+geometry::Aabb pack_leaf(LeafEncoding encoding,
                          std::uint32_t* words,
                          std::size_t count,
                          const geometry::MeshView& mesh) noexcept;

@@ -20,11 +20,11 @@ constexpr std::uint64_t kSeed = 21;
 std::vector<Hit> visited(const Tree& tree,
                          const geometry::MeshView& mesh,
                          const Ray& ray,
-                         std::size_t most) {
+                         std::size_t max_count) {
     std::vector<Hit> hits;
     visit_hits(tree, mesh, ray, [&](const Hit& hit) {
         hits.push_back(hit);
-        return hits.size() < most;
+        return hits.size() < max_count;
     });
     return hits;
 }
@@ -65,9 +65,10 @@ TEST(AllHits, EndWhereTheCallerStops) {
     const Ray ray{{-3, 0.1, 0.05}, {1, 0, 0}};
     const auto all = all_hits(tree, mesh.view(), ray);
     ASSERT_GT(all.size(), 5U);
-    for (std::size_t most = 1; most <= all.size(); ++most) {
-        EXPECT_EQ(visited(tree, mesh.view(), ray, most),
-                  std::vector<Hit>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(most)));
+    for (std::size_t max_count = 1; max_count <= all.size(); ++max_count) {
+        EXPECT_EQ(
+            visited(tree, mesh.view(), ray, max_count),
+            std::vector<Hit>(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(max_count)));
     }
 }
 
@@ -81,7 +82,7 @@ TEST(AllHits, AClosedSurfaceIsHitTwice) {
     }
 }
 
-TEST(AllHits, RaysWithoutMeaningHaveNone) {
+TEST(AllHits, InvalidRaysHaveNone) {
     const auto mesh = test::cube(2, 0.5);
     const Tree tree = Tree::build(triangle_boxes(mesh.view()));
     const double nan = std::nan("");

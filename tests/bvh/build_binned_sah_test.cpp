@@ -16,7 +16,7 @@ namespace {
 using geometry::Aabb;
 using geometry::Vec3;
 
-TEST(BuildBinnedSah, CostsFarLessThanHalvingByIndex) {
+TEST(BuildBinnedSah, CostsFarLessThanMedianSplitsByIndex) {
     const auto mesh = test::sphere(5, 1.0, Vec3(0.0));
     const auto boxes = triangle_boxes(mesh.view());
     // A sphere's tree is good if a ray that hits its box meets few leaves: about 2 surfaces with a

@@ -103,8 +103,8 @@ TEST(BuildRayDistribution, SavesVisitsForRaysLikeTheSample) {
     EXPECT_LT(static_cast<double>(visits(tree, others)),
               0.97 * static_cast<double>(visits(usual, others)));
     for (const Segment& ray : others) {
-        const geometry::Ray asked{.origin = ray.from, .direction = ray.to - ray.from};
-        ASSERT_EQ(closest_hit(tree, mesh.view(), asked), closest_hit(usual, mesh.view(), asked));
+        const geometry::Ray traced{.origin = ray.from, .direction = ray.to - ray.from};
+        ASSERT_EQ(closest_hit(tree, mesh.view(), traced), closest_hit(usual, mesh.view(), traced));
     }
 }
 

@@ -21,10 +21,11 @@ TEST(ClosestPoint, EqualsBruteForceForEveryTree) {
         const auto trees = test::query_trees(of.mesh);
         for (std::uint64_t i = 0; i < 600; ++i) {
             const Vec3 point = test::query_point(of, kSeed, i);
-            const double most = i % 3 == 0 ? 0.1 * of.size * random(kSeed, 9, i) : kInfinity;
-            const auto expected = brute_force::closest_point(of.mesh.view(), point, most);
+            const double max_distance =
+                i % 3 == 0 ? 0.1 * of.size * random(kSeed, 9, i) : kInfinity;
+            const auto expected = brute_force::closest_point(of.mesh.view(), point, max_distance);
             for (const Tree& tree : trees) {
-                ASSERT_EQ(closest_point(tree, of.mesh.view(), point, most), expected)
+                ASSERT_EQ(closest_point(tree, of.mesh.view(), point, max_distance), expected)
                     << of.name << ", seed " << kSeed << ", point " << i;
             }
         }
@@ -60,7 +61,7 @@ TEST(ClosestPoint, AtASharedVertexTheLowestTriangleWins) {
     }
 }
 
-TEST(ClosestPoint, QuestionsWithoutMeaningFindNothing) {
+TEST(ClosestPoint, InvalidQueriesFindNothing) {
     const auto mesh = test::cube(2, 0.5);
     const Tree tree = Tree::build(triangle_boxes(mesh.view()));
     const double nan = std::nan("");
@@ -79,12 +80,14 @@ TEST(ClosestTriangles, EqualBruteForceForEveryTree) {
         const auto trees = test::query_trees(of.mesh);
         for (std::uint64_t i = 0; i < 160; ++i) {
             const Vec3 point = test::query_point(of, kSeed, i);
-            const double most = i % 3 == 0 ? 0.3 * of.size * random(kSeed, 9, i) : kInfinity;
+            const double max_distance =
+                i % 3 == 0 ? 0.3 * of.size * random(kSeed, 9, i) : kInfinity;
             for (const std::size_t count : {0U, 1U, 7U, 5000U}) {
                 const auto expected =
-                    brute_force::closest_triangles(of.mesh.view(), point, count, most);
+                    brute_force::closest_triangles(of.mesh.view(), point, count, max_distance);
                 for (const Tree& tree : trees) {
-                    ASSERT_EQ(closest_triangles(tree, of.mesh.view(), point, count, most), expected)
+                    ASSERT_EQ(closest_triangles(tree, of.mesh.view(), point, count, max_distance),
+                              expected)
                         << of.name << ", seed " << kSeed << ", point " << i << ", " << count;
                 }
             }

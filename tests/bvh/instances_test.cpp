@@ -23,7 +23,7 @@ using geometry::Vec3;
 constexpr std::uint64_t kSeed = 51;
 
 /// Turned at random; every third one also scaled, unevenly and through a mirror.
-glm::dmat4 placement(std::uint64_t seed, std::uint64_t i, const Vec3& at) {
+glm::dmat4 transform(std::uint64_t seed, std::uint64_t i, const Vec3& at) {
     glm::dmat4 matrix = glm::translate(glm::dmat4(1.0), at);
     matrix =
         glm::rotate(matrix, random_between(seed, 1, i, -3.0, 3.0), test::random_point(seed, i));
@@ -39,7 +39,7 @@ protected:
         }
         for (std::uint64_t i = 0; i < 60; ++i) {
             const Vec3 at = 6.0 * test::random_point(kSeed, i);
-            matrices_.push_back(i % 5 == 4 ? matrices_.back() : placement(kSeed, i, at));
+            matrices_.push_back(i % 5 == 4 ? matrices_.back() : transform(kSeed, i, at));
             scene_.add_instance(parts_[(i - (i % 5 == 4 ? 1 : 0)) % 3], matrices_.back());
         }
         scene_.update();
@@ -80,11 +80,11 @@ TEST_F(InstancesTest, EqualBruteForce) {
     expect_brute_force("at first");
 }
 
-TEST_F(InstancesTest, EqualBruteForceWhenMovedInsertedRemoved) {
+TEST_F(InstancesTest, EqualBruteForceWhenMovedAddedRemoved) {
     for (std::uint64_t frame = 0; frame < 6; ++frame) {
         for (InstanceId id = 0; id < 60; ++id) {
             if (id % 7 == frame % 7) {
-                matrices_[id] = placement(kSeed + frame, id, 6.0 * test::random_point(frame, id));
+                matrices_[id] = transform(kSeed + frame, id, 6.0 * test::random_point(frame, id));
                 scene_.set_transform(id, matrices_[id]);
             }
         }
@@ -113,14 +113,14 @@ TEST_F(InstancesTest, EqualBruteForceWhenAPartDeforms) {
 }
 
 // However the scene came about, the answers are those of a scene made afresh.
-TEST_F(InstancesTest, RefittedUpperLevelAnswersAsARebuiltOne) {
+TEST_F(InstancesTest, RefittedTopLevelAnswersAsARebuiltOne) {
     Instances fresh;
     for (const Mesh* mesh : {&soup_, &sphere_, &nothing_}) {
         fresh.add_part(mesh->view());
     }
     for (InstanceId id = 0; id < 60; ++id) {
         const Vec3 at = Vec3(matrices_[id][3]) + 0.5 * test::random_point(kSeed + 9, id);
-        matrices_[id] = placement(kSeed + 9, id, at);
+        matrices_[id] = transform(kSeed + 9, id, at);
         scene_.set_transform(id, matrices_[id]);
         fresh.add_instance((id - (id % 5 == 4 ? 1 : 0)) % 3, matrices_[id]);
     }
@@ -167,7 +167,7 @@ TEST(Instances, InPlaceAnswerAsTheMeshItself) {
 
 TEST(Instances, AreHitWhereTheMovedMeshIs) {
     const auto mesh = test::sphere(3, 1.0, Vec3(0.0));
-    const glm::dmat4 matrix = placement(kSeed, 0, {7000.1, -7000.2, 300.3});
+    const glm::dmat4 matrix = transform(kSeed, 0, {7000.1, -7000.2, 300.3});
     Mesh moved = mesh;
     for (Vec3& position : moved.positions) {
         position = Vec3(matrix * glm::dvec4(position, 1.0));
@@ -187,7 +187,7 @@ TEST(Instances, AreHitWhereTheMovedMeshIs) {
     }
 }
 
-TEST(Instances, OfHitsAtOneDistanceTheLowestWins) {
+TEST(Instances, OfHitsAtTheSameParameterTheLowestInstanceWins) {
     const auto mesh = test::cube(3, 0.5);
     Instances scene;
     const PartId part = scene.add_part(mesh.view());
@@ -202,7 +202,7 @@ TEST(Instances, OfHitsAtOneDistanceTheLowestWins) {
     EXPECT_EQ(hit->hit.t, 1.5);
 }
 
-TEST(Instances, QuestionsWithoutMeaningFindNothing) {
+TEST(Instances, InvalidQueriesFindNothing) {
     const auto mesh = test::cube(2, 0.5);
     const double nan = std::nan("");
     Instances scene;
@@ -220,7 +220,7 @@ TEST(Instances, QuestionsWithoutMeaningFindNothing) {
         occluded(scene, Segment{{0, 0, 0}, {std::numeric_limits<double>::infinity(), 0, 0}}));
 }
 
-TEST(Instances, RefusePlacementsWithoutInverse) {
+TEST(Instances, RefuseTransformsWithoutInverse) {
     const auto mesh = test::cube(2, 0.5);
     Instances scene;
     const PartId part = scene.add_part(mesh.view());

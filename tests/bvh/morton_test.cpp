@@ -20,8 +20,8 @@ Aabb point(float x, float y, float z) {
 
 std::vector<std::uint32_t> order_of(const std::vector<Aabb>& boxes) {
     std::vector<std::uint32_t> order;
-    for (const MortonPrimitive& place : sorted_by_morton_code(boxes, Executor::serial())) {
-        order.push_back(place.index);
+    for (const MortonPrimitive& primitive : sorted_by_morton_code(boxes, Executor::serial())) {
+        order.push_back(primitive.index);
     }
     return order;
 }
@@ -49,23 +49,25 @@ TEST(Morton, SortsAsComparingCodesDoes) {
     const auto mesh = test::triangle_soup(3, 150000);
     const auto boxes = triangle_boxes(mesh.view());
     Executor two(2);
-    const auto places = sorted_by_morton_code(boxes, two);
-    EXPECT_TRUE(std::is_sorted(
-        places.begin(), places.end(), [](const MortonPrimitive& a, const MortonPrimitive& b) {
-            return a.code != b.code ? a.code < b.code : a.index < b.index;
-        }));
+    const auto primitives = sorted_by_morton_code(boxes, two);
+    EXPECT_TRUE(std::is_sorted(primitives.begin(),
+                               primitives.end(),
+                               [](const MortonPrimitive& a, const MortonPrimitive& b) {
+                                   return a.code != b.code ? a.code < b.code : a.index < b.index;
+                               }));
     const auto again = sorted_by_morton_code(boxes, Executor::serial());
-    EXPECT_TRUE(
-        std::equal(places.begin(), places.end(), again.begin(), [](const auto& a, const auto& b) {
+    EXPECT_TRUE(std::equal(
+        primitives.begin(), primitives.end(), again.begin(), [](const auto& a, const auto& b) {
             return a.code == b.code && a.index == b.index;
         }));
 }
 
 TEST(Morton, SplitsWhereTheHighestDifferingBitTurns) {
-    const std::vector<MortonPrimitive> places = {{0, 0}, {3, 1}, {4, 2}, {5, 3}, {5, 4}, {5, 5}};
-    EXPECT_EQ(find_morton_split(places, 0, 6), 2U);
-    EXPECT_EQ(find_morton_split(places, 2, 6), 3U);
-    EXPECT_EQ(find_morton_split(places, 3, 6), 4U);  // equal: the middle
+    const std::vector<MortonPrimitive> primitives = {
+        {0, 0}, {3, 1}, {4, 2}, {5, 3}, {5, 4}, {5, 5}};
+    EXPECT_EQ(find_morton_split(primitives, 0, 6), 2U);
+    EXPECT_EQ(find_morton_split(primitives, 2, 6), 3U);
+    EXPECT_EQ(find_morton_split(primitives, 3, 6), 4U);  // equal: the middle
 }
 
 }  // namespace

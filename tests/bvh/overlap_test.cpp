@@ -103,7 +103,7 @@ TEST(Overlap, EndsWhereTheCallerStops) {
     EXPECT_EQ(visits, 5U);
 }
 
-TEST(Overlap, RegionsWithoutMeaningTouchNothing) {
+TEST(Overlap, InvalidRegionsTouchNothing) {
     const auto mesh = test::cube(2, 0.5);
     const Tree tree = Tree::build(triangle_boxes(mesh.view()));
     const double nan = std::nan("");

@@ -72,7 +72,7 @@ TEST(ClosestHit, EqualsBruteForceForEveryTree) {
     }
 }
 
-TEST(ClosestHit, IsThePointWhereTheRayMeetsTheTriangle) {
+TEST(ClosestHit, IsThePointWhereTheRayHitsTheTriangle) {
     const auto mesh = test::sphere(4, 2.0, {1, 2, 3});
     const Tree tree = tree_of(mesh);
     for (std::uint64_t i = 0; i < 2000; ++i) {
@@ -109,7 +109,7 @@ TEST(ClosestHit, NoRayLeaksThroughEdgesOrVertices) {
     }
 }
 
-TEST(ClosestHit, OfHitsAtOneDistanceTheLowestTriangleWins) {
+TEST(ClosestHit, OfHitsAtTheSameParameterTheLowestTriangleWins) {
     auto mesh = test::triangle_soup(1, 40);
     const auto once = mesh.triangles;
     mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
@@ -120,7 +120,7 @@ TEST(ClosestHit, OfHitsAtOneDistanceTheLowestTriangleWins) {
     }
 }
 
-TEST(ClosestHit, RaysWithoutMeaningHitNothing) {
+TEST(ClosestHit, InvalidRaysHitNothing) {
     const auto mesh = test::sphere(2, 1.0, Vec3(0.0));
     const Tree tree = tree_of(mesh);
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -172,7 +172,7 @@ TEST(Occluded, TouchingIsBlocking) {
     EXPECT_FALSE(blocked({-1, -1e-300, 0}, {2, -1e-300, 0}));
 }
 
-TEST(AnyHit, AsksTheCallerWithTheParameter) {
+TEST(AnyHit, OffersTheCallerTheParameter) {
     const auto mesh = test::sphere(3, 1.0, Vec3(0.0));
     const Tree tree = tree_of(mesh);
     const Segment segment{{-2, 0.01, 0.02}, {2, 0.01, 0.02}};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Rays and segments that leave surfaces, against every triangle asked one by one.
+// Rays and segments that start on surfaces, against brute force.
 #include "earshot/base/simd.h"
 #include "earshot/bvh/brute_force.h"
 #include "earshot/bvh/wide_batch.h"
@@ -85,7 +85,7 @@ Mesh turned(Mesh mesh) {
     return mesh;
 }
 
-TEST(SecondaryRays, OfFewTrianglesAreDecidedAsOneByOne) {
+TEST(SecondaryRays, OfSmallMeshesAreDecidedAsOneByOne) {
     expect_equal_answers(test::cube(1, 4.0), 1);
     expect_equal_answers(test::cube(1, 2.7), 2);
     expect_equal_answers(turned(test::cube(1, 4.0)), 3);
@@ -93,16 +93,16 @@ TEST(SecondaryRays, OfFewTrianglesAreDecidedAsOneByOne) {
     expect_equal_answers(test::sphere(0, 2.0, Vec3(1.0)), 5);
 }
 
-TEST(SecondaryRays, AreDecidedAsOneByOneInTreesThatStayNear) {
+TEST(SecondaryRays, AreDecidedAsOneByOneInTreesThatFitIntoTheCache) {
     expect_equal_answers(test::cube(6, 4.0), 6);
     expect_equal_answers(test::cube(6, 2.7), 7);
     expect_equal_answers(turned(test::cube(6, 4.0)), 8);
     expect_equal_answers(test::triangle_soup(9, 300), 9);
 }
 
-// Planes that coincide in single precision and not in double: a ray that leaves one meets the
+// Planes that coincide in single precision and not in double: a ray that starts on one hits the
 // other.
-TEST(SecondaryRays, MeetAPlaneThatIsNearlyTheirOwn) {
+TEST(SecondaryRays, HitAPlaneThatIsNearlyTheirOwn) {
     Mesh mesh = test::cube(4, 4.0);
     const auto count = static_cast<geometry::VertexId>(mesh.positions.size());
     const auto once = mesh.triangles;
@@ -115,7 +115,7 @@ TEST(SecondaryRays, MeetAPlaneThatIsNearlyTheirOwn) {
     expect_equal_answers(mesh, 10);
 }
 
-TEST(SecondaryRays, AreDecidedAsOneByOneInTreesThatDoNot) {
+TEST(SecondaryRays, AreDecidedAsOneByOneInLargerTrees) {
     expect_equal_answers(test::triangle_soup(11, 26000), 11, 100);
     expect_equal_answers(test::cube(68, 4.0), 12, 100);
 }
@@ -127,11 +127,12 @@ TEST(SecondaryRays, FindNothingInAnEmptyScene) {
     std::vector<std::uint8_t> blocked(1, 1);
     const std::vector<Ray> rays(1);
     const std::vector<Segment> segments(1);
-    const std::vector<geometry::TriangleId> left(1, 0);
-    closest_hits(wide, mesh.view(), SecondaryRays{.rays = rays, .origin_triangles = left}, hits);
+    const std::vector<geometry::TriangleId> origin_triangles(1, 0);
+    closest_hits(
+        wide, mesh.view(), SecondaryRays{.rays = rays, .origin_triangles = origin_triangles}, hits);
     occluded(wide,
              mesh.view(),
-             SecondarySegments{.segments = segments, .origin_triangles = left},
+             SecondarySegments{.segments = segments, .origin_triangles = origin_triangles},
              blocked);
     EXPECT_FALSE(hits[0]);
     EXPECT_EQ(blocked[0], 0);

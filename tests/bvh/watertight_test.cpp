@@ -60,8 +60,8 @@ Vec3 aligned(Vec3 origin, const Vec3& target, const Vec3& middle, int count) {
     return origin;
 }
 
-/// Rays from points inside a closed mesh to its edges and vertices that hit nothing: asked of the
-/// binary tree, and of wide trees one by one and in batches. Runs of rays from one point become
+/// Rays from points inside a closed mesh to its edges and vertices that hit nothing: traced by the
+/// binary tree, and by wide trees one by one and in batches. Runs of rays from one point become
 /// packets there.
 std::size_t leaks_of(const Mesh& mesh,
                      double inner_radius,
@@ -86,8 +86,8 @@ std::size_t leaks_of(const Mesh& mesh,
         leaks += closest_hit(wide, mesh.view(), ray) ? 0 : 1;
         rays.push_back(ray);
     }
-    const auto add_batch = [&](const WideTree& asked) {
-        const auto hits = closest_hits(asked, mesh.view(), rays);
+    const auto add_batch = [&](const WideTree& traced) {
+        const auto hits = closest_hits(traced, mesh.view(), rays);
         leaks += static_cast<std::size_t>(std::count(hits.begin(), hits.end(), std::nullopt));
     };
     add_batch(wide);
@@ -116,7 +116,7 @@ TEST(SlowWatertight, OfTenMillionRaysNoneLeavesThroughEdgesOrVertices) {
     constexpr std::uint64_t kChunk = 45000;
     const auto places = in_three_places(test::sphere(5, 1.0, Vec3(0.0)));
     const double inner_radius[] = {0.5, 0.06, 0.5};
-    std::vector<std::size_t> leaks(57, 1);  // a ray is asked in four forms
+    std::vector<std::size_t> leaks(57, 1);  // a ray is traced in four ways
     Executor executor;
     executor.for_each(leaks.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/meshes.h"
+#include "support/query_meshes.h"
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,7 @@ namespace earshot::bvh {
 namespace {
 
 using geometry::Mesh;
+using geometry::MeshView;
 using geometry::Ray;
 using geometry::Segment;
 using geometry::Vec3;
@@ -162,6 +164,39 @@ TEST(WideBatch, IsTheSameForAnyNumberOfThreads) {
         Executor executor(threads);
         EXPECT_EQ(closest_hits(wide, mesh.view(), rays, executor), serial);
     }
+}
+
+TEST(WideBatch, AnswersInTheOrderOfTheRaysForAnyExecutor) {
+    constexpr std::uint64_t kSeed = 31;
+    constexpr std::size_t kCount = 1500;
+    for (const test::QueryMesh& of : test::query_meshes(kSeed)) {
+        const MeshView mesh = of.mesh.view();
+        const WideTree wide = wide_tree_of(of.mesh);
+        std::vector<Ray> rays;
+        std::vector<Segment> segments;
+        for (std::size_t i = 0; i < kCount; ++i) {
+            rays.push_back(test::query_ray(of, kSeed, i));
+            segments.push_back({rays[i].origin, rays[i].origin + rays[i].direction});
+        }
+        for (const int threads : {1, 2, 8}) {
+            Executor executor(threads);
+            const auto hits = closest_hits(wide, mesh, rays, executor);
+            const auto blocked = occluded(wide, mesh, segments, executor);
+            ASSERT_EQ(hits.size(), kCount);
+            ASSERT_EQ(blocked.size(), kCount);
+            for (std::size_t i = 0; i < kCount; ++i) {
+                ASSERT_EQ(hits[i], closest_hit(wide, mesh, rays[i])) << of.name << i;
+                ASSERT_EQ(blocked[i] != 0, occluded(wide, mesh, segments[i])) << of.name << i;
+            }
+        }
+    }
+}
+
+TEST(WideBatch, WithoutRaysThereAreNoAnswers) {
+    const Mesh mesh = test::cube(2, 0.5);
+    const WideTree wide = wide_tree_of(mesh);
+    EXPECT_TRUE(closest_hits(wide, mesh.view(), {}).empty());
+    EXPECT_TRUE(occluded(wide, mesh.view(), std::span<const Segment>{}).empty());
 }
 
 TEST(WideBatch, FindsNothingInAnEmptyScene) {

@@ -125,7 +125,7 @@ TEST(WideRay, BreaksTiesByTheLowestTriangle) {
     expect_equal_answers(mesh, wide_tree_of(mesh, 15), 8);
 }
 
-TEST(WideRay, AnswersRaysThatAreNoRays) {
+TEST(WideRay, AnswersInvalidRays) {
     const Mesh mesh = test::triangle_soup(8, 100);
     const WideTree wide = wide_tree_of(mesh);
     const double none = std::numeric_limits<double>::quiet_NaN();
