@@ -12,8 +12,8 @@ namespace earshot {
 /// Precondition: base > 1.
 double radical_inverse(std::uint64_t index, std::uint32_t base) noexcept;
 
-/// The same turned by a share of the way round, so that seeds give other points of one evenness.
-/// Precondition: shift in [0, 1).
+/// The same shifted modulo 1 (Cranley and Patterson 1976): other seeds give other points of the
+/// same discrepancy. Precondition: shift in [0, 1).
 double shifted_radical_inverse(std::uint64_t index, std::uint32_t base, double shift) noexcept;
 
 }  // namespace earshot

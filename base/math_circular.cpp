@@ -28,14 +28,14 @@ struct Reduced {
 // quarter turns the products with the first three are exact, and 151 bits leave the remainder
 // accurate to its last bit however near x comes to a multiple of pi/2.
 Reduced reduce(double x) noexcept {
-    constexpr double kLargest = 1e5;
+    constexpr double kMaxReducedExactly = 1e5;
     constexpr double kTwoOverPi = 6.36619772367581382433e-01;
     constexpr double kPart1 = 1.57079632673412561417e+00;
     constexpr double kPart2 = 6.07710050630396597660e-11;
     constexpr double kPart3 = 2.02226624871116645580e-21;
     constexpr double kRest = 8.47842766036889956997e-32;
-    if (std::abs(x) > kLargest) {
-        x = std::fmod(x, 2.0 * kPi);  // exact, but of a turn that is not quite a turn
+    if (std::abs(x) > kMaxReducedExactly) {
+        x = std::fmod(x, 2.0 * kPi);  // exact, but modulo a rounded 2 pi
     }
     const double turns = std::floor(x * kTwoOverPi + 0.5);
     const DoublePair first = two_sum(x - turns * kPart1, -(turns * kPart2));

@@ -135,10 +135,10 @@ void AnimatedMesh::flip_mirrored_winding() {
                 is_mirrored[first + i] = glm::determinant(blended_joints(part, joints, i)) < 0.0;
             }
         } else if (part.node >= 0) {
-            const glm::dmat3 turn(worlds[static_cast<std::size_t>(part.node)]);
+            const glm::dmat3 linear(worlds[static_cast<std::size_t>(part.node)]);
             std::fill_n(is_mirrored.begin() + static_cast<std::ptrdiff_t>(first),
                         count,
-                        glm::determinant(turn) < 0.0);
+                        glm::determinant(linear) < 0.0);
         }
         first += count;
     }

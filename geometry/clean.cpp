@@ -17,26 +17,26 @@
 namespace earshot::geometry {
 namespace {
 
-struct PlacedVertex {
+struct IndexedPosition {
     Vec3 position{0.0};
     VertexId vertex = 0;
 };
 
-bool comes_before(const PlacedVertex& a, const PlacedVertex& b) noexcept {
+bool is_before(const IndexedPosition& a, const IndexedPosition& b) noexcept {
     return a.position == b.position ? a.vertex < b.vertex
                                     : lexicographic_less(a.position, b.position);
 }
 
 std::vector<VertexId> weld_equal_positions(std::span<const Vec3> positions) {
-    std::vector<PlacedVertex> placed(positions.size());
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-        placed[i] = {positions[i], static_cast<VertexId>(i)};
+    std::vector<IndexedPosition> sorted(positions.size());
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        sorted[i] = {positions[i], static_cast<VertexId>(i)};
     }
-    std::sort(placed.begin(), placed.end(), comes_before);
+    std::sort(sorted.begin(), sorted.end(), is_before);
     std::vector<VertexId> weld(positions.size());
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-        const bool repeats = i > 0 && placed[i].position == placed[i - 1].position;
-        weld[placed[i].vertex] = repeats ? weld[placed[i - 1].vertex] : placed[i].vertex;
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+        const bool repeats = i > 0 && sorted[i].position == sorted[i - 1].position;
+        weld[sorted[i].vertex] = repeats ? weld[sorted[i - 1].vertex] : sorted[i].vertex;
     }
     return weld;
 }

@@ -80,26 +80,26 @@ struct Foot {
 
 Candidate closest_of(const Corners& corners, const Vec3& query) noexcept {
     const Foot foot(corners, query);
-    const double least_weight = std::min({foot.weights.x, foot.weights.y, foot.weights.z});
+    const double min_weight = std::min({foot.weights.x, foot.weights.y, foot.weights.z});
     Candidate best;
-    if (least_weight > foot.margin) {
+    if (min_weight > foot.margin) {
         best.weights = foot.weights / foot.normal_squared;
         best.offset = foot.start + best.weights.y * foot.ab + best.weights.z * foot.ac;
         return best;
     }
     // From outside, an edge with the triangle on its near side is not nearest. Without area the
     // margin is 0 or not a number, and all edges are tried.
-    const bool is_outside = least_weight < -foot.margin;
-    double least = std::numeric_limits<double>::infinity();
+    const bool is_outside = min_weight < -foot.margin;
+    double min_squared = std::numeric_limits<double>::infinity();
     for (int i = 0; i < 3; ++i) {
         if (is_outside && foot.weights[(i + 2) % 3] > foot.margin) {
             continue;
         }
         const Candidate other = on_edge(corners, query, i);
         const double squared = glm::dot(other.offset, other.offset);
-        if (squared < least) {
+        if (squared < min_squared) {
             best = other;
-            least = squared;
+            min_squared = squared;
         }
     }
     return best;

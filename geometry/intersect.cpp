@@ -78,13 +78,13 @@ double entry_in_plane(const Segment& segment, const Vec3& a, const Vec3& b, cons
     const glm::dvec2 p = project_along(segment.from, axis);
     const glm::dvec2 q = project_along(segment.to, axis);
     const Triangle2d t = {project_along(a, axis), project_along(b, axis), project_along(c, axis)};
-    const double turn = orient2d(t[0], t[1], t[2]);
+    const double orientation = orient2d(t[0], t[1], t[2]);
     double entry = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
-        const double from = turn * determinant2d(t[i], t[(i + 1) % 3], p);
+        const double from = orientation * determinant2d(t[i], t[(i + 1) % 3], p);
         if (from < 0.0) {
             // The far end is not outside too, or the segment would not touch.
-            const double to = turn * determinant2d(t[i], t[(i + 1) % 3], q);
+            const double to = orientation * determinant2d(t[i], t[(i + 1) % 3], q);
             entry = std::max(entry, crossing(from, to));
         }
     }

@@ -125,7 +125,7 @@ bool BoxRegion::may_touch(const Aabb& box) const noexcept {
 // the plane of the triangle, and, for the products of their edges, the triangle's sides in the
 // three projections along the box's. If the projections are disjoint, a side of one parts them.
 bool BoxRegion::touches(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
-    // The triangle's own bounds cut off what it cannot reach, infinities among it.
+    // Clipped to the triangle's own bounds, the box is finite.
     Vec3 lower, upper;
     for (int axis = 0; axis < 3; ++axis) {
         lower[axis] = std::max(lower_[axis], std::min({a[axis], b[axis], c[axis]}));

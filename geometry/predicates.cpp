@@ -102,8 +102,8 @@ struct Rounded {
     double permanent = 0.0;
 
     // A permanent of 0 leaves no term to be rounded: all points lie in one axis-aligned plane, say.
-    bool is_beyond(double share) const noexcept {
-        return std::abs(determinant) > share * permanent || permanent == 0.0;
+    bool is_beyond(double fraction) const noexcept {
+        return std::abs(determinant) > fraction * permanent || permanent == 0.0;
     }
 };
 
@@ -129,8 +129,8 @@ Rounded round3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noex
                 (std::abs(pq) + std::abs(qp)) * std::abs(r.z)};
 }
 
-// Above this share of the permanent a determinant in plain doubles, off by less than 2^-49 of the
-// permanent, is off by less than 2^-39 of itself.
+// Above this fraction of the permanent a determinant in plain doubles, off by less than 2^-49 of
+// the permanent, is off by less than 2^-39 of itself.
 constexpr double kPreciseShare = 0x1p-10;
 
 }  // namespace

@@ -52,10 +52,10 @@ void hermite(const double* from,
 }  // namespace
 
 glm::dmat4 Transform::matrix() const noexcept {
-    const glm::dmat3 turn = glm::mat3_cast(rotation);
-    return {glm::dvec4(turn[0] * scale.x, 0.0),
-            glm::dvec4(turn[1] * scale.y, 0.0),
-            glm::dvec4(turn[2] * scale.z, 0.0),
+    const glm::dmat3 rotated = glm::mat3_cast(rotation);
+    return {glm::dvec4(rotated[0] * scale.x, 0.0),
+            glm::dvec4(rotated[1] * scale.y, 0.0),
+            glm::dvec4(rotated[2] * scale.z, 0.0),
             glm::dvec4(translation, 1.0)};
 }
 
@@ -74,9 +74,9 @@ glm::dquat slerp(const glm::dquat& a, const glm::dquat& b, double fraction) noex
         return a;
     }
     const double whole = math::sin(angle);
-    const double share_a = math::sin(angle * (1.0 - fraction)) / whole;
-    const double share_b = math::sin(angle * fraction) / whole;
-    return unit_or(a * share_a + near * share_b, a);
+    const double weight_a = math::sin(angle * (1.0 - fraction)) / whole;
+    const double weight_b = math::sin(angle * fraction) / whole;
+    return unit_or(a * weight_a + near * weight_b, a);
 }
 
 void Track::sample(double t, std::span<double> out, bool is_rotation) const {

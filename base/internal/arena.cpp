@@ -17,9 +17,10 @@ struct Arena::Threads {
 Arena::Arena(int threads) {
     // oneTBB's first arena limits all later ones, with a line on standard error; a limit set by
     // hand is only a ceiling. More threads than this help nobody and change no result.
-    constexpr int kMost = 256;
-    static const tbb::global_control ceiling(tbb::global_control::max_allowed_parallelism, kMost);
-    threads_ = std::make_unique<Threads>(std::min(threads, kMost));
+    constexpr int kMaxThreads = 256;
+    static const tbb::global_control ceiling(tbb::global_control::max_allowed_parallelism,
+                                             kMaxThreads);
+    threads_ = std::make_unique<Threads>(std::min(threads, kMaxThreads));
 }
 
 Arena::~Arena() = default;
