@@ -106,7 +106,8 @@ earshot::propagation::Scene room() {
 
 std::uint64_t digest_of_response() {
     Digest digest;
-    earshot::propagation::Simulator simulator(room(), {.specular_order = 4});
+    const earshot::propagation::Scene scene = room();
+    earshot::propagation::Simulator simulator(scene, {.specular_order = 4});
     const auto pairs = simulator.run();
     for (const auto& path : pairs[0].paths) {
         digest.add(path.length);
