@@ -83,7 +83,7 @@ UsageError unknown_option(const CLI::App& command, const std::string& option) {
     for (const CLI::App* subcommand : command.get_subcommands({})) {
         if (contains(option_names(*subcommand), option)) {
             return {option,
-                    "stands before the command",
+                    "is before the command",
                     "put it after: " + full_name(command) + " COMMAND " + option};
         }
     }
@@ -129,7 +129,7 @@ UsageError reworded(const CLI::App& command, const CLI::ParseError& error) {
         const bool is_missing = message.ends_with("missing");
         return wrong_usage(command,
                            message.substr(0, colon),
-                           is_missing ? "needs a value" : "stands more than once");
+                           is_missing ? "needs a value" : "is given more than once");
     }
     return wrong_usage(command, full_name(command), message);
 }
@@ -187,14 +187,14 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
                     "--threads",
                     options.threads,
                     {0, kMaxThreads},
-                    "threads to work with (default: 0, all cores); results do not depend on it"),
+                    "number of threads (default: 0, all cores); results do not depend on it"),
         add_integer(command, "--seed", options.seed, {0}, "seed of random numbers (default: 1)"),
         command
             .add_option("--simd",
                         options.simd,
                         "instruction set to use (default: auto); results do not depend on it")
             ->check(CLI::IsMember(simd_names())),
-        command.add_flag("--quiet", options.quiet, "print nothing but errors"),
+        command.add_flag("--quiet", options.quiet, "print only errors"),
         command.add_flag("--json", options.json, "print a machine-readable summary"),
     };
     for (CLI::Option* option : added) {

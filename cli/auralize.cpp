@@ -16,10 +16,9 @@ namespace earshot::cli {
 namespace {
 
 constexpr const char* kFooter =
-    "A dry sound of one channel gets the channels of the response; one of several goes through a\n"
-    "response of one or of as many channels. Several responses, of the frames of a scene that "
-    "moves,\n"
-    "follow each other in equal shares of the sound and are cross-faded.\n\n"
+    "A mono recording gets the channels of the response; a recording of several channels needs a\n"
+    "response of one channel or of the same number. Several responses, computed for the frames of\n"
+    "a scene that moves, are applied to equal parts of the recording in turn and cross-faded.\n\n"
     "Examples:\n"
     "  earshot auralize speech.wav out/stage__seat.wav -o wet.wav\n"
     "  earshot auralize steps.wav out/stage__seat__*.wav -o wet.wav";
@@ -38,10 +37,10 @@ Channels channels_of(const io::Sound& sound) {
 class AuralizeCommand : public Command {
 public:
     explicit AuralizeCommand(CLI::App& program)
-        : Command(program, "auralize", "How a dry sound is heard through impulse responses") {
-        app().add_option("DRY", dry_file_, "a sound without a room: WAV, FLAC or AIFF")->required();
+        : Command(program, "auralize", "Convolve a dry recording with impulse responses") {
+        app().add_option("DRY", dry_file_, "an anechoic recording: WAV, FLAC or AIFF")->required();
         app()
-            .add_option("RESPONSE", response_files_, "impulse responses, in their order")
+            .add_option("RESPONSE", response_files_, "impulse responses, in order of time")
             ->required();
         app().add_option("-o,--output", output_, "the WAV file to write, 32-bit float")->required();
         peak_option_ = add_number(
@@ -49,7 +48,7 @@ public:
             "--peak",
             peak_db_,
             {-200.0, 0.0},
-            "scale the largest sample to this, decibels re full scale; else as it comes");
+            "scale the largest sample to this level, decibels re full scale; default: no scaling");
         app().footer(kFooter);
     }
 
@@ -61,7 +60,7 @@ public:
             responses.push_back(read_response(file, dry));
             if (responses.back().size() != responses.front().size()) {
                 throw Error(file,
-                            "has another number of channels than " + response_files_.front(),
+                            "differs in its number of channels from " + response_files_.front(),
                             "give responses of one receiver");
             }
         }
@@ -96,7 +95,7 @@ private:
             throw Error(file,
                         "has " + std::to_string(response.channels) + " channels, " + dry_file_ +
                             " has " + std::to_string(dry.channels),
-                        "one of them needs a single channel, or both as many");
+                        "one of them must have a single channel, or both the same number");
         }
         return channels_of(response);
     }

@@ -15,19 +15,18 @@ namespace earshot::cli {
 namespace {
 
 constexpr const char* kNotes =
-    "Times run from vertex positions to a tree that can be asked; each is the median of five.\n"
-    "The SAH cost is the expected work of a random ray, in triangle tests. Over frames, a step is "
-    "a\n"
-    "node or leaf of the layout for rays; `updated` is the tree that chooses between refit, "
-    "repair\n"
-    "and rebuild.\n\n";
+    "Times run from vertex positions to a tree that is ready for queries; each is the median of\n"
+    "five. The SAH cost is the expected work of a random ray, in triangle tests. Over frames, a\n"
+    "step is a visit of a node or leaf of the wide tree; `updated` is the tree that chooses "
+    "between\n"
+    "refit, repair and rebuild.\n\n";
 
 constexpr const char* kExamples =
     "\nExamples:\n"
     "  earshot bvh hall.gltf                        nodes, depth, cost, memory, times\n"
-    "  earshot bvh fox.glb --frames 0:1:0.1         how the tree ages over an animation\n"
-    "  earshot bvh fox.glb --frames 0:1:0.1 --plot ages.svg\n"
-    "  earshot bvh kitchen.ply --threads 1 --json   for a program";
+    "  earshot bvh fox.glb --frames 0:1:0.1         how the tree degrades over an animation\n"
+    "  earshot bvh fox.glb --frames 0:1:0.1 --plot cost.svg\n"
+    "  earshot bvh kitchen.ply --threads 1 --json   machine-readable summary";
 
 std::string footer() {
     std::string text = std::string(kNotes) + "Builders:\n";
@@ -42,20 +41,21 @@ std::string footer() {
 class BvhCommand : public Command {
 public:
     explicit BvhCommand(CLI::App& program)
-        : Command(program, "bvh", "Build the hierarchy of a scene, refit it, and report on it") {
+        : Command(
+              program, "bvh", "Size, quality and times of a scene's bounding volume hierarchy") {
         scene_.add_to(app(), "a line for each");
         CLI::Option* frames = app().get_option("--frames");
         add_number(app(),
                    "--rays",
                    rays_,
                    {.min = 0.0},
-                   "rays per frame that an update reckons with; default: 1000000")
+                   "rays per frame that updates expect; default: 1000000")
             ->needs(frames);
         app()
             .add_option(
                 "--plot", plot_file_, "a picture of steps per ray over the frames, FILE.svg")
             ->needs(frames);
-        app().add_option("--builder", builder_, "how the tree is built; default: binned_sah");
+        app().add_option("--builder", builder_, "the builder; default: binned_sah");
         app().footer(footer());
     }
 

@@ -27,10 +27,12 @@ using collision::MovingPoints;
 using collision::RationalPoints;
 
 constexpr const char* kFooter =
-    "A query is eight lines of numerator,denominator of x, y and z: the four points at the\n"
-    "beginning of the step, then at its end; vertex and three corners, or the ends of two edges.\n"
-    "A seventh value, 0 or 1, is the truth if it is known. OUT.csv has a line `hit,toi` for each:\n"
-    "the time of impact in 0..1 is never later than the true one.\n\n"
+    "A query has eight lines, each with numerator,denominator of x, y and z: four points at the\n"
+    "beginning of the step, then at its end. The points are a vertex and the corners of a face, "
+    "or\n"
+    "the ends of two edges. A seventh value, 0 or 1, is the true result if it is known. OUT.csv "
+    "has\n"
+    "a line `hit,toi` per query; the time of impact in 0..1 is never later than the true one.\n\n"
     "Examples:\n"
     "  earshot ccd queries.csv --kind vertex-face -o times.csv\n"
     "  earshot ccd queries.csv --kind edge-edge --min-separation 1e-3 -o times.csv --json";
@@ -50,7 +52,7 @@ std::string digits(double value) {
 class CcdCommand : public Command {
 public:
     explicit CcdCommand(CLI::App& program)
-        : Command(program, "ccd", "Elementary queries of continuous collision detection") {
+        : Command(program, "ccd", "Decide elementary queries of continuous collision detection") {
         app().add_option("QUERIES", queries_file_, "a .csv file of queries")->required();
         app()
             .add_option("--kind", kind_, "vertex-face or edge-edge")
@@ -94,7 +96,7 @@ private:
         const auto doubles = collision::as_doubles(points);
         if (!doubles && separation_.min_separation > 0.0) {
             throw Error(
-                queries_file_, "has coordinates that are no doubles", "leave --min-separation out");
+                queries_file_, "has coordinates that are not doubles", "omit --min-separation");
         }
         const auto start = std::chrono::steady_clock::now();
         Answer answer;

@@ -26,14 +26,14 @@ namespace {
 
 constexpr const char* kFooter =
     "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json.\n"
-    "Reflections up to --order are exact; rays add what comes later or is scattered.\n\n"
+    "Reflections up to --order are exact; rays add later and scattered sound.\n\n"
     "Examples:\n"
     "  earshot ir scenes/concert_hall.gltf -o out\n"
     "      every source and listener of the scene, reflections up to order 4\n"
     "  earshot ir room.obj --source 1,1.5,2 --listener seat=4,1.2,3 --order 6 -o out\n"
-    "      points of your own, in metres, beside those of the scene\n"
+    "      with a source and a listener at given points, in addition to those of the scene\n"
     "  earshot ir scenes/concert_hall.gltf --format binaural --look-at 0,1.5,0 -o out\n"
-    "      what two ears hear that face a point\n"
+    "      binaural responses of listeners that face a point\n"
     "  earshot ir scenes/door.gltf --frames 0:2:0.1 -o out\n"
     "      one response per instant of an animation";
 
@@ -43,7 +43,7 @@ public:
         : Command(program, "ir", "Impulse responses for every source and listener of a scene") {
         scene_.add_to(app(), "a response for each");
         app()
-            .add_option("-o,--output", directory_, "folder for the results; made if missing")
+            .add_option("-o,--output", directory_, "folder for the results; created if missing")
             ->required();
         emitters_.add_to(app());
         add_tracing_options();
@@ -94,12 +94,15 @@ public:
 
 private:
     void add_tracing_options() {
-        add_integer(
-            app(), "--order", order_, {0, 64}, "most reflections and transmissions of a path");
+        add_integer(app(),
+                    "--order",
+                    order_,
+                    {0, 64},
+                    "maximum number of reflections and transmissions of a path");
         app()
             .add_option("--mode",
                         mode_,
-                        "complete (every path) or sampled (faster, may miss paths at edges)")
+                        "complete (finds every path) or sampled (faster, may miss paths at edges)")
             ->check(CLI::IsMember({"complete", "sampled"}))
             ->capture_default_str();
         add_integer(app(),
@@ -112,15 +115,16 @@ private:
     void add_visibility_options() {
         CLI::Option* file =
             app()
-                .add_option("--visibility",
-                            visibility_file_,
-                            "leave out paths first reflected by what their source's cell does not "
-                            "see, a file of earshot pvs build; sets may lack something")
+                .add_option(
+                    "--visibility",
+                    visibility_file_,
+                    "skip paths whose first reflection is not in the visible set of the "
+                    "source's cell; a file of earshot pvs build, whose sets may be incomplete")
                 ->type_name("FILE");
         app()
             .add_flag("--check-visibility",
                       checks_visibility_,
-                      "also search without the file, and tell how many paths it cost")
+                      "also search without the file and report how many paths it loses")
             ->needs(file);
     }
 
@@ -132,7 +136,7 @@ private:
                     "of late sound: reverberation and scattering; 0: none");
         app().add_flag("--histograms",
                        writes_histograms_,
-                       "also write the energy of late sound over time, with standard errors, into "
+                       "also write the energy of late sound over time, with standard errors, to "
                        "histograms.json");
     }
 
@@ -140,48 +144,53 @@ private:
         app()
             .add_option("--format",
                         format_,
-                        "channels of a response: mono, binaural, or ambisonic:N (order N up to 5, "
+                        "channels of a response: mono, binaural or ambisonic:N (order N up to 5, "
                         "ACN, SN3D)")
             ->capture_default_str();
         app()
             .add_option("--hrtf",
                         head_file_,
-                        "head responses for binaural, a SOFA file; default: a KEMAR manikin")
+                        "HRIR set for binaural responses, a SOFA file; default: a KEMAR manikin")
             ->type_name("FILE");
-        app().add_flag("--sofa", writes_sofa_, "also write all responses into responses.sofa");
+        app().add_flag("--sofa", writes_sofa_, "also write all responses to responses.sofa");
     }
 
     void add_limits() {
         app().add_flag(
-            "--transmission", transmission_, "follow sound through materials that transmit");
+            "--transmission", transmission_, "also find paths through transmissive materials");
         add_number(app(),
                    "--max-length",
                    max_length_,
                    {0.0, 1e9},
-                   "leave out longer paths, metres; 0: no limit");
+                   "maximum length of a path, metres; 0: no limit");
         add_number(app(),
                    "--min-level",
                    min_level_db_,
                    {-1000.0, 1000.0},
-                   "leave out fainter paths, decibels re the source at 1 m, of the loudest band");
+                   "minimum level of a path in its loudest band, decibels re the source at 1 m");
     }
 
     void add_sound_options() {
-        add_integer(app(), "--sample-rate", sample_rate_hz_, {1000, 768000}, "of the WAV, hertz");
+        add_integer(app(), "--sample-rate", sample_rate_hz_, {1000, 768000}, "sample rate, hertz");
         add_number(app(),
                    "--length",
                    length_,
                    {0.0, 3600.0},
-                   "of the WAV, seconds; 0: as long as sound arrives");
+                   "length of a response, seconds; 0: until the last sound has arrived");
         app()
             .add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
             ->check(CLI::IsMember({"octave", "third"}))
             ->capture_default_str();
-        add_number(app(), "--temperature", air_.temperature_c, {}, "of the air, degrees Celsius");
-        add_number(app(), "--humidity", air_.humidity_percent, {}, "relative, percent");
-        add_number(app(), "--pressure", air_.pressure_kpa, {}, "of the air, kilopascal");
+        add_number(
+            app(), "--temperature", air_.temperature_c, {}, "air temperature, degrees Celsius");
+        add_number(app(),
+                   "--humidity",
+                   air_.humidity_percent,
+                   {},
+                   "relative humidity of the air, percent");
+        add_number(app(), "--pressure", air_.pressure_kpa, {}, "air pressure, kilopascal");
         app().add_flag(
-            "--no-air-absorption", no_air_absorption_, "let air carry sound without loss");
+            "--no-air-absorption", no_air_absorption_, "ignore the absorption of sound by air");
     }
 
     propagation::Options simulation_options() const {
@@ -229,11 +238,11 @@ private:
     }
 
     static void print_notes(const Warnings& notes) {
-        constexpr std::size_t kMostNotes = 8;
+        constexpr std::size_t kMaxNotes = 8;
         Warnings shown(notes.begin(),
-                       notes.begin() + static_cast<long>(std::min(notes.size(), kMostNotes)));
-        if (notes.size() > kMostNotes) {
-            shown.push_back({"...", std::to_string(notes.size() - kMostNotes) + " more"});
+                       notes.begin() + static_cast<long>(std::min(notes.size(), kMaxNotes)));
+        if (notes.size() > kMaxNotes) {
+            shown.push_back({"...", std::to_string(notes.size() - kMaxNotes) + " more"});
         }
         print_warnings(shown);
     }

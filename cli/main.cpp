@@ -26,7 +26,8 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
 };
 
 void run(int argc, const char* const* argv) {
-    CLI::App program("How a room sounds: exact sound paths and impulse responses from a 3D scene");
+    CLI::App program(
+        "Room acoustics from a 3D scene: sound paths, impulse responses, visibility, contacts");
     program.name("earshot");
     program.set_version_flag(
         "--version", std::string("earshot ") + EARSHOT_VERSION, "Print the version and exit");
@@ -35,8 +36,8 @@ void run(int argc, const char* const* argv) {
     program.get_formatter()->label("SUBCOMMAND", "COMMAND");
     program.require_subcommand(1);
     program.footer(
-        "earshot COMMAND --help explains a command.\n"
-        "Exit status: 0 done, 1 the input or the work failed, 2 the command line is wrong.");
+        "earshot COMMAND --help describes a command.\n"
+        "Exit status: 0 success, 1 an input or the computation failed, 2 a usage error.");
     std::vector<std::unique_ptr<Command>> commands;
     for (const auto make_command : kCommands) {
         commands.push_back(make_command(program));

@@ -108,14 +108,14 @@ public:
     explicit MaterialsCommand(CLI::App& program)
         : Command(program, "materials", "List the built-in library of acoustic materials") {
         app()
-            .add_option("NAME", name_, "show this material alone, with its literature source")
+            .add_option("NAME", name_, "show only this material, with its literature source")
             ->type_name("");
         app().footer(
             "Examples:\n"
             "  earshot materials                  the whole table\n"
             "  earshot materials brick-painted    one material and where its numbers come from\n"
             "  earshot materials --json           for a program\n\n"
-            "A glTF material takes one by its name, or by\n"
+            "A glTF material refers to one by its own name, or by\n"
             "  \"extras\": {\"acoustics\": {\"library\": \"brick-painted\"}}");
     }
 

@@ -22,7 +22,7 @@ using audio::RoomMetrics;
 constexpr const char* kFooter =
     "Prints EDT, T20, T30 (s), C50, C80 (dB), D50, Ts (s), G (dB) per band and STI of every "
     "channel.\n"
-    "A value that the response does not support is left out, with the reason.\n\n"
+    "A value that the response does not support is omitted, and the reason is given.\n\n"
     "Examples:\n"
     "  earshot metrics measured.wav\n"
     "      steady noise at the end is estimated and taken out\n"
@@ -104,7 +104,8 @@ public:
     explicit MetricsCommand(CLI::App& program)
         : Command(program, "metrics", "Room acoustic metrics of an impulse response") {
         app().add_option("FILE", file_, "a WAV, FLAC or AIFF file")->required();
-        add_integer(app(), "--channel", channel_, {0, 4096}, "only this one, from 1; 0: all");
+        add_integer(
+            app(), "--channel", channel_, {0, 4096}, "number of the channel, from 1; 0: all");
         app()
             .add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
             ->check(CLI::IsMember({"octave", "third"}))
@@ -112,12 +113,12 @@ public:
         app()
             .add_option("--listening",
                         listening_,
-                        "what the channels are: any, binaural (then with IACC) or ambisonic (then "
-                        "with LF)")
+                        "meaning of the channels: any, binaural (adds IACC) or ambisonic (adds "
+                        "LF)")
             ->check(CLI::IsMember({"any", "binaural", "ambisonic"}))
             ->capture_default_str();
         app().add_flag(
-            "--noise-free", is_noise_free_, "the response is computed: look for no noise");
+            "--noise-free", is_noise_free_, "the response is computed and has no noise floor");
         app().footer(kFooter);
     }
 
@@ -167,7 +168,7 @@ private:
             throw Error(file_,
                         "has " + std::to_string(channels) + " channels, " + std::to_string(least) +
                             " needed",
-                        "leave --listening out");
+                        "omit --listening");
         }
     }
 

@@ -43,7 +43,7 @@ void write_output(std::string_view text) {
         } else if (errno != EINTR) {
             throw Error("standard output",
                         std::string("cannot be written: ") + std::strerror(errno),
-                        "check where it is redirected to");
+                        "check where it is redirected");
         }
     }
 }

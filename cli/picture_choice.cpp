@@ -8,23 +8,24 @@
 namespace earshot::cli {
 
 void PictureChoice::add_to(CLI::App& app) {
-    app.add_option("--image", file_, "a .png picture of what is seen");
+    app.add_option("--image", file_, "write a .png picture of the visible triangles");
     app.add_option("--image-size",
                    size_,
                    "pixels, WIDTH or WIDTHxHEIGHT; default: 1024x512, with --look-at 1024x768");
-    app.add_option("--look-at", look_at_, "the middle of the picture; default: all directions");
+    app.add_option(
+        "--look-at", look_at_, "X,Y,Z at the centre of the picture; default: all directions");
     add_number(app,
                "--field-of-view",
                field_of_view_,
                {1.0, 170.0},
-               "degrees across the picture; default with --look-at: 90");
-    app.add_option("--colour,--color", colour_, "what is painted: triangle, material or depth")
+               "horizontal field of view, degrees; default with --look-at: 90");
+    app.add_option("--colour,--color", colour_, "what colours show: triangle, material or depth")
         ->check(CLI::IsMember({"triangle", "material", "depth"}));
     add_number(app,
                "--depth-range",
                given_range_,
                {1e-6, 1e12},
-               "the distance that is darkest, metres; default: the farthest");
+               "distance of the darkest grey, metres; default: the largest");
 }
 
 visibility::View PictureChoice::view_from(const CLI::App& app, const geometry::Vec3& point) const {

@@ -19,7 +19,7 @@ using geometry::TriangleId;
 using visibility::VisibleSets;
 
 constexpr const char* kFooter =
-    "earshot pvs COMMAND --help explains a command.\n\n"
+    "earshot pvs COMMAND --help describes a command.\n\n"
     "Examples:\n"
     "  earshot pvs build scenes/city.gltf --region 1,1,1:239,3,239 --cells 200 -o streets.pvs\n"
     "      what can be seen from each of 200 cells of the streets\n"
@@ -110,7 +110,7 @@ private:
 class PvsShowCommand : public Command {
 public:
     explicit PvsShowCommand(CLI::App& group)
-        : Command(group, "show", "Report on a file: cells, sets, what fewer cells would cost") {
+        : Command(group, "show", "Report on a file: cells, sets, average cost of fewer cells") {
         app().add_option("FILE", file_, "of earshot pvs build")->required();
         app().footer(kShowFooter);
     }
@@ -130,17 +130,17 @@ private:
 class PvsExtractCommand : public Command {
 public:
     explicit PvsExtractCommand(CLI::App& group)
-        : Command(group, "extract", "Merge cells to as few as wanted, without sampling again") {
+        : Command(group, "extract", "Merge cells down to a given number, without sampling again") {
         app().add_option("FILE", file_, "of earshot pvs build --cells or --grid")->required();
         app().add_option("-o,--output", output_, "the file to write")->required();
         CLI::Option* cells = add_integer(app(), "--cells", cells_, {1}, "so many, or as there are");
         CLI::Option* bytes = add_integer(
-            app(), "--memory", bytes_, {1}, "as many as so many bytes have room for, at run time");
+            app(), "--memory", bytes_, {1}, "as many as fit into this number of bytes at run time");
         CLI::Option* ratio = add_number(app(),
                                         "--cost-ratio",
                                         ratio_,
                                         {.min = 1.0},
-                                        "as few as cost on average at most so many times as much");
+                                        "as few as keep the average cost within this factor");
         cells->excludes(bytes)->excludes(ratio);
         bytes->excludes(ratio);
         app().footer(kExtractFooter);

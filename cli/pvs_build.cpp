@@ -50,13 +50,14 @@ public:
         app().add_option("-o,--output", output_, "the file to write")->required();
         app().add_option(
             "--region", region_option_, "X,Y,Z:X,Y,Z, metres; default: the scene's box");
-        CLI::Option* cells = add_integer(app(),
-                                         "--cells",
-                                         cells_,
-                                         {1, kMaxCells},
-                                         "divide the region where what is seen changes");
+        CLI::Option* cells =
+            add_integer(app(),
+                        "--cells",
+                        cells_,
+                        {1, kMaxCells},
+                        "number of cells; the region is divided where visibility changes");
         app()
-            .add_option("--grid", grid_option_, "divide it into NX,NY,NZ boxes instead")
+            .add_option("--grid", grid_option_, "divide the region into NX,NY,NZ boxes instead")
             ->excludes(cells);
         add_integer(app(),
                     "--objects",
@@ -76,10 +77,10 @@ public:
                     "--segments",
                     segments_,
                     {1, kMaxSegments},
-                    "lines that --cells divides by; default: 200000");
+                    "number of sample segments for --cells; default: 200000");
         app().add_flag("--skip-solids",
                        skip_solids_,
-                       "leave out lines inside of closed solids; surfaces must face the air");
+                       "skip segments inside closed solids; front faces must face the air");
         app().footer(kFooter);
     }
 

@@ -28,9 +28,10 @@ void make_directory(const std::filesystem::path& directory) {
     std::error_code failure;
     std::filesystem::create_directories(directory, failure);
     if (failure || !std::filesystem::is_directory(directory, failure)) {
-        throw Error(directory.string(),
-                    "cannot be made a folder" + (failure ? " (" + failure.message() + ")" : ""),
-                    "choose another folder with -o");
+        throw Error(
+            directory.string(),
+            "cannot be created as a folder" + (failure ? " (" + failure.message() + ")" : ""),
+            "choose another folder with -o");
     }
 }
 
@@ -157,7 +158,7 @@ private:
                 source_names_[pairs[i].source] + "__" + listener_names_[pairs[i].listener];
             if (pairs[i].paths.empty() && pairs[i].late.energy.empty()) {
                 summary_.notes.push_back(
-                    {name, "no path up to the order asked for: the response is silence"});
+                    {name, "no path up to the given order: the response is silent"});
             }
             for (const propagation::Path& path : pairs[i].paths) {
                 ++summary_.paths_of_order[static_cast<std::size_t>(path.order)];

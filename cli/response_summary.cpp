@@ -21,12 +21,12 @@ std::string seconds_text(double seconds) {
 }
 
 std::string names_of(const std::vector<propagation::Emitter>& emitters) {
-    constexpr std::size_t kMostNames = 8;
+    constexpr std::size_t kMaxNames = 8;
     std::string text = std::to_string(emitters.size());
-    for (std::size_t i = 0; i < emitters.size() && i < kMostNames; ++i) {
+    for (std::size_t i = 0; i < emitters.size() && i < kMaxNames; ++i) {
         text += (i == 0 ? " (" : ", ") + emitters[i].name;
     }
-    return text + (emitters.size() > kMostNames ? ", ...)" : ")");
+    return text + (emitters.size() > kMaxNames ? ", ...)" : ")");
 }
 
 /// The clean-up counts under the names that a reader sees, in order.
@@ -47,7 +47,7 @@ std::string clean_text(const geometry::CleanReport& clean) {
             text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + name;
         }
     }
-    return text.empty() ? "nothing to mend" : text;
+    return text.empty() ? "nothing to repair" : text;
 }
 
 std::string line(const char* label, const std::string& value) {

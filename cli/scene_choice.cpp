@@ -14,7 +14,7 @@ namespace earshot::cli {
 void SceneChoice::add_to(CLI::App& app, const std::string& of_each_frame) {
     app.add_option("SCENE", file_, "a .gltf, .glb, .obj, .ply, .stl or .off file")->required();
     CLI::Option* time =
-        add_number(app, "--time", time_, {}, "instant of the scene's animation, seconds");
+        add_number(app, "--time", time_, {}, "time in the scene's animation, seconds");
     if (!of_each_frame.empty()) {
         app.add_option("--frames", frames_, "instants A:B:STEP in seconds, " + of_each_frame)
             ->excludes(time);
@@ -64,7 +64,7 @@ std::uint32_t material_named(const propagation::Scene& scene, const std::string&
     if (found == names.end()) {
         throw Error(name,
                     "the scene has no such material",
-                    did_you_mean(name, names, "see the scene's materials"));
+                    did_you_mean(name, names, "check the names of the scene's materials"));
     }
     return static_cast<std::uint32_t>(found - names.begin());
 }

@@ -9,7 +9,7 @@ TEST(Program, HelpListsTheCommandsAndExitStatus) {
     EXPECT_EQ(result.status, 0);
     EXPECT_EQ(result.err, "");
     for (const char* part :
-         {"Usage: earshot", "materials", "Exit status: 0 done, 1", "--version"}) {
+         {"Usage: earshot", "materials", "Exit status: 0 success, 1", "--version"}) {
         EXPECT_NE(result.out.find(part), std::string::npos) << part << " in\n" << result.out;
     }
 }
@@ -84,7 +84,7 @@ TEST(Program, RefusesValuesThatAreNotWhatTheOptionTakes) {
         run_earshot({"materials", "--seed", "-1"}), 2, "is not a whole number of at least 0"));
     EXPECT_TRUE(failed_with(run_earshot({"materials", "--seed"}), 2, "--seed: needs a value"));
     EXPECT_TRUE(failed_with(
-        run_earshot({"materials", "--seed", "1", "--seed", "2"}), 2, "stands more than once"));
+        run_earshot({"materials", "--seed", "1", "--seed", "2"}), 2, "is given more than once"));
     EXPECT_TRUE(
         failed_with(run_earshot({"materials", "a", "b"}), 2, "b: is one argument too many"));
 }
