@@ -89,7 +89,7 @@ HrirSet resampled(const HrirSet& head, double sample_rate) {
     if (!(sample_rate >= head.sample_rate)) {
         throw Error("head responses",
                     "have a higher sample rate than the result",
-                    "ask for at least " + std::to_string(head.sample_rate) + " Hz");
+                    "use at least " + std::to_string(head.sample_rate) + " Hz");
     }
     HrirSet result = head;
     if (sample_rate == head.sample_rate) {

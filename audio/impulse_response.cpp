@@ -39,7 +39,7 @@ std::size_t checked_size(double samples) {
     if (!(samples < kMostSamples)) {
         throw Error("response length",
                     "more than 2^31 samples (" + std::to_string(samples) + ")",
-                    "ask for a shorter response or a lower sample rate");
+                    "use a shorter response or a lower sample rate");
     }
     return std::max(std::size_t{1}, static_cast<std::size_t>(samples));
 }

@@ -56,7 +56,7 @@ Tree Tree::build(std::span<const geometry::Aabb> boxes,
         case Builder::fast:
             return build_fast(boxes, options, executor);
     }
-    throw Error("builder", "is none that this library knows");
+    throw Error("builder", "is not known");
 }
 
 Tree Tree::from_nodes(std::vector<Node> nodes, std::vector<std::uint32_t> primitives) {

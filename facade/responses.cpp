@@ -48,7 +48,7 @@ const Response& Responses::at(std::string_view source, std::string_view listener
             known += (known.empty() ? "" : ", ") + response.source + " to " + response.listener;
         }
         throw Error(std::string(source) + " to " + std::string(listener),
-                    "there is no such response",
+                    "has no response",
                     "there are " + known);
     }
     return *found;

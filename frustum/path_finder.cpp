@@ -37,10 +37,10 @@ void validate(const TraceOptions& options) {
                         std::to_string(options.max_order));
     }
     if (!(options.max_length >= 0.0)) {
-        throw Error("longest path", "must not be negative");
+        throw Error("max_length", "must not be negative");
     }
     if (!(options.min_pressure >= 0.0)) {
-        throw Error("least pressure", "must not be negative");
+        throw Error("min_pressure", "must not be negative");
     }
     if (options.resolution < 0 || options.resolution > kMaxResolution) {
         throw Error("resolution",

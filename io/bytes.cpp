@@ -66,7 +66,7 @@ std::string ByteReader::string() {
 
 std::string_view ByteReader::raw(std::size_t count) {
     if (count > remaining()) {
-        fail("it ends too early");
+        fail("it is truncated");
     }
     const std::string_view taken = bytes_.substr(offset_, count);
     offset_ += count;
@@ -76,14 +76,15 @@ std::string_view ByteReader::raw(std::size_t count) {
 std::size_t ByteReader::count(std::size_t bytes_each) {
     const std::uint64_t value = leb128();
     if (value > remaining() / bytes_each) {
-        fail("there is less in it than it says");
+        fail("it has less data than it states");
     }
     return static_cast<std::size_t>(value);
 }
 
 void ByteReader::fail(const std::string& what) const {
-    throw Error(
-        file_, "byte " + std::to_string(offset_) + ": " + what, "it is damaged; make it anew");
+    throw Error(file_,
+                "byte " + std::to_string(offset_) + ": " + what,
+                "the file is damaged; create it again");
 }
 
 }  // namespace earshot::io

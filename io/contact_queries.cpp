@@ -14,7 +14,7 @@ namespace earshot::io {
 namespace {
 
 constexpr std::size_t kLinesPerQuery = 8;
-constexpr std::size_t kMostDigits = 2000;
+constexpr std::size_t kMaxDigits = 2000;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const Lines& lines, const char* what) {
     throw Error(file.string() + ": " + lines.name(),
@@ -26,7 +26,7 @@ bool is_whole(std::string_view text, bool may_be_negative) {
     if (may_be_negative && text.starts_with('-')) {
         text.remove_prefix(1);
     }
-    return !text.empty() && text.size() <= kMostDigits &&
+    return !text.empty() && text.size() <= kMaxDigits &&
            std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
@@ -53,7 +53,7 @@ std::vector<ContactQuery> read_contact_queries(const std::filesystem::path& file
         }
         const auto cells = cells_of(*line);
         if (cells.size() != 6 && cells.size() != 7) {
-            fail(file, lines, "has not six or seven values");
+            fail(file, lines, "does not have six or seven values");
         }
         if (row == 0) {
             queries.emplace_back();
@@ -62,11 +62,11 @@ std::vector<ContactQuery> read_contact_queries(const std::filesystem::path& file
         auto& point = (row < 4 ? query.points.begin : query.points.end)[row % 4];
         for (std::size_t axis = 0; axis < 3; ++axis) {
             if (!is_whole(cells[2 * axis], true) || !is_whole(cells[2 * axis + 1], false)) {
-                fail(file, lines, "holds what is not a whole number");
+                fail(file, lines, "contains a value that is not a whole number");
             }
             point[axis] = {plain(cells[2 * axis]), plain(cells[2 * axis + 1])};
             if (point[axis].denominator == "0") {
-                fail(file, lines, "divides by zero");
+                fail(file, lines, "has a denominator of zero");
             }
         }
         if (cells.size() == 7) {

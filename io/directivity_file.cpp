@@ -31,7 +31,7 @@ std::vector<double> numbers_of(const std::vector<std::string_view>& cells,
     for (std::size_t i = from; i < cells.size(); ++i) {
         const auto value = to_number(cells[i]);
         if (!value || !std::isfinite(*value)) {
-            fail(file, lines, "holds what is not a number");
+            fail(file, lines, "contains a value that is not a number");
         }
         numbers.push_back(*value);
     }
@@ -61,7 +61,7 @@ Rows read_rows(const std::filesystem::path& file) {
         }
         const std::vector<double> numbers = numbers_of(cells, 0, file, lines);
         if (numbers.size() != rows.frequencies_hz.size() + 2) {
-            fail(file, lines, "has not as many values as the first line");
+            fail(file, lines, "differs from the first line in its number of values");
         }
         const bool is_new =
             rows.levels
@@ -69,7 +69,7 @@ Rows read_rows(const std::filesystem::path& file) {
                              std::vector<double>(numbers.begin() + 2, numbers.end()))
                 .second;
         if (!is_new) {
-            fail(file, lines, "names a direction that stands above");
+            fail(file, lines, "repeats a direction");
         }
     }
     return rows;
@@ -85,7 +85,7 @@ propagation::Directivity read_directivity(const std::filesystem::path& file) {
         azimuths.insert(direction.second);
     }
     if (rows.levels.empty() || rows.levels.size() != azimuths.size() * elevations.size()) {
-        throw Error(file.string(), "does not hold every azimuth at every elevation", kRemedy);
+        throw Error(file.string(), "does not list every azimuth at every elevation", kRemedy);
     }
     propagation::DirectivityTable table{.frequencies_hz = rows.frequencies_hz,
                                         .azimuths = {azimuths.begin(), azimuths.end()},

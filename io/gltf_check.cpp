@@ -65,7 +65,7 @@ public:
         }
         for (const Json& item : items(key)) {
             if (!item.is_number()) {
-                fail(std::string(key) + " holds something else than numbers");
+                fail(std::string(key) + " contains other values than numbers");
             }
         }
     }

@@ -74,7 +74,8 @@ Json parse_json(std::string_view text, const std::string& name) {
     try {
         return Json::parse(text);
     } catch (const Json::exception& error) {
-        throw Error(name, "JSON cannot be read: " + condensed(error.what()), "mend the JSON text");
+        throw Error(
+            name, "JSON cannot be read: " + condensed(error.what()), "correct the JSON text");
     }
 }
 

@@ -53,7 +53,7 @@ private:
         for (int axis = 0; axis < 3; ++axis) {
             const auto number = to_number(take_word(rest));
             if (!number) {
-                throw Error(file_, where + ": a vertex needs three numbers", "mend the line");
+                throw Error(file_, where + ": a vertex needs three numbers", "correct the line");
             }
             position[axis] = *number;
         }

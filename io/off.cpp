@@ -63,7 +63,7 @@ private:
             const auto number = to_number(take_word(line));
             if (!number) {
                 throw Error(
-                    file_, lines_.name() + ": a vertex needs three numbers", "mend the line");
+                    file_, lines_.name() + ": a vertex needs three numbers", "correct the line");
             }
             position[axis] = *number;
         }
@@ -79,7 +79,7 @@ private:
                 throw Error(file_,
                             lines_.name() + ": " + std::to_string(corner_count) +
                                 " corners are claimed, " + std::to_string(i) + " are there",
-                            "mend the line");
+                            "correct the line");
             }
             corners_.push_back(*corner);
         }

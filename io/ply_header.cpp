@@ -145,7 +145,7 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& file) {
         } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
             throw Error(file,
                         "its header has a line that PLY does not know: " + lines.name(),
-                        "mend the header");
+                        "correct the header");
         }
     }
     throw Error(file, "its header does not end", "copy or export the file again");

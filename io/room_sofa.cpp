@@ -24,7 +24,7 @@ class Handle {
 public:
     Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {
         if (id < 0) {
-            throw Error("responses.sofa", "the HDF5 library refuses to make it", "");
+            throw Error("responses.sofa", "the HDF5 library cannot create it", "");
         }
     }
     ~Handle() { close_(id_); }

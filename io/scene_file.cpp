@@ -52,8 +52,8 @@ LoadedScene load_by_suffix(const fs::path& file, const SceneOptions& options) {
         return load_mesh_file(file, MeshFormat::off);
     }
     throw Error(file.string(),
-                suffix.empty() ? "has no suffix that tells its format"
-                               : "has a suffix that no reader knows: " + suffix,
+                suffix.empty() ? "has no suffix, which selects the format"
+                               : "has an unknown suffix: " + suffix,
                 "use .gltf, .glb, .obj, .ply, .stl or .off");
 }
 
@@ -98,9 +98,9 @@ LoadedScene load_scene(const fs::path& file, const SceneOptions& options) {
         }
         throw Error(file.string(), error.subject() + ": " + error.what(), error.remedy());
     } catch (const std::bad_alloc&) {
-        throw Error(file.string(), "needs more memory than there is", "split the scene");
+        throw Error(file.string(), "needs more memory than is available", "split the scene");
     } catch (const std::length_error&) {
-        throw Error(file.string(), "needs more memory than there is", "split the scene");
+        throw Error(file.string(), "needs more memory than is available", "split the scene");
     }
 }
 

@@ -31,13 +31,13 @@ SofaHandle open(const std::filesystem::path& file) {
     }
     if (mysofa_check(sofa.get()) != MYSOFA_OK) {
         throw Error(file.string(),
-                    "holds no head responses of two ears",
-                    "the convention SimpleFreeFieldHRIR is read");
+                    "contains no head-related impulse responses of two ears",
+                    "use a file of the convention SimpleFreeFieldHRIR");
     }
     const auto delays = values_of(sofa->DataDelay);
     if (std::any_of(delays.begin(), delays.end(), [](float d) { return d != 0.0F; })) {
         throw Error(file.string(),
-                    "keeps delays apart from the responses",
+                    "stores delays separately from the responses",
                     "export it with the delays in the responses");
     }
     return sofa;
@@ -67,7 +67,9 @@ audio::HrirSet read_hrir_set(const std::filesystem::path& file) {
         const double z = positions[3 * i + 2];
         const double distance = std::sqrt(x * x + y * y + z * z);
         if (!(distance > 0.0 && std::isfinite(distance))) {
-            throw Error(file.string(), "a source lies in the head or nowhere", "export it again");
+            throw Error(file.string(),
+                        "a source position is inside the head or not finite",
+                        "export it again");
         }
         const auto left = samples.subspan(2 * i * taps, taps);
         const auto right = samples.subspan((2 * i + 1) * taps, taps);

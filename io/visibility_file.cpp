@@ -134,7 +134,7 @@ std::vector<ObjectId> read_set(ByteReader& in, std::size_t objects) {
     for (ObjectId& object : set) {
         next += in.leb128();
         if (next >= objects) {
-            in.fail("a set has an object that there is not");
+            in.fail("a set contains an object that does not exist");
         }
         object = static_cast<ObjectId>(next++);
     }
@@ -179,7 +179,7 @@ VisibleSets read_body(ByteReader& in) {
         history = read_history(in, sets);
     }
     if (in.remaining() > 0) {
-        in.fail("there is more in it than there should be");
+        in.fail("it has data past its end");
     }
     return {std::move(cells),
             std::move(objects),
@@ -228,12 +228,13 @@ VisibleSets read_visible_sets(const std::filesystem::path& file) {
     }
     const std::size_t head_bytes = bytes.size() - head.remaining();
     if (head.remaining() < kChecksumBytes) {
-        head.fail("it ends too early");
+        head.fail("it is truncated");
     }
     const std::string_view checked(bytes.data(), bytes.size() - kChecksumBytes);
     ByteReader tail(std::string_view(bytes).substr(checked.size()), name);
     if (tail.fixed(kChecksumBytes) != checksum(checked)) {
-        throw Error(name, "its checksum does not fit", "it is damaged or cut off; make it anew");
+        throw Error(
+            name, "its checksum does not fit", "the file is damaged or truncated; create it again");
     }
     ByteReader body(checked, name);
     body.raw(head_bytes);
@@ -241,9 +242,10 @@ VisibleSets read_visible_sets(const std::filesystem::path& file) {
         return read_body(body);
     } catch (const Error& error) {
         // What does not fit together inside of a file is the file's fault.
-        throw error.subject() == name
-            ? error
-            : Error(name, error.subject() + ": " + error.what(), "it is damaged; make it anew");
+        throw error.subject() == name ? error
+                                      : Error(name,
+                                              error.subject() + ": " + error.what(),
+                                              "the file is damaged; create it again");
     }
 }
 

@@ -120,7 +120,7 @@ SoundHandle open_sound(const std::filesystem::path& file, SF_INFO& info) {
         throw Error(file.string(), "is not a file", "give a sound file");
     }
     if (riff_is_cut_off(file)) {
-        throw Error(file.string(), "is cut off before its end", "copy or export it again");
+        throw Error(file.string(), "is truncated", "copy or export it again");
     }
     SoundHandle sound(sf_open(file.c_str(), SFM_READ, &info));
     if (!sound) {
@@ -142,7 +142,7 @@ std::string encode_wav(const Sound& sound) {
     const auto channels = static_cast<std::size_t>(sound.channels);
     EARSHOT_ASSERT(sound.samples.size() % channels == 0);
     if (sound.samples.size() > kMaxWavBytes / sizeof(float)) {
-        throw Error("WAV file", "would pass 4 GiB", "shorten the response or use fewer channels");
+        throw Error("WAV file", "would exceed 4 GiB", "shorten the response or use fewer channels");
     }
     MemoryFile file;
     file.bytes.reserve(sound.samples.size() * sizeof(float) + 4096);

@@ -63,7 +63,7 @@ bool write_all(int descriptor, std::string_view bytes) {
     if (code == ENOENT || code == ENOTDIR) {
         remedy = "make the directory " + (folder.empty() ? "." : folder.string()) + " first";
     } else if (code == ENOSPC || code == EDQUOT) {
-        remedy = "make room on the disk";
+        remedy = "free space on the disk";
     }
     throw Error(file.string(), "cannot be written: " + reason(code), remedy);
 }

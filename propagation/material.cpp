@@ -31,7 +31,7 @@ std::string text(double number) {
 
 void check(const Point& point) {
     if (!(point.frequency_hz > 0.0 && point.frequency_hz <= std::numeric_limits<double>::max())) {
-        refuse("stands at a frequency of " + text(point.frequency_hz) + " Hz",
+        refuse("is given at a frequency of " + text(point.frequency_hz) + " Hz",
                "give positive frequencies");
     }
     if (!(point.value >= 0.0 && point.value <= 1.0)) {

@@ -17,7 +17,7 @@ namespace earshot::visibility {
 namespace {
 
 [[noreturn]] void fail(const char* what) {
-    throw Error("merge history", what, "merge the cells anew");
+    throw Error("merge history", what, "merge the cells again");
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ std::size_t MergeHistory::cells_by_memory(const Memory& memory) const {
     throw Error("memory",
                 "a single cell takes " + std::to_string(bytes) + " bytes, of " +
                     std::to_string(memory.bytes),
-                "allow more, or see larger objects");
+                "allow more, or use larger objects");
 }
 
 std::uint64_t MergeHistory::entries_in(std::uint32_t group) const noexcept {

@@ -65,7 +65,7 @@ Objects::Objects(std::vector<ObjectId> object_of_triangle)
     first_.assign(2, 0);
     for (const ObjectId object : object_of_triangle_) {
         if (object >= triangles) {
-            throw Error("objects", "there are fewer triangles than objects", "group them anew");
+            throw Error("objects", "there are fewer triangles than objects", "group them again");
         }
         if (first_.size() < std::size_t{object} + 2) {
             first_.resize(std::size_t{object} + 2, 0);
@@ -73,7 +73,7 @@ Objects::Objects(std::vector<ObjectId> object_of_triangle)
         ++first_[object + 1];
     }
     if (std::find(first_.begin() + 1, first_.end(), 0U) != first_.end() && triangles > 0) {
-        throw Error("objects", "an object has no triangles", "group them anew");
+        throw Error("objects", "an object has no triangles", "group them again");
     }
     first_.resize(triangles > 0 ? first_.size() : 1);
     std::partial_sum(first_.begin(), first_.end(), first_.begin());

@@ -19,7 +19,7 @@ using geometry::Vec3;
 namespace {
 
 [[noreturn]] void fail(const char* what) {
-    throw Error("view cells", what, "build them anew");
+    throw Error("view cells", what, "build them again");
 }
 
 /// Signed, in multiples of the normal's length.
@@ -46,10 +46,10 @@ void check_tree(std::span<const CellNode> nodes, std::size_t leaves) {
             const bool is_leaf = (child & kCellLeaf) != 0;
             const std::size_t index = child & ~kCellLeaf;
             if (is_leaf ? index >= leaves : index <= i || index >= nodes.size()) {
-                fail("a node leads to nowhere");
+                fail("a node refers to a child that does not exist");
             }
             if (std::exchange((is_leaf ? has_leaf : has_node)[index], 1) != 0) {
-                fail("two nodes lead to one place");
+                fail("two nodes refer to the same child");
             }
             if (!is_leaf) {
                 depth[index] = depth[i] + 1;
@@ -152,7 +152,7 @@ ViewCells ViewCells::merged(std::vector<CellId> cell_of_leaf) const {
         occurs[cell] = 1;
     }
     if (!std::is_sorted(occurs.begin(), occurs.end(), std::greater<>())) {
-        fail("a number is left out among the cells");
+        fail("the numbers of cells are not consecutive");
     }
     ViewCells result = *this;
     result.cell_of_leaf_ = std::move(cell_of_leaf);

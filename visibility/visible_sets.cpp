@@ -37,7 +37,7 @@ VisibleSets::VisibleSets(ViewCells cells,
     if (sets_.size() != cells_.size() || !std::all_of(sets_.begin(), sets_.end(), is_set) ||
         (history_ && history_->leaves() != cells_.size())) {
         throw Error(
-            "visible sets", "sets, cells and objects do not fit together", "build them anew");
+            "visible sets", "sets, cells and objects do not fit together", "build them again");
     }
 }
 

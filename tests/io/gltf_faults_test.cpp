@@ -275,7 +275,7 @@ const std::vector<Fault>& faults() {
              b.json["nodes"][1]["matrix"] = {1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
          }},
         {"translation of texts",
-         "node 1: translation holds something else than numbers",
+         "node 1: translation contains other values than numbers",
          [](auto& b) {
              b.json["nodes"][1]["translation"] = {"a", "b", "c"};
          }},

@@ -103,7 +103,7 @@ TEST(EnergyCoefficient, RefusesWhatIsNoCoefficient) {
     EXPECT_EQ(refusal({{500.0, 0.2}, {250.0, 0.1}, {500.0, 0.3}}),
               "energy coefficient: is given twice at 500 Hz; give it once");
     EXPECT_EQ(refusal({{-1.0, 0.2}}),
-              "energy coefficient: stands at a frequency of -1 Hz; give positive frequencies");
+              "energy coefficient: is given at a frequency of -1 Hz; give positive frequencies");
     EXPECT_NE(refusal({{0.0, 0.2}}), "accepted");
     EXPECT_NE(refusal({{kNan, 0.2}}), "accepted");
     EXPECT_NE(refusal({{kInfinity, 0.2}}), "accepted");
