@@ -51,19 +51,19 @@ public:
     /// The part of a face on one side; empty if it is no more than an edge.
     Ring part(const Ring& ring, int side) {
         Ring part;
-        bool is_beside = false;
+        bool has_corner_beside = false;
         for (std::size_t i = 0; i < ring.size(); ++i) {
             const std::uint32_t corner = ring[i];
             const std::uint32_t next = ring[(i + 1) % ring.size()];
             if (sides_[corner] != -side) {
                 part.push_back(corner);
-                is_beside = is_beside || sides_[corner] == side;
+                has_corner_beside = has_corner_beside || sides_[corner] == side;
             }
             if (sides_[corner] * sides_[next] < 0) {
                 part.push_back(crossing(std::min(corner, next), std::max(corner, next)));
             }
         }
-        if (!is_beside || part.size() < 3) {
+        if (!has_corner_beside || part.size() < 3) {
             part.clear();
         }
         return part;

@@ -16,7 +16,8 @@ namespace {
 // the coordinates: the radius is at least 2^-40 of them.
 constexpr double kGrowth = 1.0 + 0x1p-10;
 constexpr std::uint32_t kLeafSize = 8;
-// Medians halve 2^32 points at most 32 times; depth first, the stack holds one node of each level.
+// Median splits divide 2^32 points at most 32 times; depth first, the stack holds one node of each
+// level.
 constexpr std::size_t kStackSize = 40;
 
 /// False only if the segment stays farther than `radius` from the box. Separating axes of a segment

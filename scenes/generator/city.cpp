@@ -14,7 +14,7 @@ namespace {
 constexpr int kPlots = 12;  // in a row
 constexpr double kPlot = 20.0;
 constexpr double kStorey = 3.5;
-constexpr int kMostStoreys = 11;
+constexpr int kMaxStoreys = 11;
 
 /// What stands on a plot: 12 to 15 m wide with a street around it, of 3 to 11 storeys.
 Box building(int i, int k) {
@@ -25,7 +25,7 @@ Box building(int i, int k) {
     const Vec3 low(kPlot * i + whole(0, 2.0, 4.99), 0.0, kPlot * k + whole(1, 2.0, 4.99));
     // Most are low and some are towers.
     const double storeys =
-        3.0 + std::floor((kMostStoreys - 2.01) * std::pow(random(1, 4, plot), 2.0));
+        3.0 + std::floor((kMaxStoreys - 2.01) * std::pow(random(1, 4, plot), 2.0));
     return {low, {low.x + whole(2, 12.0, 15.99), kStorey * storeys, low.z + whole(3, 12.0, 15.99)}};
 }
 
@@ -42,7 +42,7 @@ SceneDraft make_city() {
     draft.materials[sky].in_picture = false;
 
     const double size = kPlots * kPlot;
-    const double height = kStorey * (kMostStoreys + 1);
+    const double height = kStorey * (kMaxStoreys + 1);
     const Box air{{0.0, 0.0, 0.0}, {size, height, size}};
     Carving city(facade);
     city.carve(air);
@@ -58,7 +58,7 @@ SceneDraft make_city() {
             }
         }
     }
-    for (int storey = 1; storey <= kMostStoreys; ++storey) {
+    for (int storey = 1; storey <= kMaxStoreys; ++storey) {
         city.divide(1, kStorey * storey);
     }
     city.paint({{0.0, 0.0, 0.0}, {size, 0.0, size}}, ground, Facing::up);

@@ -24,7 +24,7 @@ constexpr int kUnsignedShort = 5123;
 constexpr int kUnsignedInt = 5125;
 constexpr int kVertices = 34962;  // bufferView.target
 constexpr int kIndices = 34963;
-constexpr std::size_t kMostShortVertices = 65535;  // the index 65535 is not allowed
+constexpr std::size_t kMaxShortVertices = 65535;  // the index 65535 is not allowed
 
 std::string base64(const std::string& bytes) {
     constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -197,11 +197,11 @@ private:
             if (mesh.triangles[material].empty()) {
                 continue;
             }
-            Json primitive = {{"attributes", {{"POSITION", positions}}},
-                              {"indices",
-                               add_indices(mesh.triangles[material],
-                                           mesh.positions.size() <= kMostShortVertices)},
-                              {"material", material}};
+            Json primitive = {
+                {"attributes", {{"POSITION", positions}}},
+                {"indices",
+                 add_indices(mesh.triangles[material], mesh.positions.size() <= kMaxShortVertices)},
+                {"material", material}};
             if (!targets.empty()) {
                 primitive["targets"] = targets;
             }

@@ -60,7 +60,8 @@ Vec3 posed(const DraftNode& node, const Vec3& rest) {
     return at + node.translation;
 }
 
-// Looks down from the right and the front; x runs to the right, z to the left and towards us.
+// A view from above, from the right and the front; x runs to the right, z to the left and towards
+// us.
 class View {
 public:
     explicit View(const SceneDraft& draft) {

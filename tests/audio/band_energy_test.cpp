@@ -13,12 +13,12 @@ double sum(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-// Class 1 limits for octave-band filters: frequency over the centre, least and most attenuation in
-// decibels (IEC 61260:1995, table 1; the lower half mirrors the upper).
+// Class 1 limits for octave-band filters: frequency over the centre, minimum and maximum
+// attenuation in decibels (IEC 61260:1995, table 1; the lower half mirrors the upper).
 struct Limit {
     double octaves;
-    double least_db;
-    double most_db;
+    double min_db;
+    double max_db;
 };
 constexpr Limit kClass1[] = {{0.0, -0.3, 0.3},
                              {1.0 / 8, -0.3, 0.4},
@@ -38,8 +38,8 @@ TEST(BandPowerGain, KeepsTheClass1LimitsInOctaves) {
             const double ratio = std::pow(10.0, 0.3 * side * limit.octaves);
             const double loss_db =
                 -10 * std::log10(band_power_gain(bands, 5, bands.exact_hz()[5] * ratio));
-            EXPECT_GE(loss_db, limit.least_db) << side * limit.octaves;
-            EXPECT_LE(loss_db, limit.most_db) << side * limit.octaves;
+            EXPECT_GE(loss_db, limit.min_db) << side * limit.octaves;
+            EXPECT_LE(loss_db, limit.max_db) << side * limit.octaves;
         }
     }
 }

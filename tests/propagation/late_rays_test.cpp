@@ -195,7 +195,7 @@ double image_energy(const BoxRoom& room,
                     const Vec3& source,
                     const Vec3& listener,
                     double reflected,
-                    int least_order,
+                    int min_order,
                     double from,
                     double to) {
     double sum = 0.0;
@@ -212,7 +212,7 @@ double image_energy(const BoxRoom& room,
                 const double distance = glm::distance(image, listener);
                 const int order = std::abs(x) + std::abs(y) + std::abs(z);
                 const double time = distance / 343.2;
-                if (order >= least_order && time >= from && time < to) {
+                if (order >= min_order && time >= from && time < to) {
                     sum += std::pow(reflected, order) / (distance * distance);
                 }
             }

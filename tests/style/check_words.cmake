@@ -5,7 +5,6 @@
 set(words
   # limits
   "kMost[A-Z][A-Za-z]*" "kMax..."
-  "kLeast[A-Z][A-Za-z]*" "kMin..."
   "most_[a-z_]*" "max_..."
   "(least|fewest)_[a-z_]*" "min_..."
   # flags

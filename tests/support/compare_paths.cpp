@@ -15,7 +15,7 @@ namespace {
 using frustum::SpecularPath;
 
 // Lines of Comparison::details: enough to start from, not a flood.
-constexpr std::ptrdiff_t kMostDetails = 6;
+constexpr std::ptrdiff_t kMaxDetails = 6;
 
 void tell(Comparison& comparison,
           const char* what,
@@ -23,7 +23,7 @@ void tell(Comparison& comparison,
           std::span<const geometry::Vec3> points,
           double length) {
     auto& details = comparison.details;
-    if (std::count(details.begin(), details.end(), '\n') >= kMostDetails) {
+    if (std::count(details.begin(), details.end(), '\n') >= kMaxDetails) {
         return;
     }
     std::ostringstream line;

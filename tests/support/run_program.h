@@ -22,7 +22,7 @@ struct RunOptions {
     std::vector<std::pair<std::string, std::string>> environment{};  ///< beside what is inherited
     std::filesystem::path standard_output{};  ///< a file instead of RunResult::out, "/dev/full"
     bool closes_standard_output = false;      ///< starts the program without one
-    std::chrono::seconds most_time{120};      ///< then the program is killed
+    std::chrono::seconds max_time{120};       ///< then the program is killed
 };
 
 struct RunResult {
@@ -112,7 +112,7 @@ inline RunResult run_program(const std::vector<std::string>& command,
     close(err[1]);
 
     RunResult result;
-    const auto deadline = std::chrono::steady_clock::now() + options.most_time;
+    const auto deadline = std::chrono::steady_clock::now() + options.max_time;
     result.is_late = !internal::read_both({pollfd{out[0], POLLIN, 0}, pollfd{err[0], POLLIN, 0}},
                                           {&result.out, &result.err},
                                           deadline);
