@@ -19,7 +19,7 @@ using Complex = std::complex<double>;
 
 constexpr double kLowestSampleRate = 1000.0;
 constexpr double kHighestSampleRate = 768000.0;
-constexpr double kMostSamples = 2147483648.0;  // 2^31
+constexpr double kMaxSamples = 2147483648.0;  // 2^31
 
 // Arrivals that are filtered before they are added up, in order: bounds the memory of a step (64
 // filters of 4,096 samples are 2 MiB) and gives every thread work.
@@ -36,7 +36,7 @@ double checked_sample_rate(double sample_rate) {
 
 // As a whole number, from a number of samples that may be anything but NaN.
 std::size_t checked_size(double samples) {
-    if (!(samples < kMostSamples)) {
+    if (!(samples < kMaxSamples)) {
         throw Error("response length",
                     "more than 2^31 samples (" + std::to_string(samples) + ")",
                     "use a shorter response or a lower sample rate");

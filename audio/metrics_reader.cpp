@@ -10,11 +10,11 @@ namespace earshot::audio {
 namespace {
 
 constexpr double kReferenceEnergy = 0.01;  // free field at 10 m, pressure 1 at 1 m
-constexpr double kLeastLateEnergy = 1e-6;  // of all: below it a clarity is that of the filter
+constexpr double kMinLateEnergy = 1e-6;    // of all: below it a clarity is that of the filter
 constexpr double kSpeechLimit = 0.05;      // seconds
 constexpr double kMusicLimit = 0.08;       // seconds
-constexpr double kLeastSpeechHz = 90.0;
-constexpr double kMostSpeechHz = 11000.0;
+constexpr double kMinSpeechHz = 90.0;
+constexpr double kMaxSpeechHz = 11000.0;
 
 std::string in_ms(double time) {
     return std::to_string(std::lround(1000.0 * time)) + " ms";
@@ -78,8 +78,8 @@ void MetricsReader::read_times(const DecayCurve& curve,
     out.reverberation_time_t20 = time(kT20);
     out.reverberation_time_t30 = time(kT30);
     any_ends_early_ |= ends_early;
-    speech_ends_early_ |= ends_early && bands_.upper_edge_hz(band) > kLeastSpeechHz &&
-                          bands_.lower_edge_hz(band) < kMostSpeechHz;
+    speech_ends_early_ |= ends_early && bands_.upper_edge_hz(band) > kMinSpeechHz &&
+                          bands_.lower_edge_hz(band) < kMaxSpeechHz;
 }
 
 // Ratio of the energy before and after the limit.
@@ -87,7 +87,7 @@ std::optional<double> MetricsReader::clarity_db(const DecayCurve& curve,
                                                 double limit,
                                                 const std::string& name_and_band) {
     const double late = curve.energy_from(limit);
-    if (late < kLeastLateEnergy * curve.energy()) {
+    if (late < kMinLateEnergy * curve.energy()) {
         notes_.push_back(name_and_band + ": no energy after " + in_ms(limit));
         return std::nullopt;
     }

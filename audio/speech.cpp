@@ -23,7 +23,7 @@ constexpr SpeechSpectrum kWeight = {0.085, 0.127, 0.230, 0.233, 0.309, 0.224, 0.
 constexpr std::array<double, kSpeechBands - 1> kRedundancy = {
     0.085, 0.078, 0.065, 0.011, 0.047, 0.095};
 constexpr SpeechSpectrum kThresholdDb = {46.0, 27.0, 12.0, 6.5, 7.5, 8.0, 12.0};
-constexpr double kMostRatioDb = 15.0;
+constexpr double kMaxRatioDb = 15.0;
 
 /// Energies over so short a time that the fastest modulation hardly changes in it: it is reduced by
 /// less than 2e-5.
@@ -106,9 +106,8 @@ double transmission_index(double modulation) {
         return 1.0;
     }
     const double ratio_db =
-        modulation > 0.0 ? 10.0 * math::log10(modulation / (1.0 - modulation)) : -kMostRatioDb;
-    return (std::clamp(ratio_db, -kMostRatioDb, kMostRatioDb) + kMostRatioDb) /
-           (2.0 * kMostRatioDb);
+        modulation > 0.0 ? 10.0 * math::log10(modulation / (1.0 - modulation)) : -kMaxRatioDb;
+    return (std::clamp(ratio_db, -kMaxRatioDb, kMaxRatioDb) + kMaxRatioDb) / (2.0 * kMaxRatioDb);
 }
 
 }  // namespace

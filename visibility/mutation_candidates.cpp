@@ -7,10 +7,10 @@ namespace earshot::visibility {
 
 void MutationCandidates::add(const MutationCandidate& candidate) {
     if (size_ == max_size_) {
-        const auto most_mutated = std::prev(by_mutations_.end());
-        most_mutated->second.pop_front();
-        if (most_mutated->second.empty()) {
-            by_mutations_.erase(most_mutated);
+        const auto highest = std::prev(by_mutations_.end());
+        highest->second.pop_front();
+        if (highest->second.empty()) {
+            by_mutations_.erase(highest);
         }
         --size_;
     }
@@ -22,12 +22,12 @@ std::optional<MutationCandidate> MutationCandidates::select() {
     if (by_mutations_.empty()) {
         return std::nullopt;
     }
-    const auto least_mutated = by_mutations_.begin();
-    const MutationCandidate candidate = least_mutated->second.front();
-    by_mutations_[least_mutated->first + 1].push_back(candidate);
-    least_mutated->second.pop_front();
-    if (least_mutated->second.empty()) {
-        by_mutations_.erase(least_mutated);
+    const auto lowest = by_mutations_.begin();
+    const MutationCandidate candidate = lowest->second.front();
+    by_mutations_[lowest->first + 1].push_back(candidate);
+    lowest->second.pop_front();
+    if (lowest->second.empty()) {
+        by_mutations_.erase(lowest);
     }
     return candidate;
 }

@@ -59,24 +59,24 @@ MergeHistory random_history(std::size_t leaves) {
 /// equals the latest. Returns the groups.
 std::set<std::uint32_t> by_priority(const MergeHistory& history, std::size_t cells) {
     const auto leaves = static_cast<std::uint32_t>(history.leaves());
-    std::priority_queue<std::pair<double, std::uint32_t>> waiting;
+    std::priority_queue<std::pair<double, std::uint32_t>> queue;
     std::set<std::uint32_t> done;
     const auto add = [&](std::uint32_t group) {
         if (group < leaves) {
             done.insert(group);
         } else {
-            waiting.push({history.merges()[group - leaves].cost, group});
+            queue.push({history.merges()[group - leaves].cost, group});
         }
     };
     add(static_cast<std::uint32_t>(leaves + history.merges().size() - 1));
-    while (done.size() + waiting.size() < cells) {
-        const std::uint32_t group = waiting.top().second;
-        waiting.pop();
+    while (done.size() + queue.size() < cells) {
+        const std::uint32_t group = queue.top().second;
+        queue.pop();
         add(history.merges()[group - leaves].first);
         add(history.merges()[group - leaves].second);
     }
-    for (; !waiting.empty(); waiting.pop()) {
-        done.insert(waiting.top().second);
+    for (; !queue.empty(); queue.pop()) {
+        done.insert(queue.top().second);
     }
     return done;
 }
