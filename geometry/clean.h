@@ -15,12 +15,19 @@ struct CleanReport {
     std::size_t vertices_read = 0;
     std::size_t vertices_welded = 0;       ///< vertices that coincided with an earlier one
     std::size_t degenerate_triangles = 0;  ///< dropped: a vertex repeated, or zero area
-    std::size_t duplicate_triangles = 0;   ///< dropped: the same three vertices as an earlier one
+    std::size_t duplicate_triangles = 0;   ///< dropped: the same three corners as an earlier one
     std::size_t open_edges = 0;            ///< edges with one triangle (borders of holes)
     std::size_t holes = 0;                 ///< connected groups of open edges
     std::size_t non_manifold_edges = 0;    ///< edges with more than two triangles
     std::size_t t_junctions = 0;           ///< ends of open edges that lie inside another open edge
     friend bool operator==(const CleanReport&, const CleanReport&) = default;
+};
+
+/// A triangle that was dropped, and the one that takes part in its place.
+struct DuplicateTriangle {
+    TriangleId duplicate = 0;
+    TriangleId kept = 0;
+    friend bool operator==(const DuplicateTriangle&, const DuplicateTriangle&) = default;
 };
 
 /// Which triangles take part, and how their vertices coincide. The scene's own vertices and
@@ -29,14 +36,19 @@ struct CleanReport {
 struct CleanMesh {
     std::vector<VertexId> weld;    ///< per vertex: the first vertex at the same position
     std::vector<TriangleId> kept;  ///< ascending indices of the triangles that take part
+    std::vector<DuplicateTriangle> duplicates;  ///< by the index of the duplicate
     CleanReport report;
 };
 
 /// Welds vertices whose positions are equal to the last bit (-0 equals +0), finds degenerate and
 /// duplicate triangles, and counts what a modeller would want to mend. Triangles of zero area are
-/// found by an exact test; a vertex lies inside an edge if it is within coplanar_tolerance() of it
-/// (tolerance.h) and farther than that from its ends. O(n log n), but for T-junctions where many
-/// long open edges run close to many vertices. Precondition: indices in range, positions finite.
+/// found by an exact test. A triangle is a duplicate of an earlier one if their corners, in some
+/// order, are the same vertices or lie within coplanar_tolerance() of each other, as those of two
+/// copies do that an export has transformed in single precision; but a triangle whose height is no
+/// larger than a few tolerances repeats only the same vertices. A vertex lies inside an edge if it
+/// is within coplanar_tolerance() of it (tolerance.h) and farther than that from its ends. O(n log
+/// n), but for T-junctions where many long open edges run close to many vertices. Precondition:
+/// indices in range, positions finite.
 CleanMesh clean(const MeshView& mesh);
 
 }  // namespace earshot::geometry

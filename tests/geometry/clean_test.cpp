@@ -80,7 +80,56 @@ TEST(Clean, KeepsTheFirstOfTrianglesWithTheSameVertices) {
     const CleanMesh result = clean(mesh.view());
     EXPECT_EQ(result.kept, (std::vector<TriangleId>{0, 1, 4}));
     EXPECT_EQ(result.report.duplicate_triangles, 2U);
+    EXPECT_EQ(result.duplicates, (std::vector<DuplicateTriangle>{{2, 0}, {3, 0}}));
     EXPECT_EQ(result.report.vertices_welded, 1U);
+}
+
+// Copies of a box that an export has moved in single precision: none of their vertices weld.
+TEST(Clean, DropsCopiesWithinTheRoundingOfTheirCoordinates) {
+    const Mesh box = box_mesh(Vec3(8.0, 3.5, 6.0), 2);
+    const auto count = static_cast<VertexId>(box.positions.size());
+    const double tolerance = coplanar_tolerance(box.view());
+    for (const double share : {1e-6, 0.1, 0.5}) {
+        Mesh doubled = box;
+        for (std::size_t i = 0; i < box.positions.size(); ++i) {
+            const auto shift = [&](std::uint64_t axis) {
+                return share * tolerance * random_between(1, axis, i, -1.0, 1.0);
+            };
+            doubled.positions.push_back(box.positions[i] + Vec3(shift(0), shift(1), shift(2)));
+        }
+        for (const Triangle& t : box.triangles) {  // turned over, from another corner on
+            doubled.triangles.push_back({t[1] + count, t[0] + count, t[2] + count});
+        }
+        const CleanMesh result = clean(doubled.view());
+        EXPECT_EQ(result.kept.size(), box.triangles.size()) << share;
+        EXPECT_EQ(result.report.duplicate_triangles, box.triangles.size()) << share;
+        ASSERT_EQ(result.duplicates.size(), box.triangles.size()) << share;
+        for (std::size_t i = 0; i < box.triangles.size(); ++i) {
+            EXPECT_EQ(result.duplicates[i].duplicate, box.triangles.size() + i);
+            EXPECT_EQ(result.duplicates[i].kept, i);
+        }
+    }
+}
+
+TEST(Clean, KeepsNeighboursThatAreSmallerThanTheRounding) {
+    // Triangles of a few tolerances, far from the origin: all their corners are close to all
+    // others.
+    const double size = 3.0 * 1e4 * 0x1p-21;
+    Mesh mesh;
+    add_plate(mesh, Vec3(1e4), Vec3(size, 0.0, 0.0), Vec3(0.0, size, 0.0), 3, 3);
+    EXPECT_EQ(clean(mesh.view()).report.duplicate_triangles, 0U);
+    // And a copy that is farther than the tolerance is another surface.
+    Mesh box = box_mesh(Vec3(8.0), 1);
+    const auto count = static_cast<VertexId>(box.positions.size());
+    const double gap = 1.1 * coplanar_tolerance(box.view());
+    for (VertexId v = 0; v < count; ++v) {
+        box.positions.push_back(box.positions[v] - Vec3(gap, 0.0, 0.0));
+    }
+    const std::vector<Triangle> triangles = box.triangles;
+    for (const Triangle& t : triangles) {
+        box.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+    }
+    EXPECT_EQ(clean(box.view()).report.duplicate_triangles, 0U);
 }
 
 TEST(Clean, CountsHolesByTheirConnectedEdges) {
