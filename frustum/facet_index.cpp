@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/facet_index.h"
 
+#include "earshot/frustum/internal/coincident_layers.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -27,6 +29,7 @@ FacetIndex::FacetIndex(const SceneView& scene)
       one_sided_(scene.one_sided),
       transmissive_(scene.transmissive),
       max_pressure_factor_(scene.max_pressure_factor),
+      may_be_covered_(find_transmissive_layers(scene)),
       tolerance_(scene.facets.tolerance) {
     for (const geometry::Triangle& triangle : scene.mesh.triangles) {
         for (const geometry::VertexId vertex : triangle) {

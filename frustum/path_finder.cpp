@@ -305,4 +305,27 @@ TraceResult PathFinder::find(const Vec3& source,
     return state.finish(std::move(result));
 }
 
+TraceResult PathFinder::find(const PlacedPairs& pairs,
+                             FirstFacets first,
+                             Executor& executor) const {
+    EARSHOT_ASSERT(!pairs.undecided);
+    TraceResult result;
+    for (const PlacedListeners& group : pairs.groups) {
+        const ListenerBeamTree listeners = trace_listeners(group.positions, executor);
+        TraceResult found = find(group.source, listeners, first, executor);
+        for (SpecularPath& path : found.paths) {
+            path.listener = group.numbers[path.listener];
+            result.paths.push_back(std::move(path));
+        }
+        result.statistics.frusta += found.statistics.frusta + listeners.frusta();
+        result.statistics.candidates += found.statistics.candidates;
+        result.statistics.paths += found.statistics.paths;
+    }
+    std::stable_sort(
+        result.paths.begin(), result.paths.end(), [](const SpecularPath& a, const SpecularPath& b) {
+            return a.listener < b.listener;
+        });
+    return result;
+}
+
 }  // namespace earshot::frustum

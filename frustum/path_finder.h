@@ -4,6 +4,7 @@
 #include "earshot/base/parallel.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
+#include "earshot/frustum/surface_points.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -87,7 +88,8 @@ public:
     ListenerBeamTree trace_listeners(std::span<const geometry::Vec3> listeners,
                                      Executor& executor = Executor::serial()) const;
 
-    /// Every path from the source to each listener.
+    /// Every path from the source to each listener. Points are taken as they are: on a surface they
+    /// receive nothing through it, and less than half of the paths (see place_pairs).
     TraceResult connect(const SourceBeamTree& source,
                         const ListenerBeamTree& listeners,
                         Executor& executor = Executor::serial()) const;
@@ -96,6 +98,12 @@ public:
     /// frusta. The statistics leave out the listeners' frusta, here and above.
     TraceResult find(const geometry::Vec3& source,
                      const ListenerBeamTree& listeners,
+                     FirstFacets first = {},
+                     Executor& executor = Executor::serial()) const;
+
+    /// Every path of pairs of which some points lie on surfaces, sorted by the listeners' numbers.
+    /// Precondition: no point is undecided. The statistics include the listeners' frusta.
+    TraceResult find(const PlacedPairs& pairs,
                      FirstFacets first = {},
                      Executor& executor = Executor::serial()) const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/path_order.h"
 
+#include "earshot/frustum/internal/coincident_layers.h"
 #include "earshot/frustum/internal/facet_index.h"
 
 #include <glm/geometric.hpp>
@@ -28,9 +29,6 @@ bool comes_first(const SpecularPath& a, const SpecularPath& b) {
 /// of walls a fraction of the scene wide, per reflection.
 constexpr double kLayerDistance = 16.0;
 
-/// Planes this close to parallel, as the sine of their angle, may be one surface in two layers.
-constexpr double kLayerTilt = 0x1p-10;
-
 /// Which paths are the same polyline in space as a given one.
 class DuplicateTest {
 public:
@@ -54,26 +52,43 @@ public:
             [&](const Vec3& a, const Vec3& b) { return glm::distance(a, b) <= slack_; });
     }
 
-    /// Each reflection on the same facet or on a layer coincident with it (a carpet, a poster).
+    /// Each reflection on the same facet or on a layer coincident with it (a carpet, a poster), in
+    /// the same order but for facets that meet in an edge or a corner: where the path turns in it,
+    /// the layers lie before and behind one another. Images that agree make the paths the same line
+    /// when they are unfolded, which crosses facets in another order only where these meet.
     bool same_layers(const SpecularPath& other) const {
-        if (other.triangles.size() != path_.triangles.size() || path_.triangles.empty() ||
+        const std::size_t order = path_.triangles.size();
+        if (other.triangles.size() != order || order == 0 ||
             glm::distance(image_of(path_), image_of(other)) > layer_distance_) {
             return false;
         }
-        for (std::size_t i = 0; i < path_.triangles.size(); ++i) {
-            const geometry::Facet& a = facet_of(path_.triangles[i]);
-            const geometry::Facet& b = facet_of(other.triangles[i]);
-            const double apart = a.deviation + b.deviation + facets_.tolerance;
-            if (&a != &b && (glm::length(glm::cross(a.plane.normal, b.plane.normal)) > kLayerTilt ||
-                             std::abs(a.plane.distance(other.points[i + 1])) > apart ||
-                             std::abs(b.plane.distance(path_.points[i + 1])) > apart)) {
-                return false;
+        constexpr std::size_t kMaxShift = 2;  // three facets meet in a corner
+        std::vector<bool> is_taken(order, false);
+        for (std::size_t i = 0; i < order; ++i) {
+            std::size_t match = i;
+            if (is_taken[i] || !same_layer(i, other, i)) {
+                match = i < kMaxShift ? 0 : i - kMaxShift;
+                const std::size_t end = std::min(order, i + kMaxShift + 1);
+                while (match < end && (is_taken[match] || !same_layer(i, other, match))) {
+                    ++match;
+                }
+                if (match == end) {
+                    return false;
+                }
             }
+            is_taken[match] = true;
         }
         return true;
     }
 
 private:
+    bool same_layer(std::size_t i, const SpecularPath& other, std::size_t j) const {
+        const geometry::Facet& a = facet_of(path_.triangles[i]);
+        const geometry::Facet& b = facet_of(other.triangles[j]);
+        return &a == &b ||
+               are_coincident_at(facets_, a, path_.points[i + 1], b, other.points[j + 1]);
+    }
+
     const geometry::Facet& facet_of(geometry::TriangleId triangle) const {
         return facets_.facets[facets_.of_triangle[triangle]];
     }

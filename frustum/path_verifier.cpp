@@ -3,6 +3,7 @@
 
 #include "earshot/bvh/ray.h"
 #include "earshot/bvh/traverse.h"
+#include "earshot/frustum/internal/coincident_layers.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/geometry/predicates.h"
 
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 namespace earshot::frustum {
 
@@ -71,7 +73,8 @@ Containment locate(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner,
 
 }  // namespace
 
-PathVerifier::PathVerifier(const SceneView& scene) : scene_(scene) {
+PathVerifier::PathVerifier(const SceneView& scene)
+    : scene_(scene), may_be_covered_(find_transmissive_layers(scene)) {
     if (!scene.tree.nodes().empty()) {
         const geometry::Aabb& box = scene.tree.nodes().front().box;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -126,7 +129,8 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         path.triangles[i - 1] = *triangle;
     }
     path.points[0] = images[0];
-    if (turns_at_outer_edge(sequence, images, path.points, slack)) {
+    if (runs_between_layers(sequence, path) ||
+        turns_at_outer_edge(sequence, images, path.points, slack)) {
         return std::nullopt;
     }
 
@@ -266,20 +270,30 @@ bool PathVerifier::belongs_to_reflection(const LegEnd& end,
     const double height = t * end.height;
     const double joint = surface.deviation + rounding_slack(end.height);
     return t <= max_t && (height <= joint || (height <= joint + facets.tolerance &&
-                                              is_coincident_layer(surface, triangle)));
+                                              is_coincident_layer(scene_, surface, triangle)));
 }
 
-// A coincident layer: all of the triangle lies in the facet's plane, as far as the single-precision
-// coordinates of files can tell.
-bool PathVerifier::is_coincident_layer(const geometry::Facet& surface, TriangleId triangle) const {
+// Consecutive reflections on layers of one surface have a leg between them, where no path fits.
+// Parallel layers are told by their planes, those of narrow facets, which rounding tilts, by their
+// triangles.
+bool PathVerifier::runs_between_layers(std::span<const FacetId> sequence,
+                                       const SpecularPath& path) const {
     const geometry::Facets& facets = scene_.facets;
-    const double deviation =
-        surface.deviation + facets.facets[facets.of_triangle[triangle]].deviation;
-    const geometry::Triangle& corners = scene_.mesh.triangles[triangle];
-    return std::all_of(corners.begin(), corners.end(), [&](geometry::VertexId vertex) {
-        return std::abs(surface.plane.distance(scene_.mesh.positions[vertex])) <=
-               deviation + facets.tolerance;
-    });
+    for (std::size_t i = 0; i + 1 < sequence.size(); ++i) {
+        const geometry::Facet& first = facets.facets[sequence[i]];
+        const geometry::Facet& second = facets.facets[sequence[i + 1]];
+        const Vec3& from = path.points[i + 1];
+        const Vec3& to = path.points[i + 2];
+        const double max_distance = max_layer_distance(facets, first, second);
+        const bool are_close = std::abs(first.plane.distance(to)) <= max_distance &&
+                               std::abs(second.plane.distance(from)) <= max_distance;
+        if (are_close && (are_coincident_at(facets, first, from, second, to) ||
+                          is_coincident_layer(scene_, first, path.triangles[i + 1]) ||
+                          is_coincident_layer(scene_, second, path.triangles[i]))) {
+            return true;
+        }
+    }
+    return false;
 }
 
 bool PathVerifier::leg_is_unobstructed(const Vec3& from,
@@ -297,7 +311,7 @@ bool PathVerifier::leg_is_unobstructed(const Vec3& from,
             return false;
         }
         const FacetId facet = scene_.facets.of_triangle[id];
-        if (scene_.transmissive.empty() || scene_.transmissive[facet] == 0 ||
+        if ((!is_transmissive(facet) && !may_be_covered(facet)) ||
             leg_lies_in_plane(facet, from, to)) {
             return true;
         }
@@ -307,8 +321,47 @@ bool PathVerifier::leg_is_unobstructed(const Vec3& from,
     if (bvh::any_hit(scene_.tree, scene_.mesh, geometry::Segment{from, to}, blocks)) {
         return false;
     }
+    remove_covered(transmissions, from, to);
+    if (std::any_of(transmissions.begin(), transmissions.end(), [&](const Transmission& crossed) {
+            return !is_transmissive(crossed.facet);
+        })) {
+        return false;
+    }
     deduplicate(transmissions, length);
     return true;
+}
+
+// Of coincident layers that the leg crosses, the triangle with the lowest number counts, whether it
+// is transmissive or not.
+void PathVerifier::remove_covered(std::vector<Transmission>& transmissions,
+                                  const Vec3& from,
+                                  const Vec3& to) const {
+    if (transmissions.size() < 2) {
+        return;
+    }
+    const auto& facets = scene_.facets;
+    const auto point_of = [&](const Transmission& crossed) {
+        return from + crossed.t * (to - from);
+    };
+    std::sort(transmissions.begin(),
+              transmissions.end(),
+              [](const Transmission& a, const Transmission& b) { return a.triangle < b.triangle; });
+    std::vector<Transmission> counted;
+    for (const Transmission& crossed : transmissions) {
+        const bool is_covered =
+            std::any_of(counted.begin(), counted.end(), [&](const Transmission& earlier) {
+                return earlier.facet != crossed.facet &&
+                       are_coincident_at(facets,
+                                         facets.facets[earlier.facet],
+                                         point_of(earlier),
+                                         facets.facets[crossed.facet],
+                                         point_of(crossed));
+            });
+        if (!is_covered) {
+            counted.push_back(crossed);
+        }
+    }
+    transmissions = std::move(counted);
 }
 
 bool PathVerifier::leg_lies_in_plane(FacetId facet, const Vec3& from, const Vec3& to) const {

@@ -18,8 +18,9 @@ namespace earshot::frustum {
 /// Borish 1984). It is valid if every reflection point lies in its facet (borders included, within
 /// rounding), both neighbours of a reflection point are on one side of its facet (the front, if the
 /// facet is one-sided), and no leg touches a triangle on the way. Consecutive facets lie on each
-/// other's reflecting side, also where the path turns in the edge that they share. A leg may pass
-/// through transmissive facets, which are then added to the path.
+/// other's reflecting side, also where the path turns in the edge that they share, and no leg runs
+/// between coincident layers. A leg may pass through transmissive facets, which are then added to
+/// the path; of coincident layers the triangle with the lowest number counts.
 class PathVerifier {
 public:
     explicit PathVerifier(const SceneView& scene);
@@ -54,7 +55,6 @@ private:
                                geometry::TriangleId triangle,
                                double t,
                                double max_t) const;
-    bool is_coincident_layer(const geometry::Facet& surface, geometry::TriangleId triangle) const;
     LegEnd end_of_leg(const geometry::FacetId* facet, const geometry::Vec3& other_end) const;
     std::optional<geometry::TriangleId> triangle_at(geometry::FacetId facet,
                                                     const geometry::Vec3& point,
@@ -69,11 +69,13 @@ private:
                        geometry::FacetId facet,
                        const geometry::Vec3& point,
                        double slack) const;
+    bool runs_between_layers(std::span<const geometry::FacetId> sequence,
+                             const SpecularPath& path) const;
     bool turns_at_outer_edge(std::span<const geometry::FacetId> sequence,
                              std::span<const geometry::Vec3> images,
                              std::span<const geometry::Vec3> points,
                              double slack) const;
-    /// Where a leg passes through a transmissive facet.
+    /// Where a leg passes through a facet.
     struct Transmission {
         double t = 0.0;  // along the leg, 0 ... 1
         geometry::FacetId facet = 0;
@@ -88,12 +90,24 @@ private:
     bool leg_lies_in_plane(geometry::FacetId facet,
                            const geometry::Vec3& from,
                            const geometry::Vec3& to) const;
+    void remove_covered(std::vector<Transmission>& transmissions,
+                        const geometry::Vec3& from,
+                        const geometry::Vec3& to) const;
     void deduplicate(std::vector<Transmission>& transmissions, double length) const;
     static void insert(SpecularPath& path,
                        std::size_t leg,
                        std::span<const Transmission> transmissions);
 
+    bool is_transmissive(geometry::FacetId facet) const noexcept {
+        return !scene_.transmissive.empty() && scene_.transmissive[facet] != 0;
+    }
+    /// By a transmissive layer, which then counts in place of the facet.
+    bool may_be_covered(geometry::FacetId facet) const noexcept {
+        return !may_be_covered_.empty() && may_be_covered_[facet] != 0;
+    }
+
     SceneView scene_;
+    std::vector<std::uint8_t> may_be_covered_;
     double extent_ = 0.0;
 };
 

@@ -166,7 +166,7 @@ void VisibleFacets::visit_facet(FacetId facet) {
     const InverseDepth depth = frustum_.inverse_depth(index_.plane(facet));
     const bool reflects = height > 0.0 || !index_.is_one_sided(facet);
     const CellMask outer = projected.coverage.outer & frustum_.active;
-    if (!index_.is_transmissive(facet)) {
+    if (index_.is_opaque(facet)) {
         if (mode_ == Mode::sampled) {
             occlusion_.add(facet, depth, projected.coverage.centre_sampled & frustum_.active);
         } else {
@@ -244,7 +244,7 @@ void VisibleFacets::collect_found() {
         CellMask cells = candidate.outer;
         if (mode_ == Mode::complete) {
             cells &= ~occlusion_.cells_hiding(candidate.facet, candidate.depth, cells);
-        } else if (!index_.is_transmissive(candidate.facet)) {
+        } else if (index_.is_opaque(candidate.facet)) {
             cells = occlusion_.cells_owned_by(candidate.facet, cells);
         }
         if (cells == 0) {

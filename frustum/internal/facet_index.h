@@ -28,6 +28,10 @@ public:
     bool is_transmissive(geometry::FacetId facet) const noexcept {
         return !transmissive_.empty() && transmissive_[facet] != 0;
     }
+    /// Whether no sound passes it: neither it nor a layer that counts in its place is transmissive.
+    bool is_opaque(geometry::FacetId facet) const noexcept {
+        return !is_transmissive(facet) && (may_be_covered_.empty() || may_be_covered_[facet] == 0);
+    }
     /// The largest factor by which meeting the facet multiplies the pressure of a path.
     double max_pressure_factor(geometry::FacetId facet) const noexcept {
         return max_pressure_factor_.empty() ? 1.0 : max_pressure_factor_[facet];
@@ -56,7 +60,8 @@ private:
     const std::vector<geometry::Facet>* facets_;
     std::span<const std::uint8_t> one_sided_, transmissive_;
     std::span<const double> max_pressure_factor_;
-    std::vector<std::uint32_t> first_loop_;  // per facet, and one past the last
+    std::vector<std::uint8_t> may_be_covered_;  // by a transmissive layer
+    std::vector<std::uint32_t> first_loop_;     // per facet, and one past the last
     std::vector<LoopRange> loops_;
     std::vector<geometry::Vec3> vertices_;
     std::vector<geometry::Aabb> boxes_;

@@ -2,6 +2,7 @@
 #include "support/traced_room.h"
 
 #include "earshot/frustum/find_specular_paths.h"
+#include "earshot/frustum/path_finder.h"
 
 #include <array>
 
@@ -28,20 +29,36 @@ TracedRoom::TracedRoom(const geometry::Mesh& mesh,
     tree_ = bvh::Tree::build(bvh::triangle_boxes(mesh_.view()));
 }
 
+frustum::SceneView TracedRoom::scene_view() const {
+    return {.tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = one_sided_};
+}
+
+frustum::TraceResult TracedRoom::renumbered(frustum::TraceResult result) const {
+    for (frustum::SpecularPath& path : result.paths) {
+        for (geometry::TriangleId& triangle : path.triangles) {
+            triangle = number_[triangle];
+        }
+    }
+    return result;
+}
+
 frustum::TraceResult TracedRoom::trace(const geometry::Vec3& source,
                                        std::span<const geometry::Vec3> listeners,
                                        const frustum::TraceOptions& options,
                                        Executor& executor) const {
-    const frustum::SceneView scene_view{
-        .tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = one_sided_};
-    frustum::TraceResult result =
-        frustum::find_specular_paths(scene_view, source, listeners, options, executor);
-    for (frustum::SpecularPath& path : result.paths) {
-        for (geometry::TriangleId& triangle : path.triangles) {
-            triangle = number_.at(triangle);
-        }
-    }
-    return result;
+    return renumbered(
+        frustum::find_specular_paths(scene_view(), source, listeners, options, executor));
+}
+
+frustum::PlacedPairs TracedRoom::place(const geometry::Vec3& source,
+                                       std::span<const geometry::Vec3> listeners) const {
+    return frustum::place_pairs(scene_view(), source, listeners);
+}
+
+frustum::TraceResult TracedRoom::trace_placed(const frustum::PlacedPairs& pairs,
+                                              const frustum::TraceOptions& options) const {
+    const frustum::PathFinder finder(scene_view(), {.trace = options});
+    return renumbered(finder.find(pairs));
 }
 
 std::vector<frustum::SpecularPath> TracedRoom::paths(const geometry::Vec3& source,

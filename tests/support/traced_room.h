@@ -4,6 +4,7 @@
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/tree.h"
 #include "earshot/frustum/paths.h"
+#include "earshot/frustum/surface_points.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/facets.h"
 
@@ -31,14 +32,25 @@ public:
                                const frustum::TraceOptions& options = {},
                                Executor& executor = Executor::serial()) const;
 
+    /// The same for points that may lie on surfaces.
+    frustum::TraceResult trace_placed(const frustum::PlacedPairs& pairs,
+                                      const frustum::TraceOptions& options = {}) const;
+    frustum::PlacedPairs place(const geometry::Vec3& source,
+                               std::span<const geometry::Vec3> listeners) const;
+
     /// The paths of one listener.
     std::vector<frustum::SpecularPath> paths(const geometry::Vec3& source,
                                              const geometry::Vec3& listener,
                                              const frustum::TraceOptions& options = {}) const;
 
     const geometry::Facets& facets() const { return facets_; }
+    /// Of the triangles that take part, by their numbers as given.
+    std::span<const geometry::TriangleId> numbers() const { return number_; }
 
 private:
+    frustum::SceneView scene_view() const;
+    frustum::TraceResult renumbered(frustum::TraceResult result) const;
+
     geometry::Mesh mesh_;
     std::vector<geometry::TriangleId> number_;  // per triangle of mesh_: its index as given
     geometry::Facets facets_;
