@@ -75,6 +75,7 @@ public:
         progress_.report("preparing", 0, 1);
         auto start = std::chrono::steady_clock::now();
         propagation::Simulator simulator(job_.scene, job_.simulation, executor_);
+        summary_.notes = simulator.warnings();
         progress_.report("preparing", 1, 1);
         make_directory(job_.directory);  // before the long work, but not for a scene without sense
         for (std::size_t frame = 0; frame < job_.times.size(); ++frame) {

@@ -5,8 +5,10 @@
 #include "earshot/base/stage_progress.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/frustum/path_finder.h"
+#include "earshot/frustum/surface_points.h"
 #include "earshot/geometry/facets.h"
 #include "earshot/geometry/vector.h"
+#include "earshot/propagation/internal/coincident_materials.h"
 #include "earshot/propagation/late_rays.h"
 
 #include <glm/geometric.hpp>
@@ -16,6 +18,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -81,6 +84,7 @@ struct Simulator::State {
     double time = 0.0;
     std::vector<Vec3> positions;
     std::vector<geometry::TriangleId> kept;
+    std::vector<geometry::DuplicateTriangle> duplicates;
     std::vector<geometry::Triangle> triangles;  // the kept ones
     std::vector<std::uint32_t> labels;          // their materials
     geometry::Facets facets;
@@ -106,7 +110,13 @@ struct Simulator::State {
     }
     void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
     std::vector<std::uint8_t> first_facets(const Vec3& source) const;
-    frustum::TraceResult trace(std::size_t source, const Vec3& place, Executor& executor);
+    frustum::PlacedPairs place(const Emitter& source,
+                               const Vec3& position,
+                               std::span<const Vec3> to) const;
+    frustum::TraceResult trace(std::size_t source,
+                               const Vec3& position,
+                               const frustum::PlacedPairs& placed,
+                               Executor& executor);
 
     geometry::MeshView mesh() const { return {positions, triangles}; }
     void move_geometry(Executor& executor);
@@ -115,10 +125,11 @@ struct Simulator::State {
     void describe_facets();
     void add_paths(std::size_t source,
                    const RaySource& sender,
+                   const frustum::PlacedPairs& placed,
                    std::span<PairResult> pairs,
                    Executor& executor);
     void add_late_sound(const RaySource& sender,
-                        std::span<const Vec3> to,
+                        const frustum::PlacedPairs& placed,
                         std::span<PairResult> pairs,
                         Executor& executor,
                         Progress* progress) const;
@@ -148,6 +159,7 @@ void Simulator::State::move_geometry(Executor& executor) {
     }
     const bool same_triangles = clean.kept == kept;
     kept = std::move(clean.kept);
+    duplicates = std::move(clean.duplicates);
     triangles.resize(kept.size());
     labels.resize(kept.size());
     for (std::size_t i = 0; i < kept.size(); ++i) {
@@ -359,31 +371,67 @@ std::vector<std::uint8_t> Simulator::State::first_facets(const Vec3& source) con
     return is_first;
 }
 
+frustum::PlacedPairs Simulator::State::place(const Emitter& source,
+                                             const Vec3& position,
+                                             std::span<const Vec3> to) const {
+    frustum::PlacedPairs placed = frustum::place_pairs(scene_view(), position, to);
+    if (placed.undecided) {
+        const frustum::UndecidedPoint& point = *placed.undecided;
+        const Emitter& listener = scene.listeners[point.listener];
+        const std::string of_source = "source " + source.name;
+        const std::string of_listener = "listener " + listener.name;
+        const std::string& name = point.is_source ? of_source : of_listener;
+        const std::string& other = point.is_source ? of_listener : of_source;
+        const std::string triangle = "triangle " + std::to_string(kept[point.triangle]);
+        if (point.problem == frustum::PlacementProblem::edge_of_free_sheet) {
+            throw Error(name,
+                        "lies on the edge of a free sheet, " + triangle +
+                            ", so that its side of the sheet is not known",
+                        "move it off the edge");
+        }
+        throw Error(name,
+                    "lies on " + triangle + ", and " + other +
+                        " lies in the plane of it, so that their side of it is not known",
+                    "move one of them off the plane");
+    }
+    return placed;
+}
+
 frustum::TraceResult Simulator::State::trace(std::size_t source,
-                                             const Vec3& place,
+                                             const Vec3& position,
+                                             const frustum::PlacedPairs& placed,
                                              Executor& executor) {
-    const std::vector<std::uint8_t> first = first_facets(place);
+    const std::vector<std::uint8_t> first = first_facets(position);
+    if (placed.is_moved) {
+        return finder->find(placed, first, executor);
+    }
     if (!options.keep_traces) {
-        return finder->find(place, *listeners, first, executor);
+        return finder->find(position, *listeners, first, executor);
     }
-    std::optional<frustum::SourceBeamTree>& seen = sources[source];
-    if (!seen || seen->source() != place) {
-        seen.emplace(finder->trace_source(place, first, executor));
+    std::optional<frustum::SourceBeamTree>& beams = sources[source];
+    if (!beams || beams->source() != position) {
+        beams.emplace(finder->trace_source(position, first, executor));
     }
-    return finder->connect(*seen, *listeners, executor);
+    return finder->connect(*beams, *listeners, executor);
 }
 
 void Simulator::State::add_paths(std::size_t source,
                                  const RaySource& sender,
+                                 const frustum::PlacedPairs& placed,
                                  std::span<PairResult> pairs,
                                  Executor& executor) {
-    const frustum::TraceResult traced = trace(source, sender.pose.position, executor);
+    const Vec3& position = sender.pose.position;
+    const frustum::TraceResult traced = trace(source, position, placed, executor);
     statistics.frusta += traced.statistics.frusta;
     statistics.candidates += traced.statistics.candidates;
     statistics.paths += traced.statistics.paths;
     for (const frustum::SpecularPath& specular : traced.paths) {
         Path path = describe(specular);
         radiate(sender, path);
+        if (placed.is_moved) {
+            path.points.front() = position;
+            path.points.back() = listeners->listeners()[specular.listener];
+        }
         if (is_wanted(path)) {
             pairs[specular.listener].paths.push_back(std::move(path));
         }
@@ -391,14 +439,21 @@ void Simulator::State::add_paths(std::size_t source,
 }
 
 void Simulator::State::add_late_sound(const RaySource& sender,
-                                      std::span<const Vec3> to,
+                                      const frustum::PlacedPairs& placed,
                                       std::span<PairResult> pairs,
                                       Executor& executor,
                                       Progress* progress) const {
-    LateEnergy late = late_sound(sender, to, executor, progress);
-    for (std::size_t listener = 0; listener < to.size(); ++listener) {
-        pairs[listener].late = std::move(late.listeners[listener]);
-        pairs[listener].visible_volume = late.visible_volume;
+    for (std::size_t i = 0; i < placed.groups.size(); ++i) {
+        const frustum::PlacedListeners& group = placed.groups[i];
+        PartProgress part(progress, i, placed.groups.size());
+        RaySource placed_sender = sender;
+        placed_sender.pose.position = group.source;
+        LateEnergy late = late_sound(placed_sender, group.positions, executor, &part);
+        for (std::size_t k = 0; k < group.numbers.size(); ++k) {
+            PairResult& pair = pairs[group.numbers[k]];
+            pair.late = std::move(late.listeners[k]);
+            pair.visible_volume = late.visible_volume;
+        }
     }
 }
 
@@ -429,14 +484,16 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     StageProgress tracing(progress, "tracing", sources.size());
     state.prepare_finder(sources, listeners, executor);
     state.statistics = {.frusta = state.listeners->frusta()};
+    std::vector<frustum::PlacedPairs> placed;  // per source
     for (std::size_t source = 0; source < sources.size(); ++source) {
-        state.add_paths(source, senders[source], pairs_of(source), executor);
+        placed.push_back(state.place(state.scene.sources[source], sources[source], listeners));
+        state.add_paths(source, senders[source], placed[source], pairs_of(source), executor);
         tracing.add(1);
     }
     // Late sound: rays.
     for (std::size_t source = 0; state.options.rays > 0 && source < sources.size(); ++source) {
         PartProgress part(progress, source, sources.size());
-        state.add_late_sound(senders[source], listeners, pairs_of(source), executor, &part);
+        state.add_late_sound(senders[source], placed[source], pairs_of(source), executor, &part);
     }
     return pairs;
 }
@@ -447,6 +504,11 @@ frustum::SceneView Simulator::scene_view() const noexcept {
 
 const GeometrySummary& Simulator::geometry() const noexcept {
     return state_->summary;
+}
+
+Warnings Simulator::warnings() const {
+    return coincident_materials(
+        state_->scene, state_->scene_view(), state_->kept, state_->duplicates);
 }
 
 const frustum::TraceStatistics& Simulator::statistics() const noexcept {

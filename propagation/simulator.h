@@ -71,12 +71,18 @@ public:
     void set_time(double time, Executor& executor = Executor::serial());
 
     /// Every pair, ordered by source, then listener. A pair at the same point has no direct path
-    /// (its amplitude would be infinite). Throws Error if Options::visible_sets are of another mesh
-    /// or of another pose. Reports the stages "tracing" and "late rays".
+    /// (its amplitude would be infinite). A point on a surface is taken as the limit from the side
+    /// on which the pair's other point lies; the ends of its paths are the point itself. Throws
+    /// Error where that does not tell (both in one plane, or at the edge of a free sheet), and if
+    /// Options::visible_sets are of another mesh or of another pose. Reports the stages "tracing"
+    /// and "late rays".
     std::vector<PairResult> run(Executor& executor = Executor::serial(),
                                 Progress* progress = nullptr);
 
     const GeometrySummary& geometry() const noexcept;
+    /// What is odd about the scene at the current time: places that two materials claim. Takes time
+    /// like clean-up.
+    Warnings warnings() const;
     /// The scene as the tracer sees it; valid until the time is set or the simulator destroyed.
     frustum::SceneView scene_view() const noexcept;
     /// Of the last run, summed over sources.

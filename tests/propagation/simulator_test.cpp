@@ -342,5 +342,66 @@ TEST(Simulator, RefusesVisibleSetsOfAnotherMesh) {
     EXPECT_THROW(simulator.run(), Error);
 }
 
+TEST(Simulator, APointOnASurfaceIsTheLimitFromInside) {
+    Scene scene = box_scene();
+    scene.sources[0].position = {1, 0, 1};
+    Simulator simulator(scene, {.specular_order = 2, .rays = 2000, .late_length = 0.2});
+    const auto on_floor = simulator.run();
+    scene.sources[0].position = {1, 1e-4, 1};
+    Simulator above_floor(scene, {.specular_order = 2, .rays = 2000, .late_length = 0.2});
+    const auto above = above_floor.run();
+    ASSERT_EQ(on_floor[0].paths.size(), 25U);
+    ASSERT_EQ(above[0].paths.size(), 25U);
+    for (std::size_t i = 0; i < 25; ++i) {
+        const Path& path = on_floor[0].paths[i];
+        EXPECT_NEAR(path.length, above[0].paths[i].length, 1e-3);
+        EXPECT_EQ(path.points.front(), Vec3(1, 0, 1));
+        EXPECT_EQ(path.points.back(), Vec3(4, 2, 3));
+        EXPECT_NEAR(glm::length(path.departure), 1.0, 1e-9);
+    }
+    // Direct sound and its reflection from the floor leave upwards and downwards.
+    EXPECT_GT(on_floor[0].paths[0].departure.y, 0.1);
+    EXPECT_LT(on_floor[0].paths[1].departure.y, -0.1);
+    // All rays begin in the room.
+    EXPECT_NEAR(on_floor[0].visible_volume, above[0].visible_volume, 1.0);
+}
+
+TEST(Simulator, RefusesPointsWhoseSideOfASurfaceIsNotKnown) {
+    Scene scene = box_scene();
+    scene.sources[0].position = {1, 0, 1};
+    scene.listeners[0].position = {4, 0, 3};
+    Simulator simulator(scene, {.specular_order = 1});
+    try {
+        simulator.run();
+        FAIL() << "both lie on the floor";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.subject(), "source s");
+        // As the file numbers them: triangle 0 is degenerate, 1 and 2 are the floor.
+        EXPECT_NE(error.line().find("lies on triangle 1, and listener l"), std::string::npos)
+            << error.line();
+    }
+}
+
+TEST(Simulator, WarnsOfPlacesThatTwoMaterialsClaim) {
+    EXPECT_TRUE(Simulator(box_scene()).warnings().empty());  // its duplicate is of one material
+    Scene scene = box_scene();
+    geometry::Mesh mesh{scene.mesh.positions_at(0.0), scene.mesh.triangles()};
+    // A poster of 2 m2 on the wall z = 0, of which a half hangs over the edge of the wall.
+    mesh.positions.insert(mesh.positions.end(), {{5, 1, 0}, {7, 1, 0}, {7, 2, 0}, {5, 2, 0}});
+    mesh.triangles.push_back({8, 9, 10});
+    mesh.triangles.push_back({8, 10, 11});
+    mesh.triangles.push_back({2, 7, 3});  // a half of the ceiling once more
+    scene.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
+    scene.material_of_triangle.insert(scene.material_of_triangle.end(), {2, 2, 1});
+    scene.materials.push_back({.name = "poster"});
+    const Warnings warnings = Simulator(scene).warnings();
+    ASSERT_EQ(warnings.size(), 2U);
+    EXPECT_EQ(warnings[0].subject, "box");
+    EXPECT_NE(warnings[0].what.find("wall and floor"), std::string::npos) << warnings[0].what;
+    EXPECT_NE(warnings[0].what.find(" 15 m2"), std::string::npos) << warnings[0].what;
+    EXPECT_NE(warnings[1].what.find("wall and poster"), std::string::npos) << warnings[1].what;
+    EXPECT_NE(warnings[1].what.find(" 1 m2"), std::string::npos) << warnings[1].what;
+}
+
 }  // namespace
 }  // namespace earshot::propagation
