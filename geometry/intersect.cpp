@@ -118,7 +118,8 @@ bool touches(const Segment& segment, const Vec3& a, const Vec3& b, const Vec3& c
     const int from = orient3d(a, b, c, segment.from);
     const int to = orient3d(a, b, c, segment.to);
     if (from == to) {
-        return from == 0 && touches_in_plane(segment, a, b, c);
+        // Any point is coplanar with a triangle without area, which touches nothing.
+        return from == 0 && has_area(a, b, c) && touches_in_plane(segment, a, b, c);
     }
     // The line crosses the plane in one point, which lies in the triangle if the line passes its
     // three edges on one side (Pluecker).

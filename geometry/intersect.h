@@ -90,7 +90,7 @@ private:
 Aabb triangle_box(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 /// Whether the closed segment and the closed triangle share a point: decided exactly, coplanar
-/// cases included. Precondition: finite, and the triangle has an area.
+/// cases included. A triangle without area touches nothing. Precondition: finite.
 bool touches(const Segment& segment, const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 /// The parameter (0 at `from`, 1 at `to`) where the closed segment first touches the closed

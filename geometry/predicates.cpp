@@ -147,6 +147,13 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcep
                                                   : determinant3d_exactly(a, b, c, d));
 }
 
+// The components of the normal are twice the areas of the three projections.
+bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
+    return orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y}) != 0 ||
+           orient2d({a.y, a.z}, {b.y, b.z}, {c.y, c.z}) != 0 ||
+           orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) != 0;
+}
+
 double determinant2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept {
     const Rounded rounded = round2d(a, b, c);
     return rounded.is_beyond(kPreciseShare) ? rounded.determinant : determinant2d_exactly(a, b, c);

@@ -17,6 +17,10 @@ int orient2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noex
 /// that is, a, b, c run counter-clockwise seen from above; 0 coplanar. Exact, as orient2d.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
 
+/// Whether a triangle has an area: false if its corners lie on a line or in a point. Exact, as
+/// orient2d.
+bool has_area(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
+
 /// The determinants whose signs these are, with the same signs and within 2^-39 of their exact
 /// values, relatively: for ratios of distances to a line or plane. Same preconditions.
 double determinant2d(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) noexcept;

@@ -84,6 +84,49 @@ TEST_F(Los, FollowsAnAnimationFrameByFrame) {
     EXPECT_NE(text_of("all__0000.csv"), "");
 }
 
+// A triangle without area blocks nothing, with --blockers or without, alone or among others, which
+// once changed the answer. The first case is a line that a real segment grazes.
+TEST_F(Los, TrianglesWithoutAreaChangeNothing) {
+    struct Case {
+        std::string corners, from, to;
+    };
+    for (const Case& c : {Case{"v -3.0328450202941895 0.86706101894378662 -2.4652500152587891\n"
+                               "v -3.0328450202941895 0.86706101894378662 -2.4732489585876465\n"
+                               "v -3.0328450202941895 0.86706101894378662 -2.4656500816345215\n",
+                               "-0.37648,1.87716,-3.47577",
+                               "-1.4621,1.4187,2.21198"},
+                          Case{"v 1 1 1\nv 3 3 3\nv 2 2 2\n", "0,0,0", "4,4,4"},
+                          Case{"v 1 1 1\nv 1 1 1\nv 2 1 1\n", "1.5,0,1", "1.5,2,1"},
+                          Case{"v 1 1 1\nv 1 1 1\nv 1 1 1\n", "1,1,0", "1,1,1"}}) {
+        for (const int far : {1, 41}) {
+            std::ofstream obj(path("flat.obj"));
+            obj << c.corners;
+            for (int i = 0; i < far; ++i) {
+                obj << "v " << 10 + i << " 0 0\nv " << 11 + i << " 0 0\nv " << 10 + i << " 1 0\n";
+            }
+            for (int i = 0; i <= far; ++i) {
+                obj << "f " << 3 * i + 1 << ' ' << 3 * i + 2 << ' ' << 3 * i + 3 << '\n';
+            }
+            obj.close();
+            for (const bool blockers : {false, true}) {
+                std::vector<std::string> command{"los",
+                                                 path("flat.obj"),
+                                                 "--from=" + c.from,
+                                                 "--to=" + c.to,
+                                                 "-o",
+                                                 path("flat.csv"),
+                                                 "--quiet"};
+                if (blockers) {
+                    command.emplace_back("--blockers");
+                }
+                const RunResult result = run_earshot(command);
+                ASSERT_EQ(result.status, 0) << result.err;
+                EXPECT_EQ(text_of("flat.csv"), blockers ? "\n" : "1\n") << c.corners << far;
+            }
+        }
+    }
+}
+
 TEST_F(Los, SaysWhatIsWrong) {
     EXPECT_TRUE(failed_with(run({"--ignore", "glas"}, "x.csv"), 1, "did you mean glass?"));
     std::ofstream(path("to.csv")) << "1,2\n";

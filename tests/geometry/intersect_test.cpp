@@ -110,6 +110,32 @@ TEST(Touches, EqualsAnExactOracleOnSmallWholeNumbers) {
     EXPECT_LT(touching, tested * 9 / 10);
 }
 
+// Two corners equal, all equal, or three on a line of whole numbers: no segment touches them, not
+// even one through a corner, along the line or to a point on it.
+TEST(Touches, IsFalseForTrianglesWithoutArea) {
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+        const auto whole = [&](std::uint64_t stream) {
+            return std::floor(random_between(5, stream, i, -4.0, 5.0));
+        };
+        const Vec3 a(whole(0), whole(1), whole(2));
+        const Vec3 step(whole(3), whole(4), whole(5));
+        const Vec3 b = a + whole(6) * step;
+        const Vec3 c = a + whole(7) * step;
+        const Vec3 elsewhere(whole(8), whole(9), whole(10));
+        for (const Segment& segment : {Segment{a, elsewhere},
+                                       Segment{elsewhere, b},
+                                       Segment{a - step, a + step},
+                                       Segment{2.0 * b - elsewhere, elsewhere},
+                                       Segment{c, c}}) {
+            ASSERT_FALSE(touches(segment, a, b, c)) << i;
+            ASSERT_FALSE(first_touch(segment, a, b, c)) << i;
+        }
+    }
+    // A corner that is off the line by the last bit makes an area.
+    const Vec3 a(0.0, 0.0, 0.0), b(1.0, 2.0, 3.0), c(2.0, 4.0, std::nextafter(6.0, 7.0));
+    EXPECT_TRUE(touches({a, b}, a, b, c));
+}
+
 TEST(FirstTouch, IsWhereTheSegmentMeetsTheTriangle) {
     const Vec3 a(0, 0, 0), b(4, 0, 0), c(0, 4, 0);
     EXPECT_DOUBLE_EQ(*first_touch({{1, 1, 3}, {1, 1, -1}}, a, b, c), 0.75);

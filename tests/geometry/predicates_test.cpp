@@ -253,6 +253,34 @@ TEST(Orient3d, IsExactOverTheWholeRangeOfThePrecondition) {
     }
 }
 
+TEST(HasArea, AgreesWithWholeNumbers) {
+    std::size_t flat = 0;
+    for (std::uint64_t i = 0; i < 5000; ++i) {
+        std::array<std::array<std::int64_t, 3>, 3> p{};
+        for (std::size_t k = 0; k < 9; ++k) {
+            p[k / 3][k % 3] = static_cast<std::int64_t>(random_between(kSeed, 80 + k, i, 0.0, 3.0));
+        }
+        const auto side = [&](std::size_t corner, std::size_t axis) {
+            return p[corner][axis] - p[0][axis];
+        };
+        bool is_flat = true;
+        for (std::size_t x = 0; x < 3; ++x) {
+            const std::size_t y = (x + 1) % 3;
+            is_flat = is_flat && side(1, x) * side(2, y) == side(1, y) * side(2, x);
+        }
+        const auto vec = [&](std::size_t corner) {
+            return Vec3(static_cast<double>(p[corner][0]),
+                        static_cast<double>(p[corner][1]),
+                        static_cast<double>(p[corner][2]));
+        };
+        ASSERT_EQ(has_area(vec(0), vec(1), vec(2)), !is_flat) << i;
+        flat += is_flat ? 1 : 0;
+    }
+    EXPECT_GT(flat, 100U);
+    // 0.1 times 1, 2, 3 is not on a line in doubles.
+    EXPECT_TRUE(has_area({0.0, 0.0, 1.0}, {0.1, 0.1, 1.0}, {0.1 * 3.0, 0.3, 1.0}));
+}
+
 TEST(Determinant2d, IsPreciseOnNearlyCollinearPoints) {
     for (std::uint64_t i = 0; i < 3000; ++i) {
         const glm::dvec2 a(random_coordinate(0, i), random_coordinate(1, i));

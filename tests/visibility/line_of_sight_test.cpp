@@ -2,6 +2,8 @@
 #include "earshot/visibility/line_of_sight.h"
 
 #include "earshot/base/simd.h"
+#include "earshot/bvh/brute_force.h"
+#include "earshot/visibility/coherent_line_of_sight.h"
 
 #include <gtest/gtest.h>
 
@@ -51,7 +53,7 @@ std::size_t compare(const std::string& scene, std::size_t count) {
     std::size_t free = 0, different = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const bool expected =
-            sees_by_brute_force(mesh.view(), segments[i], [](TriangleId) { return false; });
+            visible_by_brute_force(mesh.view(), segments[i], [](TriangleId) { return false; });
         free += expected ? 1 : 0;
         different += expected != (seen[i] != 0) ? 1 : 0;
     }
@@ -148,6 +150,57 @@ TEST(LineOfSight, PassesExcludedTriangles) {
     EXPECT_EQ(first_blocker(tree, panes.view(), through, excluding({3})), (Blocker{0, 0.25}));
     EXPECT_TRUE(visible(tree, panes.view(), through, excluding({3, 7})));
     EXPECT_FALSE(visible(tree, panes.view(), through, excluding({5})));
+}
+
+// The oracle is the mesh without the triangles of no area. Segments pass through their corners,
+// along them and end on them.
+TEST(LineOfSight, TrianglesWithoutAreaBlockNothing) {
+    for (const char* scene : {"shoebox", "classroom", "lroom"}) {
+        const Mesh with_area = scene_mesh(scene);
+        Mesh mesh = with_area;
+        Dice dice(21);
+        std::vector<Segment> segments;
+        for (int i = 0; i < 300; ++i) {
+            const Segment line = some_segment(with_area.view(), dice);
+            const auto first = static_cast<geometry::VertexId>(mesh.positions.size());
+            const Vec3 step(dice.below(3) - 1, dice.below(3) - 1, dice.below(3) - 1);
+            // On a grid of 1/64 m sums are exact, so that three corners are on a line.
+            const Vec3 from = glm::round(64.0 * line.from) / 64.0;
+            mesh.positions.insert(mesh.positions.end(), {from, from + step, from + 2.0 * step});
+            switch (i % 3) {
+                case 0:
+                    mesh.triangles.push_back({first, first + 1, first + 2});
+                    break;
+                case 1:
+                    mesh.triangles.push_back({first, first + 2, first});
+                    break;
+                default:
+                    mesh.triangles.push_back({first + 1, first + 1, first + 1});
+            }
+            segments.push_back({from, line.to});
+            segments.push_back({from - step, from + 3.0 * step});
+            segments.push_back({line.to, from + step});
+            segments.push_back(line);
+        }
+        const auto tree = wide_tree_of(mesh.view());
+        const auto visible_pairs = visible(tree, mesh.view(), segments);
+        const auto blockers = first_blockers(tree, mesh.view(), segments);
+        CoherentLineOfSight coherent(mesh.view());
+        EXPECT_EQ(coherent.visible(mesh.view(), segments), visible_pairs);
+        std::size_t free = 0;
+        for (std::size_t i = 0; i < segments.size(); ++i) {
+            const bool expected = visible_by_brute_force(
+                with_area.view(), segments[i], [](TriangleId) { return false; });
+            free += expected ? 1 : 0;
+            ASSERT_EQ(visible_pairs[i] != 0, expected) << scene << i;
+            ASSERT_EQ(!blockers[i], expected) << scene << i;
+            ASSERT_EQ(!bvh::brute_force::occluded(mesh.view(), segments[i]), expected);
+            if (blockers[i]) {
+                ASSERT_LT(blockers[i]->triangle, with_area.triangles.size());
+            }
+        }
+        EXPECT_GT(free, 50U);
+    }
 }
 
 TEST(LineOfSight, IsVisibleInAnEmptyMesh) {
