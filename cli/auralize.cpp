@@ -42,7 +42,7 @@ public:
         app()
             .add_option("RESPONSE", response_files_, "impulse responses, in order of time")
             ->required();
-        app().add_option("-o,--output", output_, "the WAV file to write, 32-bit float")->required();
+        add_output("-o,--output", output_, "the WAV file to write, 32-bit float")->required();
         peak_option_ = add_number(
             app(),
             "--peak",

@@ -51,9 +51,7 @@ public:
                    {.min = 0.0},
                    "rays per frame that updates expect; default: 1000000")
             ->needs(frames);
-        app()
-            .add_option(
-                "--plot", plot_file_, "a picture of steps per ray over the frames, FILE.svg")
+        add_output("--plot", plot_file_, "a picture of steps per ray over the frames, FILE.svg")
             ->needs(frames);
         app().add_option("--builder", builder_, "the builder; default: binned_sah");
         app().footer(footer());

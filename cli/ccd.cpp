@@ -58,7 +58,7 @@ public:
             .add_option("--kind", kind_, "vertex-face or edge-edge")
             ->check(CLI::IsMember({"vertex-face", "edge-edge"}))
             ->required();
-        app().add_option("-o,--output", output_, "the .csv file to write")->required();
+        add_output("-o,--output", output_, "the .csv file to write")->required();
         add_number(app(),
                    "--min-separation",
                    separation_.min_separation,

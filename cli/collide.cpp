@@ -60,8 +60,7 @@ public:
         app()
             .add_option("FILES", files_, "a scene, or poses of one mesh in their order")
             ->required();
-        app()
-            .add_option("-o,--output", output_, "the file to write: .json, or .csv for a table")
+        add_output("-o,--output", output_, "the file to write: .json, or .csv for a table")
             ->required();
         app().add_option("--frames",
                          frames_,

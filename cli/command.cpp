@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/command.h"
 
+#include "earshot/io/whole_file.h"
+
 namespace earshot::cli {
 
 Command::Command(CLI::App& program, const std::string& name, const std::string& description)
@@ -14,6 +16,22 @@ Command::Command(CLI::App& program,
                  WithoutOptions)
     : app_(program.add_subcommand(name, description)) {
     app_->group("Commands");
+}
+
+void Command::execute() {
+    for (const std::string* file : outputs_) {
+        if (!file->empty()) {
+            io::require_writable(*file);
+        }
+    }
+    run();
+}
+
+CLI::Option* Command::add_output(const std::string& names,
+                                 std::string& target,
+                                 const std::string& description) {
+    outputs_.push_back(&target);
+    return app_->add_option(names, target, description);
 }
 
 CommandGroup::CommandGroup(CLI::App& program,
@@ -32,7 +50,7 @@ CommandGroup::CommandGroup(CLI::App& program,
 void CommandGroup::run() {
     for (const std::unique_ptr<Command>& command : commands_) {
         if (command->is_chosen()) {
-            command->run();
+            command->execute();
         }
     }
 }

@@ -23,6 +23,9 @@ public:
     /// wrong in a way that only the command can tell.
     virtual void run() = 0;
 
+    /// run(), once it is known that the files of add_output() can be written.
+    void execute();
+
     bool is_chosen() const { return app_->parsed(); }
 
 protected:
@@ -33,11 +36,18 @@ protected:
             WithoutOptions);
 
     CLI::App& app() { return *app_; }
+
+    /// An option that names a file to write. Whether it can be written is checked before run().
+    CLI::Option* add_output(const std::string& names,
+                            std::string& target,
+                            const std::string& description);
+
     const CommonOptions& common() const { return common_; }
 
 private:
     CLI::App* app_ = nullptr;  // owned by the program it was added to
     CommonOptions common_;
+    std::vector<const std::string*> outputs_;  // members of the command; empty: not given
 };
 
 /// Commands under one name: earshot GROUP COMMAND.

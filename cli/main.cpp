@@ -53,7 +53,7 @@ void run(int argc, const char* const* argv) {
     }
     for (const std::unique_ptr<Command>& command : commands) {
         if (command->is_chosen()) {
-            command->run();
+            command->execute();
         }
     }
 }

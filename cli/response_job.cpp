@@ -33,6 +33,7 @@ void make_directory(const std::filesystem::path& directory) {
             "cannot be created as a folder" + (failure ? " (" + failure.message() + ")" : ""),
             "choose another folder with -o");
     }
+    io::require_writable(directory / "paths.json");
 }
 
 /// Names of sources and listeners as parts of file names: what a file system might not take becomes

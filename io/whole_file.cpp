@@ -68,6 +68,13 @@ bool write_all(int descriptor, std::string_view bytes) {
     throw Error(file.string(), "cannot be written: " + reason(code), remedy);
 }
 
+void require_no_directory(const fs::path& file) {
+    std::error_code failure;
+    if (file.filename().empty() || fs::is_directory(file, failure)) {
+        throw Error(file.string(), "is a directory, not a file", "name a file in it");
+    }
+}
+
 /// Creates a file with a name of its own beside `file`; its name is left in `name`.
 int open_beside(const fs::path& file, std::string& name) {
     for (unsigned attempt = 0;; ++attempt) {
@@ -85,11 +92,15 @@ int open_beside(const fs::path& file, std::string& name) {
 
 }  // namespace
 
+void require_writable(const fs::path& file) {
+    require_no_directory(file);
+    std::string temporary;
+    const Descriptor descriptor(open_beside(file, temporary));
+    ::unlink(temporary.c_str());
+}
+
 void write_whole_file(const fs::path& file, std::string_view bytes) {
-    std::error_code ignored;
-    if (file.filename().empty() || fs::is_directory(file, ignored)) {
-        throw Error(file.string(), "is a directory, not a file", "name a file in it");
-    }
+    require_no_directory(file);
     std::string temporary;
     Descriptor descriptor(open_beside(file, temporary));
     const bool is_written = write_all(descriptor.number(), bytes);

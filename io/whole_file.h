@@ -13,6 +13,10 @@ namespace earshot::io {
 /// naming the file; a partial file never remains.
 void write_whole_file(const std::filesystem::path& file, std::string_view bytes);
 
+/// Throws Error, as write_whole_file() would, unless the file can be written: for work that takes
+/// long, before it begins. Leaves nothing behind.
+void require_writable(const std::filesystem::path& file);
+
 /// All bytes of a file. Throws Error naming the file if it is missing, a directory or unreadable.
 std::string read_whole_file(const std::filesystem::path& file);
 
