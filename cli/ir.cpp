@@ -4,6 +4,7 @@
 #include "earshot/cli/emitter_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
+#include "earshot/cli/pvs_coverage.h"
 #include "earshot/cli/response_job.h"
 #include "earshot/cli/response_summary.h"
 #include "earshot/cli/scene_choice.h"
@@ -64,6 +65,9 @@ public:
         emitters_.apply(app(), scene_.file(), loaded.scene);
         if (!visibility_file_.empty()) {
             visible_sets_.emplace(io::read_visible_sets(visibility_file_));
+            const Warnings uncovered =
+                uncovered_sources(loaded.scene, *visible_sets_, visibility_file_, instants);
+            loaded.warnings.insert(loaded.warnings.end(), uncovered.begin(), uncovered.end());
         }
         const ResponseJob job = {.scene = loaded.scene,
                                  .simulation = simulation_options(),
