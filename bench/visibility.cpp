@@ -34,7 +34,7 @@ public:
             lower_ = glm::min(lower_, p);
             upper_ = glm::max(upper_, p);
         }
-        // A little more than the mesh, as those who look at an object stand outside.
+        // A little more than the mesh, because viewers of an object stand outside.
         const Vec3 more = 0.1 * (upper_ - lower_);
         lower_ -= more;
         upper_ += more;

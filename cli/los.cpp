@@ -2,6 +2,7 @@
 #include "earshot/base/simd.h"
 #include "earshot/bvh/deformable_bvh.h"
 #include "earshot/cli/commands.h"
+#include "earshot/cli/ignore_option.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/scene_choice.h"
@@ -35,7 +36,7 @@ constexpr const char* kFooter =
     "row per point of --from and a column per point of --to; JSON holds the points beside.\n\n"
     "Examples:\n"
     "  earshot los scenes/classroom.gltf --from 2,1.5,3 --to seats.csv -o sight.csv\n"
-    "      which seats a speaker sees\n"
+    "      the seats that are visible from a speaker\n"
     "  earshot los scenes/door.gltf --from 1,1.5,1 --to 8,1.2,2 --frames 0:2:0.1 -o sight.json\n"
     "      when a door that opens lets through";
 
@@ -49,11 +50,10 @@ public:
     explicit LosCommand(CLI::App& program)
         : Command(program, "los", "Line of sight between sets of points") {
         scene_.add_to(app(), "a matrix for each");
-        app().add_option("--from", from_option_, "points that look")->required();
-        app().add_option("--to", to_option_, "points that are looked at")->required();
-        app().add_option("-o,--output", output_, "the file to write: .csv, or .json")->required();
-        add_repeatable(
-            app(), "--ignore", ignored_, "a material that is looked through; may be repeated");
+        app().add_option("--from", from_option_, "points to look from")->required();
+        app().add_option("--to", to_option_, "points to look at")->required();
+        add_output("-o,--output", output_, "the file to write: .csv, or .json")->required();
+        ignore_.add_to(app());
         app().add_flag(
             "--blockers", with_blockers_, "the triangle that blocks first instead of 1 and 0");
         app().footer(kFooter);
@@ -70,7 +70,7 @@ public:
             throw Error("points",
                         std::to_string(from.size()) + " x " + std::to_string(to.size()) +
                             " pairs are more than 2^30",
-                        "ask for fewer at a time");
+                        "give fewer at a time");
         }
         const auto start = std::chrono::steady_clock::now();
         {
@@ -104,7 +104,7 @@ private:
                Progress& progress) {
         const bool is_json = output_.ends_with(".json");
         io::LineOfSightJson json(scene.name, points);
-        const visibility::ExclusionMask excluded = exclusion_mask_of(scene);
+        const visibility::ExclusionMask excluded = ignore_.mask_for(scene);
         std::optional<bvh::DeformableBvh> tree;
         std::optional<visibility::CoherentLineOfSight> coherent;
         for (std::size_t frame = 0; frame < times.size(); ++frame) {
@@ -118,7 +118,7 @@ private:
             };
             json.begin_frame(times[frame], with_blockers_);
             const std::size_t pairs = points.from.size() * points.to.size();
-            // Finding out what has moved pays if enough is asked.
+            // Temporal coherence pays if there are enough pairs.
             if (!with_blockers_ && times.size() > 1 && pairs >= mesh.triangles.size() &&
                 pairs <= kMaxCoherentPairs) {
                 if (!coherent) {
@@ -154,14 +154,6 @@ private:
     static bool is_free(std::uint8_t seen) noexcept { return seen != 0; }
     static bool is_free(TriangleId blocker) noexcept { return blocker == visibility::kNoBlocker; }
 
-    visibility::ExclusionMask exclusion_mask_of(const propagation::Scene& scene) const {
-        std::vector<std::uint32_t> materials;
-        for (const std::string& name : ignored_) {
-            materials.push_back(material_named(scene, name));
-        }
-        return visibility::ExclusionMask::of_materials(scene.material_of_triangle, materials);
-    }
-
     std::string summary(const PointSets& points, std::size_t instants) const {
         const std::size_t pairs = points.from.size() * points.to.size() * instants;
         if (common().json) {
@@ -181,8 +173,8 @@ private:
     }
 
     SceneChoice scene_;
+    IgnoreOption ignore_;
     std::string from_option_, to_option_, output_;
-    std::vector<std::string> ignored_;
     bool with_blockers_ = false;
     std::size_t free_ = 0;
     double seconds_ = 0.0;

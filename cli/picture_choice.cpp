@@ -37,7 +37,7 @@ visibility::View PictureChoice::view_from(const CLI::App& app, const geometry::V
         }
         view.forward = *target - point;
         if (*view.forward == geometry::Vec3(0.0)) {
-            throw wrong_usage(app, "--look-at", "is the point that looks");
+            throw wrong_usage(app, "--look-at", "is the viewpoint itself");
         }
     } else if (field_of_view_ > 0.0) {
         view.forward = geometry::Vec3(0.0, 0.0, -1.0);

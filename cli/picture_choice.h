@@ -12,7 +12,7 @@
 
 namespace earshot::cli {
 
-/// The options that ask for a picture of what a point sees.
+/// The options of a picture of what is visible from a point.
 class PictureChoice {
 public:
     /// Must outlive the parsing of the command line.
@@ -21,7 +21,7 @@ public:
     bool is_chosen() const noexcept { return !file_.empty(); }
     const std::string& file() const noexcept { return file_; }
 
-    /// What it looks at from `point`. Throws UsageError if an option is not of its form.
+    /// The projection of a picture from `point`. Throws UsageError if an option is not of its form.
     visibility::View view_from(const CLI::App& app, const geometry::Vec3& point) const;
 
     /// What was seen, painted; `mesh` is where it was then. If --depth-range is not given, the

@@ -48,11 +48,10 @@ constexpr const char* kExtractFooter =
 class PvsQueryCommand : public Command {
 public:
     explicit PvsQueryCommand(CLI::App& group)
-        : Command(group, "query", "Tell what the cell of a point sees") {
+        : Command(group, "query", "Tell what is visible from the cell of a point") {
         app().add_option("FILE", file_, "of earshot pvs build")->required();
         app().add_option("--at", at_option_, "X,Y,Z in metres")->required();
-        app().add_option(
-            "-o,--output", output_, "a list of its triangles to write: .csv, or .json");
+        add_output("-o,--output", output_, "a list of its triangles to write: .csv, or .json");
         app().footer(kQueryFooter);
     }
 
@@ -132,7 +131,7 @@ public:
     explicit PvsExtractCommand(CLI::App& group)
         : Command(group, "extract", "Merge cells down to a given number, without sampling again") {
         app().add_option("FILE", file_, "of earshot pvs build --cells or --grid")->required();
-        app().add_option("-o,--output", output_, "the file to write")->required();
+        add_output("-o,--output", output_, "the file to write")->required();
         CLI::Option* cells = add_integer(app(), "--cells", cells_, {1}, "so many, or as there are");
         CLI::Option* bytes = add_integer(
             app(), "--memory", bytes_, {1}, "as many as fit into this number of bytes at run time");

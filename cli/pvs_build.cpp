@@ -12,6 +12,7 @@
 #include "earshot/visibility/global_sampling.h"
 #include "earshot/visibility/guided_sampling.h"
 #include "earshot/visibility/merge_cells.h"
+#include "earshot/visibility/pvs_validation.h"
 #include "earshot/visibility/sample_free_segments.h"
 
 #include <algorithm>
@@ -32,8 +33,11 @@ using namespace visibility;
 constexpr const char* kFooter =
     "Without --cells and --grid the region is one cell, sampled by what is found (guided); with\n"
     "them all cells are filled at the same time. Sets are what rays proved to be visible: nothing\n"
-    "in them is wrong, and the share of rays that still met something new is told. They hold for\n"
-    "the scene at one instant.\n\n"
+    "in them is wrong, something may be missing. Fresh validation rays, from viewpoints uniform "
+    "in\n"
+    "the region in directions uniform on the sphere, measure in what share of all directions it "
+    "is,\n"
+    "with a bound that holds in 95 % of all cases. Sets hold for the scene at one instant.\n\n"
     "Examples:\n"
     "  earshot pvs build scenes/city.gltf --region 126,1,126:130,3,130 -o square.pvs\n"
     "      what can be seen from a square\n"
@@ -47,7 +51,7 @@ public:
     explicit PvsBuildCommand(CLI::App& group)
         : Command(group, "build", "Sample what can be seen from a region or its cells") {
         scene_.add_to(app());
-        app().add_option("-o,--output", output_, "the file to write")->required();
+        add_output("-o,--output", output_, "the file to write")->required();
         app().add_option(
             "--region", region_option_, "X,Y,Z:X,Y,Z, metres; default: the scene's box");
         CLI::Option* cells =
@@ -66,6 +70,13 @@ public:
                     "triangles that are taken together; default: 1");
         add_integer(
             app(), "--rays", rays_, {1}, "most rays; default: 10 or, with cells, 20 million");
+        add_integer(
+            app(),
+            "--validation",
+            validation_rays_,
+            {0},
+            "fresh rays that measure what the sets miss; default: a tenth of the rays, 65536 "
+            "at least");
         add_number(app(), "--seconds", seconds_, {.min = 0.0}, "stop after so long as well");
         add_integer(app(),
                     "--until",
@@ -186,17 +197,19 @@ private:
         options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
         options.min_new_triangles =
             until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.min_new_triangles;
-        const RegionPvs view = sample_region(tree, mesh, region, options, executor);
-        provenance.rays = view.rays;
-        provenance.missed_share = view.missed_share;
+        const RegionPvs pvs = sample_region(tree, mesh, region, options, executor);
+        provenance.rays = pvs.rays;
         Objects objects = objects_of(mesh, executor);
         std::vector<ObjectId> set;
-        for (const geometry::TriangleId triangle : view.triangles) {
+        for (const geometry::TriangleId triangle : pvs.triangles) {
             set.push_back(objects.of(triangle));
         }
         std::sort(set.begin(), set.end());
         set.erase(std::unique(set.begin(), set.end()), set.end());
-        return {ViewCells(region), std::move(objects), {std::move(set)}, std::move(provenance)};
+        const ViewCells cells(region);
+        std::vector<std::vector<ObjectId>> sets = {std::move(set)};
+        provenance.validation = validate(tree, mesh, objects, cells, sets, provenance, executor);
+        return {cells, std::move(objects), std::move(sets), std::move(provenance)};
     }
 
     VisibleSets sample_all_cells(const bvh::WideTree& tree,
@@ -212,16 +225,40 @@ private:
             .seed = provenance.seed, .progress = progress_, .interrupt = deadline()};
         options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
         options.max_growth = until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.max_growth;
-        GlobalPvs view = sample_cells(tree, mesh, objects, cells, options, executor);
-        provenance.rays = view.rays;
-        provenance.missed_share = view.missed_share;
-        MergeHistory history =
-            merge_cells(cells, view.visible, object_costs(objects), {}, executor);
+        GlobalPvs pvs = sample_cells(tree, mesh, objects, cells, options, executor);
+        provenance.rays = pvs.rays;
+        provenance.validation =
+            validate(tree, mesh, objects, cells, pvs.visible, provenance, executor);
+        MergeHistory history = merge_cells(cells, pvs.visible, object_costs(objects), {}, executor);
         return {std::move(cells),
                 std::move(objects),
-                std::move(view.visible),
+                std::move(pvs.visible),
                 std::move(provenance),
                 std::move(history)};
+    }
+
+    /// Empty if no validation rays are wanted.
+    std::optional<MissedShare> validate(const bvh::WideTree& tree,
+                                        const geometry::MeshView& mesh,
+                                        const Objects& objects,
+                                        const ViewCells& cells,
+                                        const std::vector<std::vector<ObjectId>>& sets,
+                                        const SetsProvenance& provenance,
+                                        Executor& executor) const {
+        const std::uint64_t rays =
+            validation_rays_ < 0
+                ? std::max(kMinValidationRays, provenance.rays / kRaysPerValidationRay)
+                : static_cast<std::uint64_t>(validation_rays_);
+        if (rays == 0) {
+            return std::nullopt;
+        }
+        return validate_pvs(tree,
+                            mesh,
+                            objects,
+                            cells,
+                            sets,
+                            {.seed = provenance.seed, .rays = rays, .progress = progress_},
+                            executor);
     }
 
     ViewCells divided(const bvh::WideTree& tree,
@@ -243,12 +280,15 @@ private:
                                 {.max_cells = static_cast<std::size_t>(cells_),
                                  .mesh = mesh,
                                  .seed = seed,
-                                 .progress = progress_},
+                                 .progress = progress_,
+                                 .interrupt = deadline()},
                                 executor)
             .cells;
     }
 
     static constexpr double kNoLimit = -1.0;
+    static constexpr std::uint64_t kMinValidationRays = std::uint64_t{1} << 16U;
+    static constexpr std::uint64_t kRaysPerValidationRay = 10;
 
     SceneChoice scene_;
     std::string output_, region_option_, grid_option_;
@@ -256,6 +296,7 @@ private:
     std::int64_t triangles_per_object_ = 1;
     std::int64_t rays_ = 0;
     std::int64_t until_ = -1;
+    std::int64_t validation_rays_ = -1;  // -1: not given
     std::int64_t segments_ = 200'000;
     double seconds_ = kNoLimit;
     bool skip_solids_ = false;

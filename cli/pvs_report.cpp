@@ -14,6 +14,7 @@
 namespace earshot::cli {
 
 using visibility::CellId;
+using visibility::MissedShare;
 using visibility::VisibleSets;
 
 namespace {
@@ -39,6 +40,20 @@ std::vector<std::size_t> triangles_per_cell(const VisibleSets& sets) {
     return counts;
 }
 
+/// What the validation batch tells of the directions in which the sets miss the closest hit.
+std::string missed_line(const std::optional<MissedShare>& validation) {
+    if (!validation) {
+        return "missed     not known, as no validation rays were cast\n";
+    }
+    return line(
+        "missed     %.2g of all directions, at most %.2g (%.0f %% confidence; %llu of %llu rays)\n",
+        validation->estimate(),
+        validation->upper_bound(),
+        100.0 * MissedShare::kConfidence,
+        static_cast<unsigned long long>(validation->missed),
+        static_cast<unsigned long long>(validation->rays));
+}
+
 std::string as_text(const VisibleSets& sets,
                     const std::string& file,
                     std::optional<double> seconds) {
@@ -61,9 +76,8 @@ std::string as_text(const VisibleSets& sets,
     text += line("entries    %llu, %.1f per cell\n",
                  static_cast<unsigned long long>(sets.entries()),
                  static_cast<double>(sets.entries()) / cells);
-    text += line("rays       %llu; of late ones %.2g met something new\n",
-                 static_cast<unsigned long long>(provenance.rays),
-                 provenance.missed_share);
+    text += line("rays       %llu\n", static_cast<unsigned long long>(provenance.rays));
+    text += missed_line(provenance.validation);
     if (seconds) {
         text += line("time       %.3f s\n", *seconds);
     }
@@ -89,9 +103,17 @@ std::string pvs_summary(const VisibleSets& sets,
                                    {"triangles", sets.objects().object_of_triangle().size()},
                                    {"entries", sets.entries()},
                                    {"rays", provenance.rays},
-                                   {"missed_share", provenance.missed_share},
+                                   {"missed_share", nullptr},
+                                   {"missed_share_upper", nullptr},
+                                   {"confidence", MissedShare::kConfidence},
+                                   {"validation_rays", 0},
                                    {"seed", provenance.seed},
                                    {"file", file}};
+    if (provenance.validation) {
+        json["missed_share"] = provenance.validation->estimate();
+        json["missed_share_upper"] = provenance.validation->upper_bound();
+        json["validation_rays"] = provenance.validation->rays;
+    }
     if (seconds) {
         json["seconds"] = *seconds;
     }

@@ -25,7 +25,7 @@ std::string name_of(const Colour& colour);
 io::Picture paint_triangles(const visibility::ItemBuffer& buffer);
 
 /// Every triangle in the colour of its material's index, darker where it is seen at a flat angle.
-/// `mesh` is where it was when it was looked at.
+/// `mesh` is in the pose of the item buffer.
 io::Picture paint_materials(const visibility::ItemBuffer& buffer,
                             const geometry::MeshView& mesh,
                             std::span<const std::uint32_t> material_of_triangle);

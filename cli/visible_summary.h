@@ -12,7 +12,7 @@
 
 namespace earshot::cli {
 
-/// What `earshot visible` says at its end: the triangles that were seen at any instant, and the
+/// The summary of `earshot visible`: the triangles that are visible at any instant, and the
 /// materials' shares of the sphere, averaged over instants.
 class VisibleSummary {
 public:
@@ -39,7 +39,7 @@ private:
         double share = 0.0;
     };
 
-    /// Of materials that were seen, the largest share first, equal ones by index.
+    /// The rows of visible materials, the largest share first, equal ones by index.
     std::vector<Row> rows() const;
     std::size_t triangles_seen() const;
     double share(double solid_angle) const;

@@ -14,8 +14,8 @@ namespace earshot::io {
 
 class JsonLines;
 
-/// Writes who sees whom as a table without a header: a line per `from` point, a cell per `to`
-/// point, 1 where they see each other and 0 where not.
+/// Writes a visibility matrix as a table without a header: a line per `from` point, a cell per `to`
+/// point, 1 where the two are mutually visible and 0 where not.
 class LineOfSightCsv {
 public:
     void add_row(std::span<const std::uint8_t> seen);
@@ -27,8 +27,8 @@ private:
     std::string text_;
 };
 
-/// Writes the same as JSON, for one instant or several: the points, and per instant the rows, as
-/// `visible`, or as `blockers` with null where two see each other.
+/// Writes a visibility matrix as JSON, for one instant or several: the points, and per instant the
+/// rows, as `visible`, or as `blockers` with null where two see each other.
 class LineOfSightJson {
 public:
     LineOfSightJson(std::string_view scene, const visibility::PointSets& points);

@@ -24,7 +24,8 @@ using geometry::Vec3;
 namespace {
 
 constexpr std::string_view kMagic = "earshotV";
-constexpr std::uint64_t kVersion = 1;
+constexpr std::uint64_t kVersion = 2;
+constexpr std::uint64_t kVersionWithoutValidation = 1;  // still read
 constexpr std::size_t kChecksumBytes = 8;
 
 std::uint64_t checksum(std::string_view bytes) {
@@ -61,16 +62,31 @@ void write_provenance(ByteWriter& out, const SetsProvenance& provenance) {
     out.fixed(provenance.mesh_digest, 8);
     out.leb128(provenance.seed);
     out.leb128(provenance.rays);
-    out.number(provenance.missed_share);
+    // No validation is one of no rays.
+    const auto validation = provenance.validation.value_or(visibility::MissedShare{});
+    out.leb128(validation.rays);
+    out.leb128(validation.missed);
+    out.number(validation.upper_bound());  // for other readers; here it follows from the two
 }
-SetsProvenance read_provenance(ByteReader& in) {
+SetsProvenance read_provenance(ByteReader& in, std::uint64_t version) {
     SetsProvenance provenance;
     provenance.scene = in.string();
     provenance.time = in.number();
     provenance.mesh_digest = in.fixed(8);
     provenance.seed = in.leb128();
     provenance.rays = in.leb128();
-    provenance.missed_share = in.number();
+    if (version == kVersionWithoutValidation) {
+        in.number();  // an estimate from the sampling itself, which said 0 where nothing was known
+        return provenance;
+    }
+    const visibility::MissedShare validation = {.rays = in.leb128(), .missed = in.leb128()};
+    if (validation.missed > validation.rays) {
+        in.fail("more rays are missed than there are");
+    }
+    in.number();  // the upper bound
+    if (validation.rays > 0) {
+        provenance.validation = validation;
+    }
     return provenance;
 }
 
@@ -166,8 +182,8 @@ MergeHistory read_history(ByteReader& in, const std::vector<std::vector<ObjectId
     return {leaf_cost, std::move(leaf_entries), std::move(merges)};
 }
 
-VisibleSets read_body(ByteReader& in) {
-    SetsProvenance provenance = read_provenance(in);
+VisibleSets read_body(ByteReader& in, std::uint64_t version) {
+    SetsProvenance provenance = read_provenance(in, version);
     ViewCells cells = read_cells(in);
     Objects objects = read_objects(in);
     std::vector<std::vector<ObjectId>> sets(cells.size());
@@ -220,10 +236,12 @@ VisibleSets read_visible_sets(const std::filesystem::path& file) {
     }
     ByteReader head(bytes, name);
     head.raw(kMagic.size());
-    if (const std::uint64_t version = head.fixed(4); version != kVersion) {
+    const std::uint64_t version = head.fixed(4);
+    if (version != kVersion && version != kVersionWithoutValidation) {
         throw Error(name,
-                    "has version " + std::to_string(version) + ", and " + std::to_string(kVersion) +
-                        " is known",
+                    "has version " + std::to_string(version) + ", and " +
+                        std::to_string(kVersionWithoutValidation) + " to " +
+                        std::to_string(kVersion) + " are known",
                     "make it anew");
     }
     const std::size_t head_bytes = bytes.size() - head.remaining();
@@ -239,7 +257,7 @@ VisibleSets read_visible_sets(const std::filesystem::path& file) {
     ByteReader body(checked, name);
     body.raw(head_bytes);
     try {
-        return read_body(body);
+        return read_body(body, version);
     } catch (const Error& error) {
         // What does not fit together inside of a file is the file's fault.
         throw error.subject() == name ? error

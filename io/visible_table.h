@@ -15,21 +15,22 @@ namespace earshot::io {
 
 class JsonLines;
 
-/// What a point sees of one material.
+/// The part of one material that is visible from a point.
 struct MaterialShare {
     std::uint32_t material = 0;  ///< index into the scene's materials
-    std::size_t triangles = 0;   ///< of it that are seen
+    std::size_t triangles = 0;   ///< of it that are visible
     double solid_angle = 0.0;    ///< steradians of the whole sphere's 4 pi
 };
 
-/// Of every material that is seen, the largest solid angle first, equal ones by index.
+/// The shares of all visible materials, the largest solid angle first, equal ones by index.
 std::vector<MaterialShare> shares_of_materials(const visibility::VisibleTriangles& visible,
                                                const propagation::Scene& scene);
 
 /// A table with the header `triangle,pixels,solid_angle,x,y,z` and a line per triangle.
 std::string encode_visible_csv(const visibility::VisibleTriangles& visible);
 
-/// Writes the same as JSON, with names and shares of materials, for one instant or several.
+/// Writes visible triangles as JSON, with names and shares of materials, for one instant or
+/// several.
 class VisibleJson {
 public:
     /// `resolution`: of the sweep, radians; written in degrees.

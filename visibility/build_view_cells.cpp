@@ -76,17 +76,20 @@ std::vector<Viewer> viewers_of(const ViewRegion& region, const CellOptions& opti
     return viewers;
 }
 
-/// The triangles whose boxes intersect a region.
-std::vector<TriangleId> triangles_near(const geometry::MeshView& mesh, const ViewRegion& region) {
+/// The triangles whose boxes intersect a region, but for the excluded ones.
+std::vector<TriangleId> triangles_near(const geometry::MeshView& mesh,
+                                       const ViewRegion& region,
+                                       const ExclusionMask& excluded) {
     std::vector<TriangleId> triangles;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto& [a, b, c] = mesh.triangles[i];
         const auto& positions = mesh.positions;
         const Vec3 lower = glm::min(positions[a], glm::min(positions[b], positions[c]));
         const Vec3 upper = glm::max(positions[a], glm::max(positions[b], positions[c]));
-        if (!glm::any(glm::lessThan(upper, region.lower)) &&
+        const auto id = static_cast<TriangleId>(i);
+        if (!excluded.contains(id) && !glm::any(glm::lessThan(upper, region.lower)) &&
             !glm::any(glm::greaterThan(lower, region.upper))) {
-            triangles.push_back(static_cast<TriangleId>(i));
+            triangles.push_back(id);
         }
     }
     return triangles;
@@ -173,7 +176,7 @@ void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects
         }
     }
     if (options_.rule == CellRule::cost && options_.max_triangle_planes > 0) {
-        root.triangles = triangles_near(options_.mesh, build_.region);
+        root.triangles = triangles_near(options_.mesh, build_.region, options_.excluded);
     }
     root.viewers.resize(build_.viewers.size());
     for (std::size_t i = 0; i < root.viewers.size(); ++i) {
@@ -202,27 +205,27 @@ bool CellBuilder::may_be_split(const CellLeaf& leaf) const {
 }
 
 void CellBuilder::find_splits(std::span<const LeafId> ids) {
-    std::vector<LeafId> asked;
+    std::vector<LeafId> ids_to_split;
     std::vector<const CellLeaf*> leaves;
     for (const LeafId id : ids) {
         if (may_be_split(leaves_[id])) {
-            asked.push_back(id);
+            ids_to_split.push_back(id);
             leaves.push_back(&leaves_[id]);
         }
     }
     candidates_.resize(leaves_.size());
     if (options_.rule == CellRule::middle) {
-        for (const LeafId id : asked) {
+        for (const LeafId id : ids_to_split) {
             candidates_[id] = {spatial_median_plane(leaves_[id]), 0.0};
             queue_.push({leaves_[id].volume, id});
         }
         return;
     }
     const auto best = best_split_planes(build_, options_, leaves, executor_);
-    for (std::size_t i = 0; i < asked.size(); ++i) {
+    for (std::size_t i = 0; i < ids_to_split.size(); ++i) {
         if (best[i]) {
-            candidates_[asked[i]] = *best[i];
-            queue_.push({best[i]->saving, asked[i]});
+            candidates_[ids_to_split[i]] = *best[i];
+            queue_.push({best[i]->saving, ids_to_split[i]});
         }
     }
 }
@@ -355,7 +358,8 @@ BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects
     slots_.push_back({0, false});
     const double region_cost = cost_;
     find_splits(std::array{LeafId{0}});
-    while (!queue_.empty() && leaves_.size() < options_.max_cells) {
+    while (!queue_.empty() && leaves_.size() < options_.max_cells &&
+           !(options_.interrupt && options_.interrupt())) {
         const LeafId next = queue_.top().leaf;
         queue_.pop();
         split(next);

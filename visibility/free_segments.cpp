@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/free_segments.h"
 
-#include "earshot/bvh/wide_batch.h"
+#include "earshot/visibility/internal/masked_hits.h"
 
 #include <glm/geometric.hpp>
 
@@ -49,13 +49,15 @@ std::vector<FreeSegment> cast_free_segments(const bvh::WideTree& tree,
                                             const geometry::MeshView& mesh,
                                             std::span<const Ray> rays,
                                             const ViewRegion& region,
+                                            const ExclusionMask& excluded,
                                             Executor& executor) {
     std::vector<Ray> both(2 * rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         both[2 * i] = {rays[i].origin, rays[i].direction};
         both[2 * i + 1] = {rays[i].origin, -rays[i].direction};
     }
-    const auto hits = bvh::closest_hits(tree, mesh, both, executor);
+    std::vector<std::optional<geometry::Hit>> hits(both.size());
+    closest_hits(tree, mesh, both, excluded, hits, executor);
     const ViewRegion all = around(region, tree);
     std::vector<FreeSegment> result(rays.size());
     executor.for_each(rays.size(), kRaysPerChunk, [&](std::size_t begin, std::size_t end) {

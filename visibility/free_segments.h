@@ -4,6 +4,7 @@
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/wide_tree.h"
 #include "earshot/geometry/mesh.h"
+#include "earshot/visibility/exclusion_mask.h"
 #include "earshot/visibility/region.h"
 
 #include <limits>
@@ -29,11 +30,13 @@ struct FreeSegment {
 /// The maximal free segment through the origin of every ray, by a ray along its direction and one
 /// against it (Bittner et al. 2009, section 3). A segment that hits nothing ends at the boundary of
 /// the box around the region and the tree; that of a ray whose origin is outside of this box is
-/// empty. Precondition: the tree was built over or refitted to this mesh.
+/// empty. Precondition: the tree was built over or refitted to this mesh. Excluded triangles are
+/// treated as absent.
 std::vector<FreeSegment> cast_free_segments(const bvh::WideTree& tree,
                                             const geometry::MeshView& mesh,
                                             std::span<const geometry::Ray> rays,
                                             const ViewRegion& region,
+                                            const ExclusionMask& excluded = {},
                                             Executor& executor = Executor::serial());
 
 /// A segment without so many metres at either end; its midpoint if it is no longer than both. Cells

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/progress.h"
+#include "earshot/visibility/exclusion_mask.h"
 #include "earshot/visibility/objects.h"
 
 #include <array>
@@ -31,6 +32,7 @@ struct GlobalSamplingOptions {
     std::size_t samples_per_batch = std::size_t{1} << 16U;
     /// Which distributions may be drawn from, by SampleDistribution; for comparisons.
     std::array<bool, kSampleDistributions> distributions = {true, true, true, true, true};
+    ExclusionMask excluded{};      ///< triangles that are treated as absent
     Progress* progress = nullptr;  ///< receives "rays"
     Interrupt interrupt{};         ///< checked between batches; an interrupted result is partial
 };
@@ -40,9 +42,6 @@ struct GlobalSamplingOptions {
 struct GlobalPvs {
     std::vector<std::vector<ObjectId>> visible;  ///< per cell, ascending
     std::uint64_t rays = 0;
-    /// Fraction of the samples of view_space_direction in the last half of the sampling that added
-    /// to the set of the cell of their origin (Bittner et al. 2009, section 5.3).
-    double missed_share = 0.0;
     struct Point {
         std::uint64_t rays, entries;
     };

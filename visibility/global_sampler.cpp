@@ -4,6 +4,7 @@
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
 #include "earshot/visibility/cell_shape.h"
+#include "earshot/visibility/internal/masked_hits.h"
 
 #include <glm/geometric.hpp>
 
@@ -53,6 +54,7 @@ GlobalSampler::GlobalSampler(const bvh::WideTree& tree,
       cells_(cells),
       options_(options),
       executor_(executor),
+      excluded_(with_degenerate(options.excluded, mesh)),
       generator_(mesh, objects, cells.region(), options.seed),
       words_((objects.size() + 63) / 64),
       bits_(words_ * cells.size(), 0),
@@ -69,10 +71,8 @@ GlobalPvs GlobalSampler::run() {
         std::vector<geometry::Ray> rays(samples.size());
         std::transform(
             samples.begin(), samples.end(), rays.begin(), [](const auto& s) { return s.ray; });
-        const auto segments = cast_free_segments(tree_, mesh_, rays, cells_.region(), executor_);
-        marks_.push_back({pvs_.rays,
-                          pvs_.counts[at(SampleDistribution::view_space_direction)].samples,
-                          own_finds_});
+        const auto segments =
+            cast_free_segments(tree_, mesh_, rays, cells_.region(), excluded_, executor_);
         add_contributions(samples, segments, find_contributions(samples, segments));
         pvs_.rays += 2 * samples.size();
         pvs_.curve.push_back({pvs_.rays, entries_});
@@ -86,13 +86,6 @@ GlobalPvs GlobalSampler::run() {
     }
     if (options_.progress != nullptr) {
         options_.progress->report("rays", pvs_.rays, pvs_.rays);
-    }
-    const auto half = std::partition_point(
-        marks_.begin(), marks_.end(), [&](const Mark& mark) { return 2 * mark.rays < pvs_.rays; });
-    const std::uint64_t own = pvs_.counts[at(SampleDistribution::view_space_direction)].samples;
-    if (half != marks_.end() && own > half->own_samples) {
-        pvs_.missed_share = static_cast<double>(own_finds_ - half->own_finds) /
-                            static_cast<double>(own - half->own_samples);
     }
     pvs_.visible.resize(cells_.size());
     executor_.for_each(cells_.size(), 64, [&](std::size_t begin, std::size_t end) {
@@ -196,10 +189,6 @@ void GlobalSampler::add_contributions(std::span<const Sample> samples,
         bool ahead = false;
         bool behind = false;
         std::uint64_t added = 0;
-        bool is_for_own_cell = false;
-        const auto own = samples[i].distribution == SampleDistribution::view_space_direction
-                             ? cells_.cell_at(samples[i].ray.origin)
-                             : std::nullopt;
         for (; k < contributions.size() && contributions[k].sample == i; ++k) {
             const Contribution& contribution = contributions[k];
             // An earlier sample of the batch may have added the same.
@@ -211,10 +200,8 @@ void GlobalSampler::add_contributions(std::span<const Sample> samples,
             ++sizes_[contribution.cell];
             ++added;
             (contribution.is_ahead ? ahead : behind) = true;
-            is_for_own_cell = is_for_own_cell || own == contribution.cell;
         }
         entries_ += added;
-        own_finds_ += is_for_own_cell ? 1 : 0;
         pvs_.counts[at(samples[i].distribution)].contribution += added;
         if (added > 0) {
             add_candidates(segments[i], ahead, behind);

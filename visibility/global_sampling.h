@@ -11,9 +11,10 @@ namespace earshot::visibility {
 
 /// Samples the sets of all cells at the same time (Bittner et al. 2009, adaptive global visibility
 /// sampling): a maximal free segment adds the objects at its ends to the PVS of every cell that it
-/// pierces, and the distributions are mixed by their recent contribution per ray. The sets depend
-/// on the arguments alone, unless sampling is interrupted. Throws Error if the sets would take more
-/// than 4 GiB while they grow (a bit for every cell and object), or if no distribution is allowed.
+/// pierces, and the distributions are mixed by their recent contribution per ray. Excluded
+/// triangles are treated as absent, and so are triangles without area. The sets depend on the
+/// arguments alone, unless sampling is interrupted. Throws Error if the sets would take more than 4
+/// GiB while they grow (a bit for every cell and object), or if no distribution is allowed.
 /// Precondition: the tree was built over or refitted to this mesh; objects are of its triangles.
 GlobalPvs sample_cells(const bvh::WideTree& tree,
                        const geometry::MeshView& mesh,

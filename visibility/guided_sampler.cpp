@@ -4,8 +4,8 @@
 #include "earshot/base/halton.h"
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/visibility/internal/directions.h"
+#include "earshot/visibility/internal/masked_hits.h"
 
 #include <glm/geometric.hpp>
 
@@ -49,7 +49,12 @@ GuidedSampler::GuidedSampler(const bvh::WideTree& tree,
                              const ViewRegion& region,
                              const GuidedSamplingOptions& options,
                              Executor& executor)
-    : tree_(tree), mesh_(mesh), region_(region), options_(options), executor_(executor) {
+    : tree_(tree),
+      mesh_(mesh),
+      region_(region),
+      options_(options),
+      executor_(executor),
+      excluded_(with_degenerate(options.excluded, mesh)) {
     index_of_triangle_.assign(mesh.triangles.size(), kUnknown);
     if (!tree.box().is_empty()) {
         Vec3 size(0.0);
@@ -93,13 +98,6 @@ RegionPvs GuidedSampler::run() {
     }
     pvs.rays = rays_;
     pvs.curve = curve_;
-    // The last half of the sampling, by rays.
-    const auto half = std::partition_point(
-        marks_.begin(), marks_.end(), [&](const Mark& mark) { return 2 * mark.rays < rays_; });
-    if (half != marks_.end() && random_rays_ > half->random_rays) {
-        pvs.missed_share = static_cast<double>(random_finds_ - half->random_finds) /
-                           static_cast<double>(random_rays_ - half->random_rays);
-    }
     return pvs;
 }
 
@@ -126,7 +124,8 @@ std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
     hits_.resize(count);
     is_interrupted_ =
         is_interrupted_ ||
-        !bvh::closest_hits(tree_, mesh_, rays.first(count), hits_, executor_, options_.interrupt);
+        !closest_hits(
+            tree_, mesh_, rays.first(count), excluded_, hits_, executor_, options_.interrupt);
     if (is_interrupted_) {
         return 0;
     }
@@ -185,10 +184,7 @@ void GuidedSampler::cast_random() {
     for (std::size_t i = 0; i < rays.size(); ++i) {
         rays[i] = random_ray(random_rays_ + i);
     }
-    marks_.push_back({rays_, random_rays_, random_finds_});
-    const std::size_t known = witnesses_.size();
     random_rays_ += cast(rays);
-    random_finds_ += witnesses_.size() - known;
 }
 
 // Samples the borders of known triangles again, in turn, as seen from other points of the region:

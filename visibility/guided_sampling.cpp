@@ -21,7 +21,7 @@ RegionPvs sample_region(const bvh::WideTree& tree,
         const auto id = static_cast<TriangleId>(i);
         const auto [a, b, c] = geometry::corners(mesh, i);
         const bool is_inside = box.touches(a, b, c);
-        if (sampler.is_known(id) || is_inside) {
+        if (!sampler.excluded().contains(id) && (sampler.is_known(id) || is_inside)) {
             pvs.triangles.push_back(id);
             pvs.witnesses.push_back(sampler.is_known(id)
                                         ? sampler.witness_of(id)

@@ -2,9 +2,9 @@
 #include "earshot/visibility/item_buffer.h"
 
 #include "earshot/base/assert.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/visibility/internal/directions.h"
+#include "earshot/visibility/internal/masked_hits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,6 +63,7 @@ ItemBuffer render_item_buffer(const bvh::WideTree& tree,
                               const geometry::MeshView& mesh,
                               const Vec3& point,
                               const View& view,
+                              const ExclusionMask& excluded,
                               Executor& executor,
                               Progress* progress) {
     EARSHOT_ASSERT(view.width > 0 && view.height > 0);
@@ -75,7 +76,9 @@ ItemBuffer render_item_buffer(const bvh::WideTree& tree,
         .view = view, .directions = std::vector<Vec3>(pixels), .triangles = {}, .distances = {}};
     buffer.triangles.reserve(pixels);
     buffer.distances.reserve(pixels);
+    const ExclusionMask absent = with_degenerate(excluded, mesh);
     std::vector<Ray> rays;
+    std::vector<std::optional<Hit>> hits;
     for (std::size_t row = 0; row < view.height; row += rows_per_batch) {
         const std::size_t rows = std::min(rows_per_batch, view.height - row);
         const std::size_t first = row * view.width;
@@ -87,7 +90,9 @@ ItemBuffer render_item_buffer(const bvh::WideTree& tree,
                 rays[i] = {.origin = point, .direction = direction};
             }
         });
-        for (const std::optional<Hit>& hit : bvh::closest_hits(tree, mesh, rays, executor)) {
+        hits.resize(rays.size());
+        closest_hits(tree, mesh, rays, absent, hits, executor);
+        for (const std::optional<Hit>& hit : hits) {
             buffer.triangles.push_back(hit ? hit->triangle : kNoTriangle);
             buffer.distances.push_back(hit ? hit->t : std::numeric_limits<double>::infinity());
         }

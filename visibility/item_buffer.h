@@ -7,6 +7,7 @@
 #include "earshot/bvh/wide_tree.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/types.h"
+#include "earshot/visibility/exclusion_mask.h"
 #include "earshot/visibility/free_segments.h"
 
 #include <cstddef>
@@ -35,12 +36,14 @@ struct ItemBuffer {
     std::vector<double> distances;                ///< metres; infinite where no triangle is
 };
 
-/// Casts one ray from `point` through the middle of every pixel. Precondition: width and height are
-/// not 0, and the tree was built over or refitted to this mesh.
+/// Casts one ray from `point` through the middle of every pixel. Excluded triangles are treated as
+/// absent, and so are triangles without area. Precondition: width and height are not 0, and the
+/// tree was built over or refitted to this mesh.
 ItemBuffer render_item_buffer(const bvh::WideTree& tree,
                               const geometry::MeshView& mesh,
                               const geometry::Vec3& point,
                               const View& view,
+                              const ExclusionMask& excluded = {},
                               Executor& executor = Executor::serial(),
                               Progress* progress = nullptr);
 

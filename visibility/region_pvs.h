@@ -3,6 +3,7 @@
 
 #include "earshot/base/progress.h"
 #include "earshot/geometry/types.h"
+#include "earshot/visibility/exclusion_mask.h"
 
 #include <cstdint>
 #include <vector>
@@ -23,6 +24,7 @@ struct GuidedSamplingOptions {
     double border_angle = 1e-6;
     /// Hits nearer to each other than this fraction of the scene's diagonal count as one surface.
     double threshold = 1e-3;
+    ExclusionMask excluded{};      ///< triangles that are treated as absent
     Progress* progress = nullptr;  ///< receives "rays"
     Interrupt interrupt{};         ///< checked between batches; an interrupted result is partial
 };
@@ -36,10 +38,6 @@ struct RegionPvs {
     /// starts in the region.
     std::vector<geometry::Ray> witnesses;
     std::uint64_t rays = 0;
-    /// Fraction of the random rays in the last half of the sampling that hit a triangle which no
-    /// ray before them had hit. Random rays leave all points of the region's boundary in all
-    /// directions alike.
-    double missed_share = 0.0;
     struct Point {
         std::uint64_t rays, triangles;
     };

@@ -3,8 +3,8 @@
 
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/visibility/internal/directions.h"
+#include "earshot/visibility/internal/masked_hits.h"
 
 #include <glm/geometric.hpp>
 
@@ -63,6 +63,7 @@ bool hits_back(const MeshView& mesh, TriangleId triangle, const Vec3& direction)
 /// inside.
 void leave_solids(const bvh::WideTree& tree,
                   const MeshView& mesh,
+                  const ExclusionMask& excluded,
                   double step_out,
                   std::vector<Ray>& rays,
                   Executor& executor) {
@@ -75,7 +76,8 @@ void leave_solids(const bvh::WideTree& tree,
         std::vector<Ray> moving(inside.size());
         std::transform(
             inside.begin(), inside.end(), moving.begin(), [&](std::size_t i) { return rays[i]; });
-        const auto hits = bvh::closest_hits(tree, mesh, moving, executor);
+        std::vector<std::optional<geometry::Hit>> hits(moving.size());
+        closest_hits(tree, mesh, moving, excluded, hits, executor);
         std::vector<std::size_t> still;
         for (std::size_t k = 0; k < inside.size(); ++k) {
             Ray& ray = rays[inside[k]];
@@ -113,6 +115,7 @@ std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
                                               const SegmentSampling& sampling,
                                               Executor& executor) {
     validate(region);
+    const ExclusionMask excluded = with_degenerate(sampling.excluded, mesh);
     const double step_out = kStepOut * glm::length(region.size());
     std::vector<FreeSegment> result;
     std::vector<Ray> rays;
@@ -125,9 +128,9 @@ std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
             }
         });
         if (sampling.skip_solids) {
-            leave_solids(tree, mesh, step_out, rays, executor);
+            leave_solids(tree, mesh, excluded, step_out, rays, executor);
         }
-        const auto segments = cast_free_segments(tree, mesh, rays, region, executor);
+        const auto segments = cast_free_segments(tree, mesh, rays, region, excluded, executor);
         for (std::size_t i = 0; i < segments.size(); ++i) {
             if (segments[i].is_valid() &&
                 (!sampling.skip_solids ||

@@ -17,6 +17,7 @@ struct SegmentSampling {
     /// starts inside a solid moves along its line until it has left the solid, and no segment lies
     /// in a solid. Of other meshes, much is left out.
     bool skip_solids = false;
+    ExclusionMask excluded{};  ///< triangles that are treated as absent
 };
 
 /// Maximal free segments through points uniform in the region, with directions uniform on the

@@ -3,6 +3,7 @@
 
 #include "earshot/base/progress.h"
 #include "earshot/geometry/mesh.h"
+#include "earshot/visibility/exclusion_mask.h"
 #include "earshot/visibility/objects.h"
 #include "earshot/visibility/render_cost.h"
 #include "earshot/visibility/view_cells.h"
@@ -34,12 +35,14 @@ struct CellOptions {
     /// at random from the seed. Without a mesh all planes are perpendicular to an axis.
     geometry::MeshView mesh{};
     std::size_t max_triangle_planes = 16;
+    ExclusionMask excluded{};  ///< triangles whose planes are no candidates
     std::uint64_t seed = 1;
     /// Density of viewers at a point, in any unit, never negative; empty: uniform. It is evaluated
     /// at `density_points` points of the region, on the calling thread.
     std::function<double(const geometry::Vec3&)> density{};
     std::size_t density_points = 65536;
     Progress* progress = nullptr;
+    Interrupt interrupt{};  ///< checked between splits; there are then fewer cells
 };
 
 /// A split of a leaf. The back half keeps the leaf's number, the front half gets the next free one.

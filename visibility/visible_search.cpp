@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/internal/visible_search.h"
 
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/visibility/internal/border_sampling.h"
 #include "earshot/visibility/internal/directions.h"
+#include "earshot/visibility/internal/masked_hits.h"
 
 #include <algorithm>
 #include <array>
@@ -42,6 +42,7 @@ VisibleSearch::VisibleSearch(const bvh::WideTree& tree,
       mesh_(mesh),
       point_(point),
       options_(options),
+      excluded_(with_degenerate(options.excluded, mesh)),
       executor_(executor),
       index_of_triangle_(mesh.triangles.size(), kNoTriangle) {}
 
@@ -56,11 +57,12 @@ std::vector<TriangleId> VisibleSearch::cast(std::span<const Vec3> directions) {
                 rays[i] = {.origin = point_, .direction = batch[i]};
             }
         });
-        bvh::closest_hits(tree_,
-                          mesh_,
-                          std::span<const Ray>(rays).first(batch.size()),
-                          std::span(hits).first(batch.size()),
-                          executor_);
+        closest_hits(tree_,
+                     mesh_,
+                     std::span<const Ray>(rays).first(batch.size()),
+                     excluded_,
+                     std::span(hits).first(batch.size()),
+                     executor_);
         for (std::size_t i = 0; i < batch.size(); ++i) {
             if (hits[i]) {
                 visible[done + i] = hits[i]->triangle;
@@ -207,10 +209,11 @@ void VisibleSearch::aim_at_missing(Progress* progress) {
     while (next < index_of_triangle_.size() && found_.is_complete) {
         directions.clear();
         for (; next < index_of_triangle_.size() && directions.size() < kBatch; ++next) {
-            if (index_of_triangle_[next] != kNoTriangle) {
+            const auto id = static_cast<TriangleId>(next);
+            if (index_of_triangle_[next] != kNoTriangle || excluded_.contains(id)) {
                 continue;
             }
-            const auto corners = relative_corners(static_cast<TriangleId>(next));
+            const auto corners = relative_corners(id);
             const Vec3 direction = geometry::normalized(corners[0] + corners[1] + corners[2]);
             if (geometry::is_finite(direction)) {
                 directions.push_back(direction);

@@ -3,6 +3,7 @@
 
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/merge_history.h"
+#include "earshot/visibility/missed_share.h"
 #include "earshot/visibility/objects.h"
 #include "earshot/visibility/view_cells.h"
 
@@ -16,12 +17,12 @@ namespace earshot::visibility {
 
 /// The scene and the sampling that visible sets come from.
 struct SetsProvenance {
-    std::string scene;              ///< name of the scene
+    std::string scene{};            ///< name of the scene
     double time = 0.0;              ///< instant of the scene's animation, seconds
     std::uint64_t mesh_digest = 0;  ///< mesh_digest() of the mesh at that instant
     std::uint64_t seed = 0;
     std::uint64_t rays = 0;
-    double missed_share = 0.0;  ///< RegionPvs::missed_share or GlobalPvs::missed_share
+    std::optional<MissedShare> validation{};  ///< by validate_pvs(); of merged sets, before merging
     friend bool operator==(const SetsProvenance&, const SetsProvenance&) = default;
 };
 

@@ -3,6 +3,7 @@
 
 #include "earshot/base/math.h"
 #include "earshot/geometry/types.h"
+#include "earshot/visibility/exclusion_mask.h"
 
 #include <cstdint>
 #include <vector>
@@ -28,6 +29,7 @@ struct VisibleTrianglesOptions {
     double border_angle = 1e-6;
     /// Limit of the rays that the refinement casts.
     std::uint64_t max_refining_rays = std::uint64_t{1} << 32U;
+    ExclusionMask excluded{};  ///< triangles that are treated as absent
 };
 
 /// A triangle with the direction that proves it visible.

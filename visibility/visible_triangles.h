@@ -12,7 +12,8 @@ namespace earshot::visibility {
 // The triangles that are visible from a point. Each triangle that is reported is proved by a
 // direction in which it is the bvh::closest_hit(): the set is a subset of the true one (it is
 // "aggressive"). What it may lack, and why that is little, is told in
-// docs/algorithms/visibility.md. Both sides of a triangle are visible. From a point on a triangle
+// docs/algorithms/visibility.md. Excluded triangles are treated as absent, and so are triangles
+// without area. Both sides of a triangle are visible. From a point on a triangle
 // only that triangle and what lies in its plane is visible; from a point that is not finite, or in
 // an empty mesh, nothing is.
 

@@ -3,8 +3,10 @@
 
 #include "run_earshot.h"
 #include "support/temporary_folder.h"
+#include "support/test_paths.h"
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -157,6 +159,151 @@ TEST_F(Pvs, PrunesSoundPathsAndTellsWhatThatCost) {
     EXPECT_EQ(other.status, 1);
     EXPECT_NE(other.err.find("visible sets"), std::string::npos) << other.err;
     EXPECT_EQ(ir({"--check-visibility"}).status, 2);
+}
+
+TEST_F(Pvs, ValidatesItsSetsAndTellsTheBound) {
+    ASSERT_EQ(build({"--region", "1,1,1:2,2,2", "--rays", "20000"}).status, 0);
+    const Json complete =
+        Json::parse(run_earshot({"pvs", "show", path("rooms.pvs"), "--json"}).out);
+    // All of the room is found: none of 65536 fresh rays is missed, which bounds the share.
+    EXPECT_EQ(complete["missed_share"], 0.0);
+    EXPECT_EQ(complete["validation_rays"], 65536);
+    EXPECT_EQ(complete["confidence"], 0.95);
+    EXPECT_NEAR(complete["missed_share_upper"].get<double>(), 2.9957 / 65536, 1e-9);
+    const RunResult text = run_earshot({"pvs", "show", path("rooms.pvs")});
+    EXPECT_NE(text.out.find("at most 4.6e-05 (95 % confidence; 0 of 65536 rays)"),
+              std::string::npos)
+        << text.out;
+    // Two rays find two triangles at most, of twelve that cover the sphere.
+    const RunResult poor = run_earshot({"pvs",
+                                        "build",
+                                        path("rooms.obj"),
+                                        "--region",
+                                        "1.5,1.5,1.5:1.5,1.5,1.5",
+                                        "--rays",
+                                        "2",
+                                        "--validation",
+                                        "30000",
+                                        "-o",
+                                        path("poor.pvs"),
+                                        "--json"});
+    ASSERT_EQ(poor.status, 0) << poor.err;
+    const Json json = Json::parse(poor.out);
+    EXPECT_EQ(json["validation_rays"], 30000);
+    // Seen from the middle of a cube each of its triangles covers a twelfth of all directions.
+    const double missed = 1.0 - json["entries"].get<double>() / 12.0;
+    EXPECT_NEAR(json["missed_share"].get<double>(), missed, 0.015);
+    EXPECT_GT(json["missed_share_upper"], json["missed_share"]);
+}
+
+TEST_F(Pvs, SaysThatNothingIsKnownWithoutValidation) {
+    ASSERT_EQ(build({"--region", "1,1,1:2,2,2", "--rays", "2000", "--validation", "0"}).status, 0);
+    const Json json = Json::parse(run_earshot({"pvs", "show", path("rooms.pvs"), "--json"}).out);
+    EXPECT_TRUE(json["missed_share"].is_null());
+    EXPECT_TRUE(json["missed_share_upper"].is_null());
+    EXPECT_EQ(json["validation_rays"], 0);
+    const RunResult text = run_earshot({"pvs", "show", path("rooms.pvs")});
+    EXPECT_NE(text.out.find("missed     not known"), std::string::npos) << text.out;
+}
+
+// Runs that told 0 although sets lacked a good part.
+TEST_F(Pvs, TellsWhatShortRunsMiss) {
+    const std::string city = source_file("scenes/city.gltf").string();
+    for (const std::vector<std::string>& options :
+         {std::vector<std::string>{"--region", "126,1,126:130,3,130", "--rays", "10000"},
+          std::vector<std::string>{"--region", "126,1,126:130,3,130", "--rays", "30000"},
+          std::vector<std::string>{"--region",
+                                   "1,1,1:239,3,239",
+                                   "--grid",
+                                   "8,2,8",
+                                   "--objects",
+                                   "32",
+                                   "--rays",
+                                   "100000"}}) {
+        std::vector<std::string> command{
+            "pvs", "build", city, "-o", path("city.pvs"), "--json", "--quiet"};
+        command.insert(command.end(), options.begin(), options.end());
+        const RunResult result = run_earshot(command);
+        ASSERT_EQ(result.status, 0) << result.err;
+        const Json json = Json::parse(result.out);
+        EXPECT_GT(json["missed_share"], 0.0);
+        EXPECT_GT(json["missed_share_upper"], json["missed_share"]);
+    }
+}
+
+TEST_F(Pvs, WarnsOfSourcesOutsideOfTheRegion) {
+    ASSERT_EQ(build({"--region", "0.5,0.5,0.5:1.5,1.5,1.5", "--rays", "20000"}).status, 0);
+    const auto ir = [&](const std::vector<std::string>& sources) {
+        std::vector<std::string> command{"ir",
+                                         path("rooms.obj"),
+                                         "-o",
+                                         path("out"),
+                                         "--listener",
+                                         "2,2,2",
+                                         "--order",
+                                         "1",
+                                         "--rays",
+                                         "0",
+                                         "--visibility",
+                                         path("rooms.pvs"),
+                                         "--json"};
+        for (const std::string& source : sources) {
+            command.insert(command.end(), {"--source", source});
+        }
+        return run_earshot(command);
+    };
+    const std::string warning = "lies outside of the region of the sets";
+    EXPECT_EQ(ir({"in=1,1,1"}).err.find(warning), std::string::npos);
+    const RunResult one = ir({"in=1,1,1", "out=2.5,1,1"});
+    EXPECT_EQ(one.status, 0);
+    EXPECT_NE(one.err.find("source \"out\" " + warning), std::string::npos) << one.err;
+    EXPECT_EQ(one.err.find("source \"in\""), std::string::npos);
+    // On the region's boundary is inside.
+    EXPECT_EQ(ir({"edge=1.5,1.5,1.5"}).err.find(warning), std::string::npos);
+    const RunResult both = ir({"high=1,2.9,1", "far=1,1,2.9"});
+    EXPECT_NE(both.err.find("source \"high\" " + warning), std::string::npos);
+    EXPECT_NE(both.err.find("source \"far\" " + warning), std::string::npos);
+}
+
+// Whatever is wrong with the input, an output that cannot be written is told first.
+TEST_F(Pvs, ChecksItsOutputBeforeTheWork) {
+    const std::string nowhere = path("no/such/file");
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"pvs", "build", path("absent.obj"), "-o", nowhere},
+          std::vector<std::string>{
+              "pvs", "extract", path("absent.pvs"), "--cells", "1", "-o", nowhere},
+          std::vector<std::string>{
+              "pvs", "query", path("absent.pvs"), "--at", "1,1,1", "-o", nowhere},
+          std::vector<std::string>{
+              "los", path("absent.obj"), "--from", "1,1,1", "--to", "2,2,2", "-o", nowhere},
+          std::vector<std::string>{"visible", path("absent.obj"), "--from", "1,1,1", "-o", nowhere},
+          std::vector<std::string>{
+              "visible", path("absent.obj"), "--from", "1,1,1", "--image", nowhere + ".png"},
+          std::vector<std::string>{"collide", path("absent.obj"), "-o", nowhere},
+          std::vector<std::string>{"ccd", path("absent.csv"), "--kind", "edge-edge", "-o", nowhere},
+          std::vector<std::string>{
+              "auralize", path("absent.wav"), path("absent.wav"), "-o", nowhere},
+          std::vector<std::string>{
+              "bvh", path("absent.obj"), "--frames", "0:1:1", "--plot", nowhere + ".svg"}}) {
+        EXPECT_TRUE(failed_with(run_earshot(command), 1, "cannot be written")) << command[0];
+    }
+    std::ofstream(path("file")) << "x";
+    EXPECT_TRUE(failed_with(
+        run_earshot({"pvs", "build", path("absent.obj"), "-o", path("")}), 1, "is a directory"));
+    EXPECT_TRUE(
+        failed_with(run_earshot({"pvs", "build", path("absent.obj"), "-o", path("file/in.pvs")}),
+                    1,
+                    "cannot be written"));
+}
+
+TEST_F(Pvs, StopsAfterSeconds) {
+    const auto start = std::chrono::steady_clock::now();
+    ASSERT_EQ(build({"--cells", "20000", "--rays", "100000000000", "--seconds", "0.3"}).status, 0);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    EXPECT_LT(taken.count(), 20.0);  // without the limit: hours
+    const Json json = Json::parse(run_earshot({"pvs", "show", path("rooms.pvs"), "--json"}).out);
+    EXPECT_LT(json["cells"], 20000);
+    EXPECT_GT(json["missed_share_upper"], 0.0);
 }
 
 TEST_F(Pvs, SaysInOneLineWhatIsWrong) {

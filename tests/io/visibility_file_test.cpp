@@ -42,12 +42,13 @@ VisibleSets made_sets(bool with_history) {
         }
     }
     const std::vector<double> costs(kObjects, 2.0);
-    const visibility::SetsProvenance provenance = {.scene = "made",
-                                                   .time = 1.5,
-                                                   .mesh_digest = 0xfedcba9876543210ULL,
-                                                   .seed = 7,
-                                                   .rays = 123'456'789'012ULL,
-                                                   .missed_share = 1e-4};
+    const visibility::SetsProvenance provenance = {
+        .scene = "made",
+        .time = 1.5,
+        .mesh_digest = 0xfedcba9876543210ULL,
+        .seed = 7,
+        .rays = 123'456'789'012ULL,
+        .validation = visibility::MissedShare{.rays = 65536, .missed = 7}};
     if (!with_history) {
         std::vector<visibility::CellId> halves(cells.leaves(), 0);
         halves.back() = 1;
@@ -149,11 +150,43 @@ TEST_F(VisibilityFile, OutlivesBytesThatAreWrongInEveryPlace) {
     EXPECT_GT(refused, 25U);
 }
 
+// Version 1 held an estimate that was 0 where nothing was known: it is read as not known.
+TEST_F(VisibilityFile, OfVersionOneHasNoValidation) {
+    VisibleSets sets = made_sets(true);
+    write_visible_sets(path("a"), sets);
+    const std::string bytes = read_whole_file(path("a"));
+    std::string body = bytes.substr(0, bytes.size() - 8);
+    // After magic, version, name (a length and 4 letters), time, digest, seed and rays (6 bytes):
+    // 65536 (3 bytes) and 7.
+    const std::size_t place = 8 + 4 + 5 + 8 + 8 + 1 + 6;
+    ASSERT_EQ(body.substr(place, 4), std::string("\x80\x80\x04\x07", 4));
+    ByteWriter share;
+    share.number(0.0);
+    body.replace(place, 4 + 8, share.bytes());
+    body[8] = 1;
+    write_whole_file(path("old"), with_checksum(body));
+    const VisibleSets old = read_visible_sets(path("old"));
+    EXPECT_FALSE(old.provenance().validation);
+    EXPECT_EQ(old.provenance().rays, sets.provenance().rays);
+    EXPECT_TRUE(
+        std::equal(old.sets().begin(), old.sets().end(), sets.sets().begin(), sets.sets().end()));
+    EXPECT_EQ(old.history(), sets.history());
+}
+
+TEST_F(VisibilityFile, IsRefusedIfMoreRaysAreMissedThanThereAre) {
+    write_visible_sets(path("a"), made_sets(true));
+    std::string body = read_whole_file(path("a"));
+    body.resize(body.size() - 8);
+    const std::size_t place = 8 + 4 + 5 + 8 + 8 + 1 + 6;
+    body.replace(place, 4, std::string("\x06\x07", 2));
+    EXPECT_NE(fault_of(with_checksum(body)).find("more rays are missed"), std::string::npos);
+}
+
 TEST_F(VisibilityFile, SaysWhatIsWrong) {
     EXPECT_NE(fault_of("solid stl").find("is not a file of visible sets"), std::string::npos);
     std::string future = "earshotV";
-    future += std::string("\x02\x00\x00\x00", 4) + std::string(40, ' ');
-    EXPECT_NE(fault_of(future).find("has version 2"), std::string::npos);
+    future += std::string("\x03\x00\x00\x00", 4) + std::string(40, ' ');
+    EXPECT_NE(fault_of(future).find("has version 3"), std::string::npos);
     EXPECT_THROW(read_visible_sets(path("missing")), Error);
     EXPECT_THROW(write_visible_sets(path("no/folder"), made_sets(false)), Error);
 }

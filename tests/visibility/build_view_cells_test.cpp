@@ -247,7 +247,7 @@ TEST(BuildViewCells, KeepsVolumeInFlatRegionsAndFarAway) {
     }
 }
 
-// What lies behind a wall gets nothing of what ends at the wall, once the ends are drawn in.
+// The cell behind a wall gets no object of segments that end at the wall, once they are shortened.
 TEST(BuildViewCells, PutsCellsAtWallsThatShortenedSegmentsDoNotReachThrough) {
     const Room room = rooms_with_door();
     ViewRegion region = kRooms;
@@ -389,7 +389,7 @@ TEST(BuildViewCells, SplitsTheLargestLeafAtItsSpatialMedian) {
 }
 
 TEST(BuildViewCells, WeightsByTheDensityOfViewers) {
-    // Three times as many in the left half; it sees A, the right one A, B and C.
+    // Three times as many viewers in the left half; A is visible there, A, B and C in the right.
     const std::vector<FreeSegment> segments = {
         along_x(0.0, 0.5, 0), along_x(0.5, 1.0, 0), along_x(0.5, 1.0, 1), along_x(0.5, 1.0, 2)};
     CellOptions options{.max_cells = 2, .min_segments = 1};

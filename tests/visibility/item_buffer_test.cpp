@@ -33,9 +33,9 @@ Mesh marks(const std::vector<Vec3>& points) {
     return mesh;
 }
 
-ItemBuffer look(const Mesh& mesh, const View& view) {
+ItemBuffer render(const Mesh& mesh, const View& view) {
     Executor two(2);
-    return render_item_buffer(wide_tree_of(mesh.view()), mesh.view(), {0, 0, 0}, view, two);
+    return render_item_buffer(wide_tree_of(mesh.view()), mesh.view(), {0, 0, 0}, view, {}, two);
 }
 
 /// What is seen at fractions of the width, from the left, and of the height, from the top.
@@ -48,7 +48,7 @@ TriangleId at(const ItemBuffer& buffer, double across, double down) {
 TEST(ItemBuffer, HasEqualAnglesPerPixelInAPanorama) {
     const Mesh mesh =
         marks({{0, 0, -5}, {5, 0, 0}, {-5, 0, 0}, {0, 5, -5}, {0, -5, -5}, {1, 0, 5}});
-    const ItemBuffer buffer = look(mesh, {.width = 400, .height = 200});
+    const ItemBuffer buffer = render(mesh, {.width = 400, .height = 200});
     EXPECT_EQ(at(buffer, 0.5, 0.5), 0U);   // -Z in the middle
     EXPECT_EQ(at(buffer, 0.75, 0.5), 1U);  // +X to its right
     EXPECT_EQ(at(buffer, 0.25, 0.5), 2U);  // -X to its left
@@ -64,22 +64,22 @@ TEST(ItemBuffer, HasEqualAnglesPerPixelInAPanorama) {
 TEST(ItemBuffer, IsAPerspectiveForAView) {
     // 90 degrees across: x / -z is -1 ... 1 over the width, and half of that over the height.
     const Mesh mesh = marks({{0, 0, -5}, {3, 0, -5}, {0, 2, -5}, {-4, -2, -5}, {5, 0, 0}});
-    const ItemBuffer front = look(mesh, {.width = 600, .height = 300, .forward = Vec3{0, 0, -2}});
+    const ItemBuffer front = render(mesh, {.width = 600, .height = 300, .forward = Vec3{0, 0, -2}});
     EXPECT_EQ(at(front, 0.5, 0.5), 0U);
     EXPECT_EQ(at(front, 0.5 + 0.3, 0.5), 1U);
     EXPECT_EQ(at(front, 0.5, 0.5 - 0.4), 2U);
     EXPECT_EQ(at(front, 0.5 - 0.4, 0.5 + 0.4), 3U);
-    const ItemBuffer right = look(mesh, {.width = 60, .height = 60, .forward = Vec3{1, 0, 0}});
+    const ItemBuffer right = render(mesh, {.width = 60, .height = 60, .forward = Vec3{1, 0, 0}});
     EXPECT_EQ(at(right, 0.5, 0.5), 4U);
 }
 
 TEST(ItemBuffer, LooksStraightUpAndDown) {
     const Mesh mesh = marks({{2, 5, 0}, {0, 5, 2}, {2, -5, 0}, {0, -5, -2}});
     const View view{.width = 200, .height = 200, .forward = Vec3{0, 3, 0}};
-    const ItemBuffer up = look(mesh, view);
+    const ItemBuffer up = render(mesh, view);
     EXPECT_EQ(at(up, 0.7, 0.5), 0U);
     EXPECT_EQ(at(up, 0.5, 0.3), 1U);
-    const ItemBuffer down = look(mesh, {.width = 200, .height = 200, .forward = Vec3{0, -1, 0}});
+    const ItemBuffer down = render(mesh, {.width = 200, .height = 200, .forward = Vec3{0, -1, 0}});
     EXPECT_EQ(at(down, 0.7, 0.5), 2U);
     EXPECT_EQ(at(down, 0.5, 0.3), 3U);
 }

@@ -17,7 +17,7 @@
 
 namespace earshot::visibility {
 
-// Scenes to look through, segments that are hard to decide, and answers without a hierarchy.
+// Scenes, segments that are hard to decide, and answers without a hierarchy.
 
 inline const std::array<std::string, 5> kSceneNames{
     "shoebox", "lroom", "classroom", "coupled_rooms", "concert_hall"};
@@ -93,13 +93,13 @@ inline bool blocks(const geometry::MeshView& mesh,
     return geometry::touches(s, a, b, c);
 }
 
-/// All triangles one by one; `is_ignored(id)` ones are passed over.
-template <typename IsIgnored>
-bool sees_by_brute_force(const geometry::MeshView& mesh,
-                         const geometry::Segment& segment,
-                         IsIgnored&& is_ignored) {
+/// All triangles one by one; triangles with `is_excluded(id)` are left out.
+template <typename IsExcluded>
+bool visible_by_brute_force(const geometry::MeshView& mesh,
+                            const geometry::Segment& segment,
+                            IsExcluded&& is_excluded) {
     for (geometry::TriangleId id = 0; id < mesh.triangles.size(); ++id) {
-        if (!is_ignored(id) && blocks(mesh, id, segment)) {
+        if (!is_excluded(id) && blocks(mesh, id, segment)) {
             return false;
         }
     }

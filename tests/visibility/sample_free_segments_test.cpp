@@ -103,8 +103,8 @@ TEST(SampleFreeSegments, LeaveSolidsOutOnRequest) {
 }
 
 TEST(SampleFreeSegments, GiveUpWhereSolidsDoNotEnd) {
-    // Twenty sheets that all look along +x: whoever goes that way seems to come out of a solid
-    // each time, and comes out after the last, before a wall that looks back.
+    // Twenty sheets that all face +x: a ray along +x hits the back of each, as if it left a solid
+    // each time, and is outside after the last, before a wall that faces it.
     geometry::Mesh mesh;
     for (unsigned i = 0; i < 20; ++i) {
         const double x = i;

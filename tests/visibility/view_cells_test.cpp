@@ -131,13 +131,14 @@ TEST(ViewCells, RefusesInvalidTrees) {
 }
 
 TEST(ViewCells, RefusesRegionsThatAreUpsideDownOrNotFinite) {
-    constexpr double kMost = std::numeric_limits<double>::max();
+    constexpr double kMaxDouble = std::numeric_limits<double>::max();
     constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
-    for (const ViewRegion& region : {ViewRegion{{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}},
-                                     ViewRegion{{0.0, 1.0, 0.0}, {1.0, 0.0, 1.0}},
-                                     ViewRegion{Vec3(-kMost), Vec3(kMost)},
-                                     ViewRegion{Vec3(0.0), {1.0, kNoNumber, 1.0}},
-                                     ViewRegion{Vec3(-kMost), {-kMost, -kMost, kMost}}}) {
+    for (const ViewRegion& region :
+         {ViewRegion{{1.0, 1.0, 1.0}, {0.0, 0.0, 0.0}},
+          ViewRegion{{0.0, 1.0, 0.0}, {1.0, 0.0, 1.0}},
+          ViewRegion{Vec3(-kMaxDouble), Vec3(kMaxDouble)},
+          ViewRegion{Vec3(0.0), {1.0, kNoNumber, 1.0}},
+          ViewRegion{Vec3(-kMaxDouble), {-kMaxDouble, -kMaxDouble, kMaxDouble}}}) {
         EXPECT_THROW(ViewCells{region}, Error);
         EXPECT_THROW(ViewCells::grid(region, {2, 2, 2}), Error);
     }

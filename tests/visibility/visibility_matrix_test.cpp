@@ -25,7 +25,7 @@ TEST(VisibilityMatrix, HoldsEveryPairInItsPlace) {
     const geometry::Mesh mesh = scene_mesh("classroom");
     const auto tree = wide_tree_of(mesh.view());
     Executor two(2);
-    // Rows longer than what is asked at a time, and many short ones.
+    // Rows longer than a batch, and many short ones.
     for (const auto& [rows, columns] : {std::pair(2, 300000), {700, 500}, {1, 1}, {0, 5}, {5, 0}}) {
         const auto from = some_points(static_cast<std::size_t>(rows), 1);
         const auto to = some_points(static_cast<std::size_t>(columns), 2);

@@ -33,10 +33,6 @@ private:
         ObjectId object;
         bool is_ahead;  ///< at the end that the ray points to
     };
-    /// The counts before a batch.
-    struct Mark {
-        std::uint64_t rays, own_samples, own_finds;
-    };
 
     bool is_finished() const;
     std::vector<Sample> draw_batch();
@@ -64,6 +60,7 @@ private:
     const ViewCells& cells_;
     const GlobalSamplingOptions& options_;
     Executor& executor_;
+    ExclusionMask excluded_;  // triangles without area, too
     SampleGenerator generator_;
     MutationCandidates candidates_;
     std::size_t words_;                 // 64-bit words per cell
@@ -72,8 +69,6 @@ private:
     std::array<double, kSampleDistributions> probabilities_{};
     GlobalPvs pvs_;
     std::uint64_t entries_ = 0;
-    std::uint64_t own_finds_ = 0;  // by view_space_direction for the cell of their origin
-    std::vector<Mark> marks_;
     std::uint64_t window_end_;
     std::vector<std::uint64_t> sizes_at_window_start_;  // of the set of each cell
     bool has_converged_ = false;

@@ -27,6 +27,9 @@ public:
     /// Samples until the options say enough. The result lacks its triangles and witnesses.
     RegionPvs run();
 
+    /// The excluded triangles, with those without area.
+    const ExclusionMask& excluded() const noexcept { return excluded_; }
+
     bool is_known(geometry::TriangleId triangle) const noexcept {
         return index_of_triangle_[triangle] != kUnknown;
     }
@@ -78,6 +81,7 @@ private:
     ViewRegion region_;
     const GuidedSamplingOptions& options_;
     Executor& executor_;
+    ExclusionMask excluded_;  // triangles without area, too
     double diagonal_ = 0.0;
     std::array<double, 6> face_areas_{};  // of the region's faces, cumulative
 
@@ -90,11 +94,6 @@ private:
     std::uint64_t rays_ = 0;
     std::uint64_t random_rays_ = 0;
     std::uint64_t reseeds_ = 0;
-    struct Mark {
-        std::uint64_t rays, random_rays, random_finds;
-    };
-    std::uint64_t random_finds_ = 0;
-    std::vector<Mark> marks_;  // after every batch
     std::vector<RegionPvs::Point> curve_;
     bool is_interrupted_ = false;
 };

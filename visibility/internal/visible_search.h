@@ -76,6 +76,7 @@ private:
     const geometry::MeshView mesh_;
     const geometry::Vec3 point_;
     const VisibleTrianglesOptions options_;
+    const ExclusionMask excluded_;  // triangles without area, too
     Executor& executor_;
     std::vector<std::uint32_t> index_of_triangle_;  // in found_.triangles, or kNoTriangle
     VisibleTriangles found_;                        // in the order of discovery
