@@ -2,11 +2,13 @@
 #include "earshot/geometry/animated_mesh.h"
 
 #include "earshot/base/assert.h"
+#include "earshot/base/error.h"
 
 #include <glm/matrix.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace earshot::geometry {
 namespace {
@@ -92,6 +94,20 @@ double last_key(const Track& track) noexcept {
     return track.is_empty() ? 0.0 : track.times.back();
 }
 
+constexpr std::uint32_t kNoMesh = std::numeric_limits<std::uint32_t>::max();
+
+/// Gives vertices of no mesh that of the vertex before them, or else of the first that has one.
+void fill_gaps(std::span<std::uint32_t> mesh_of_vertex) {
+    const auto first = std::find_if(mesh_of_vertex.begin(),
+                                    mesh_of_vertex.end(),
+                                    [](std::uint32_t mesh) { return mesh != kNoMesh; });
+    std::uint32_t last = first == mesh_of_vertex.end() ? 0 : *first;
+    for (std::uint32_t& mesh : mesh_of_vertex) {
+        last = mesh == kNoMesh ? last : mesh;
+        mesh = last;
+    }
+}
+
 }  // namespace
 
 AnimatedMesh::AnimatedMesh(std::vector<Node> nodes,
@@ -112,6 +128,7 @@ AnimatedMesh::AnimatedMesh(std::vector<Node> nodes,
         duration_ = std::max(duration_, last_key(part.weights));
     }
     flip_mirrored_winding();
+    set_meshes_of_nodes();
 }
 
 AnimatedMesh AnimatedMesh::fixed(Mesh mesh) {
@@ -147,6 +164,59 @@ void AnimatedMesh::flip_mirrored_winding() {
             std::swap(triangle[1], triangle[2]);
         }
     }
+}
+
+void AnimatedMesh::set_meshes_of_nodes() {
+    std::vector<std::uint32_t> mesh_of_node(nodes_.size(), kNoMesh);
+    mesh_of_vertex_.reserve(vertex_count_);
+    for (const Part& part : parts_) {
+        auto mesh = static_cast<std::uint32_t>(mesh_names_.size());
+        if (part.node >= 0) {
+            std::uint32_t& known = mesh_of_node[static_cast<std::size_t>(part.node)];
+            mesh = known = std::min(known, mesh);
+        }
+        if (mesh == mesh_names_.size()) {
+            mesh_names_.push_back(part.node < 0 ? std::string()
+                                                : nodes_[static_cast<std::size_t>(part.node)].name);
+        }
+        mesh_of_vertex_.insert(mesh_of_vertex_.end(), part.positions.size(), mesh);
+    }
+    mesh_of_triangle_.reserve(triangles_.size());
+    for (const Triangle& triangle : triangles_) {
+        mesh_of_triangle_.push_back(mesh_of_vertex_[triangle[0]]);
+    }
+}
+
+void AnimatedMesh::set_meshes(std::vector<std::string> names,
+                              std::vector<std::uint32_t> mesh_of_triangle) {
+    if (mesh_of_triangle.size() != triangles_.size()) {
+        throw Error("meshes", "there is not one number for each triangle");
+    }
+    std::vector<std::uint32_t> mesh_of_vertex(vertex_count_, kNoMesh);
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+        const std::uint32_t mesh = mesh_of_triangle[i];
+        if (mesh >= names.size()) {
+            throw Error("meshes",
+                        "triangle " + std::to_string(i) + " is of mesh " + std::to_string(mesh) +
+                            " of " + std::to_string(names.size()));
+        }
+        for (const VertexId vertex : triangles_[i]) {
+            std::uint32_t& known = mesh_of_vertex[vertex];
+            if (known != kNoMesh && known != mesh) {
+                throw Error("meshes",
+                            "vertex " + std::to_string(vertex) + " is in triangles of two meshes");
+            }
+            known = mesh;
+        }
+    }
+    std::size_t first = 0;
+    for (const Part& part : parts_) {
+        fill_gaps(std::span(mesh_of_vertex).subspan(first, part.positions.size()));
+        first += part.positions.size();
+    }
+    mesh_names_ = std::move(names);
+    mesh_of_triangle_ = std::move(mesh_of_triangle);
+    mesh_of_vertex_ = std::move(mesh_of_vertex);
 }
 
 std::vector<glm::dmat4> AnimatedMesh::node_transforms(double t) const {

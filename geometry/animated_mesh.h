@@ -70,6 +70,19 @@ public:
     /// A mesh that never moves.
     static AnimatedMesh fixed(Mesh mesh);
 
+    /// Says which triangles belong to one mesh, and the meshes' names. Without it the parts of one
+    /// node are a mesh, named like the node, and a part without a node is one. Throws Error if the
+    /// sizes do not fit, a number is out of range, or a vertex is in triangles of two meshes.
+    void set_meshes(std::vector<std::string> names, std::vector<std::uint32_t> mesh_of_triangle);
+
+    /// The meshes' names, which may be empty and need not differ.
+    const std::vector<std::string>& mesh_names() const noexcept { return mesh_names_; }
+    const std::vector<std::uint32_t>& mesh_of_triangle() const noexcept {
+        return mesh_of_triangle_;
+    }
+    /// A vertex in no triangle belongs to the mesh of the vertex before it in its part.
+    const std::vector<std::uint32_t>& mesh_of_vertex() const noexcept { return mesh_of_vertex_; }
+
     std::size_t vertex_count() const noexcept { return vertex_count_; }
     const std::vector<Part>& parts() const noexcept { return parts_; }
     const std::vector<Triangle>& triangles() const noexcept { return triangles_; }
@@ -90,11 +103,14 @@ private:
     std::vector<glm::dmat4> node_transforms(double t) const;
     void validate() const;
     void flip_mirrored_winding();
+    void set_meshes_of_nodes();
 
     std::vector<Node> nodes_;
     std::vector<Skin> skins_;
     std::vector<Part> parts_;
     std::vector<Triangle> triangles_;
+    std::vector<std::string> mesh_names_;
+    std::vector<std::uint32_t> mesh_of_triangle_, mesh_of_vertex_;
     std::size_t vertex_count_ = 0;
     double duration_ = 0.0;
 };

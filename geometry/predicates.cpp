@@ -165,4 +165,9 @@ double determinant3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
                                             : determinant3d_exactly(a, b, c, d);
 }
 
+Vec3 without_tiny_coordinates(const Vec3& point) noexcept {
+    const auto flushed = [](double x) { return std::abs(x) < kMinCoordinate ? 0.0 : x; };
+    return {flushed(point.x), flushed(point.y), flushed(point.z)};
+}
+
 }  // namespace earshot::geometry

@@ -7,6 +7,13 @@
 
 namespace earshot::geometry {
 
+/// Coordinates of a smaller magnitude, 2^-298 (about 2e-90), are out of range of the predicates:
+/// products of three of them would underflow.
+inline constexpr double kMinCoordinate = 0x1p-298;
+
+/// The same point, with 0 for coordinates below kMinCoordinate.
+Vec3 without_tiny_coordinates(const Vec3& point) noexcept;
+
 /// Sign of the determinant of (b - a, c - a): +1 if a, b, c turn left, -1 right, 0 collinear.
 /// Exact: a floating-point filter decides most cases, expansions the rest (Shewchuk 1997, section
 /// 4). Precondition: coordinates are finite and products of three of them neither overflow nor

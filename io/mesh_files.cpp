@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/geometry/predicates.h"
 #include "earshot/io/internal/acoustics_extras.h"
 #include "earshot/io/internal/polygons.h"
 #include "earshot/io/internal/scene_parts.h"
@@ -25,13 +26,14 @@ PolygonMesh parse(std::string_view bytes, MeshFormat format, const std::string& 
     return parse_off(bytes, file);
 }
 
-void check_positions(const geometry::Mesh& mesh, const std::string& file) {
+/// Also takes coordinates that are too small for exact predicates for 0.
+void check_positions(geometry::Mesh& mesh, const std::string& file) {
     constexpr std::size_t kMaxCount = std::numeric_limits<std::uint32_t>::max();
     if (mesh.positions.size() > kMaxCount || mesh.triangles.size() > kMaxCount) {
         throw Error(file, "has more than 2^32 vertices or triangles", "split it");
     }
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        const geometry::Vec3& p = mesh.positions[i];
+        geometry::Vec3& p = mesh.positions[i];
         const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         const bool is_number = !std::isnan(p.x) && !std::isnan(p.y) && !std::isnan(p.z);
         if (!is_number || largest > kMaxCoordinate) {
@@ -40,6 +42,7 @@ void check_positions(const geometry::Mesh& mesh, const std::string& file) {
                             (is_number ? " lies beyond 1e12 m" : " is not a number"),
                         "check the units of the export");
         }
+        p = geometry::without_tiny_coordinates(p);
     }
 }
 
@@ -59,6 +62,14 @@ LoadedScene load_mesh_file(const std::filesystem::path& path, MeshFormat format)
     }
     loaded.scene.material_of_triangle = std::move(read.material_of_triangle);
     loaded.scene.mesh = geometry::AnimatedMesh::fixed(std::move(read.mesh));
+    if (read.mesh_names.empty()) {
+        read.mesh_names.emplace_back();
+        read.mesh_of_triangle.assign(loaded.scene.mesh.triangles().size(), 0);
+    }
+    for (std::string& name : read.mesh_names) {
+        name = name.empty() ? path.stem().string() : name;
+    }
+    loaded.scene.mesh.set_meshes(std::move(read.mesh_names), std::move(read.mesh_of_triangle));
     return loaded;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/error.h"
+#include "earshot/io/internal/obj_groups.h"
 #include "earshot/io/internal/polygons.h"
 #include "earshot/io/internal/text.h"
 
@@ -8,8 +9,8 @@
 namespace earshot::io {
 namespace {
 
-/// Reads Wavefront OBJ: vertices, faces and the names of materials. Everything else concerns
-/// appearance or grouping.
+/// Reads Wavefront OBJ: vertices, faces, groups and the names of materials. Everything else
+/// concerns appearance.
 class ObjReader {
 public:
     explicit ObjReader(const std::string& file) : file_(file) {}
@@ -25,7 +26,17 @@ public:
                 add_face(rest, lines.name());
             } else if (keyword == "usemtl") {
                 use_material(trimmed(rest));
+            } else if (keyword == "o") {
+                groups_.begin_object(trimmed(rest));
+            } else if (keyword == "g") {
+                groups_.begin_group(trimmed(rest));
             }
+        }
+        mesh_.mesh_names = groups_.names();
+        const std::vector<std::uint32_t> meshes = groups_.mesh_of_face();
+        for (std::size_t face = 0; face < meshes.size(); ++face) {
+            mesh_.mesh_of_triangle.insert(
+                mesh_.mesh_of_triangle.end(), triangles_of_face_[face], meshes[face]);
         }
         return std::move(mesh_);
     }
@@ -68,7 +79,12 @@ private:
             }
             corners_.push_back(corner(word.substr(0, word.find('/')), where));
         }
+        const std::size_t before = mesh_.mesh.triangles.size();
         add_polygon(mesh_, corners_, file_, where);
+        if (const std::size_t count = mesh_.mesh.triangles.size() - before; count > 0) {
+            groups_.add_face(corners_);
+            triangles_of_face_.push_back(count);
+        }
         if (current_ < 0 && mesh_.material_of_triangle.size() < mesh_.mesh.triangles.size()) {
             use_material("default");
         }
@@ -100,6 +116,8 @@ private:
 
     const std::string& file_;
     PolygonMesh mesh_;
+    ObjGroups groups_;
+    std::vector<std::size_t> triangles_of_face_;
     std::map<std::string, std::int64_t, std::less<>> material_index_;
     std::int64_t current_ = -1;  // no usemtl yet
     std::vector<std::int64_t> corners_;

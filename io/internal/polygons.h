@@ -16,6 +16,8 @@ struct PolygonMesh {
     geometry::Mesh mesh;
     std::vector<std::string> material_names;          ///< in order of first use; may be empty
     std::vector<std::uint32_t> material_of_triangle;  ///< empty where the format knows none
+    std::vector<std::string> mesh_names;              ///< empty where the file is one mesh
+    std::vector<std::uint32_t> mesh_of_triangle;      ///< likewise; see AnimatedMesh::set_meshes()
 };
 
 PolygonMesh parse_obj(std::string_view text, const std::string& file);

@@ -42,6 +42,32 @@ TEST(AnimatedMesh, FixedKeepsPositionsToTheLastBit) {
     EXPECT_EQ(animated.duration(), 0.0);
 }
 
+TEST(AnimatedMesh, NodesAreMeshesUntilOthersAreNamed) {
+    Node named = node(-1, {});
+    named.name = "chair";
+    const std::vector<Triangle> triangles{{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
+    AnimatedMesh mesh(
+        {named, node(-1, {})}, {}, {rigid_part(1), rigid_part(0), rigid_part(1)}, triangles);
+    EXPECT_EQ(mesh.mesh_names(), (std::vector<std::string>{"", "chair"}));
+    EXPECT_EQ(mesh.mesh_of_triangle(), (std::vector<std::uint32_t>{0, 1, 0}));
+    EXPECT_EQ(mesh.mesh_of_vertex(), (std::vector<std::uint32_t>{0, 0, 0, 1, 1, 1, 0, 0, 0}));
+    mesh.set_meshes({"a", "b"}, {1, 0, 1});
+    EXPECT_EQ(mesh.mesh_names(), (std::vector<std::string>{"a", "b"}));
+    EXPECT_EQ(mesh.mesh_of_vertex(), (std::vector<std::uint32_t>{1, 1, 1, 0, 0, 0, 1, 1, 1}));
+    EXPECT_THROW(mesh.set_meshes({"a"}, {0, 0}), Error);
+    EXPECT_THROW(mesh.set_meshes({"a"}, {0, 0, 1}), Error);
+}
+
+TEST(AnimatedMesh, VerticesOfNoTriangleGoWithTheOneBeforeThem) {
+    AnimatedMesh mesh =
+        AnimatedMesh::fixed({std::vector<Vec3>(9, Vec3(1.0)), {{1, 2, 3}, {5, 6, 7}}});
+    mesh.set_meshes({"a", "b"}, {0, 1});
+    EXPECT_EQ(mesh.mesh_of_vertex(), (std::vector<std::uint32_t>{0, 0, 0, 0, 0, 1, 1, 1, 1}));
+    AnimatedMesh shared =
+        AnimatedMesh::fixed({std::vector<Vec3>(5, Vec3(1.0)), {{0, 1, 2}, {2, 3, 4}}});
+    EXPECT_THROW(shared.set_meshes({"a", "b"}, {0, 1}), Error);
+}
+
 TEST(AnimatedMesh, ChildMovesWithItsParent) {
     Node parent = node(-1, {});
     parent.translation = slide();

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace earshot::io {
+
+/// The meshes of an OBJ: its groups, of which those that share a vertex index are one mesh. Every
+/// `o` begins a new object, even with a name that was used before; a `g` goes on with the group of
+/// that name in its object.
+class ObjGroups {
+public:
+    void begin_object(std::string_view name);
+    void begin_group(std::string_view name);
+
+    /// Puts a face into the current group; its corners count vertices from 0.
+    void add_face(std::span<const std::int64_t> corners);
+
+    /// Meshes in the order of their first faces, named like their first groups.
+    std::vector<std::string> names() const;
+    std::vector<std::uint32_t> mesh_of_face() const;
+
+private:
+    std::uint32_t root_of(std::uint32_t group) const;
+    void unite(std::uint32_t a, std::uint32_t b);
+    std::vector<std::uint32_t> mesh_of_group() const;
+
+    struct Group {
+        std::string name;
+        std::uint32_t parent;  // union-find; a root is its own
+    };
+    std::vector<Group> groups_;  // in the order of their first faces
+    std::vector<std::uint32_t> group_of_face_, group_of_vertex_;
+    // Groups of the object that have faces.
+    std::map<std::string, std::uint32_t, std::less<>> group_of_name_;
+    std::string object_, group_;
+};
+
+}  // namespace earshot::io
