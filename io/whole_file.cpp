@@ -99,12 +99,21 @@ void require_writable(const fs::path& file) {
     ::unlink(temporary.c_str());
 }
 
-void write_whole_file(const fs::path& file, std::string_view bytes) {
+void write_whole_file(const fs::path& file, const std::function<void(const ByteSink&)>& write) {
     require_no_directory(file);
     std::string temporary;
     Descriptor descriptor(open_beside(file, temporary));
-    const bool is_written = write_all(descriptor.number(), bytes);
-    int code = is_written ? 0 : errno;
+    int code = 0;
+    try {
+        write([&](std::string_view bytes) {
+            if (code == 0 && !write_all(descriptor.number(), bytes)) {
+                code = errno;
+            }
+        });
+    } catch (...) {
+        ::unlink(temporary.c_str());
+        throw;
+    }
     if (!descriptor.close() && code == 0) {
         code = errno;
     }
@@ -115,6 +124,10 @@ void write_whole_file(const fs::path& file, std::string_view bytes) {
         ::unlink(temporary.c_str());
         throw_cannot_write(file, code);
     }
+}
+
+void write_whole_file(const fs::path& file, std::string_view bytes) {
+    write_whole_file(file, [&](const ByteSink& sink) { sink(bytes); });
 }
 
 std::string read_whole_file(const fs::path& file) {
