@@ -36,6 +36,8 @@ void MovingScene::add(std::span<const Triangle> mesh, std::size_t vertices) {
     first_triangle.push_back(triangles.size());
     begin.resize(first_vertex.back(), Vec3(0.0));
     end.resize(first_vertex.back(), Vec3(0.0));
+    deviation.resize(first_vertex.back(), 0.0);
+    screws.resize(meshes());
 }
 
 std::span<const Triangle> MovingScene::triangles_of(std::uint32_t mesh) const noexcept {
@@ -47,8 +49,28 @@ MovingCorners MovingScene::corners_of(const Triangle& t) const noexcept {
     return {geometry::corners(begin, t), geometry::corners(end, t)};
 }
 
-MovingPoints MovingScene::points_of(const std::array<VertexId, 4>& vertices) const noexcept {
+MovingPoints MovingScene::points_of(const std::array<VertexId, 4>& vertices,
+                                    std::uint32_t mesh) const noexcept {
     MovingPoints points;
+    for (std::size_t i = 0; i < 4; ++i) {
+        points.begin[i] = begin[vertices[i]];
+        points.end[i] = screws[mesh] ? points.begin[i] : end[vertices[i]];
+    }
+    return points;
+}
+
+double MovingScene::deviation_of(const Triangle& t) const noexcept {
+    return std::max({deviation[t[0]], deviation[t[1]], deviation[t[2]]});
+}
+
+bool MovingScene::on_screws(std::uint32_t mesh_a, std::uint32_t mesh_b) const noexcept {
+    return screws[mesh_a] != screws[mesh_b];
+}
+
+ScrewPoints MovingScene::screw_points_of(const std::array<VertexId, 4>& vertices,
+                                         std::uint32_t mesh_a,
+                                         std::uint32_t mesh_b) const noexcept {
+    ScrewPoints points{.first = screw_of(mesh_a), .second = screw_of(mesh_b)};
     for (std::size_t i = 0; i < 4; ++i) {
         points.begin[i] = begin[vertices[i]];
         points.end[i] = end[vertices[i]];
@@ -68,9 +90,10 @@ Element MovingScene::element(std::uint32_t mesh, std::span<const VertexId> verti
 
 void MovingScene::set_point_and_normal(const std::array<VertexId, 4>& vertices,
                                        Contact& contact) const {
+    const ScrewPoints points = screw_points_of(vertices, contact.a.mesh, contact.b.mesh);
     std::array<Vec3, 4> x;
     for (std::size_t i = 0; i < 4; ++i) {
-        x[i] = begin[vertices[i]] + contact.toi * (end[vertices[i]] - begin[vertices[i]]);
+        x[i] = points.at(i, contact.a.size, contact.toi);
     }
     Vec3 from_b;  // to a, at the beginning
     if (contact.kind == ContactKind::vertex_face) {

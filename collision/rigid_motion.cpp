@@ -75,6 +75,19 @@ Pose Screw::at(double time) const noexcept {
     return {rotation, point - rotation * point + (time * slide) * axis};
 }
 
+Vec3 Screw::apply(const Vec3& p, double time) const noexcept {
+    // Rodrigues' formula for the displacement of the arm from the axis.
+    const double s = math::sin(time * angle);
+    const double half = math::sin(0.5 * time * angle);
+    const Vec3 tangent = glm::cross(axis, p - point);
+    return p +
+           (s * tangent + 2.0 * half * half * glm::cross(axis, tangent) + (time * slide) * axis);
+}
+
+double Screw::chord_deviation(const Vec3& p) const noexcept {
+    return 0.125 * angle * angle * distance_to_axis(*this, p) * (1.0 + 1e-12);
+}
+
 Pose RigidMotion::at(double time) const noexcept {
     Pose pose = start;
     for (auto screw = screws.rbegin(); screw != screws.rend(); ++screw) {

@@ -25,6 +25,16 @@ struct Screw {
 
     /// The displacement from time 0 to `time`.
     Pose at(double time) const noexcept;
+
+    /// Where a point that is at `p` at time 0 is at `time`: the displacement is summed up by
+    /// itself, so an axis that is far away costs no digits.
+    geometry::Vec3 apply(const geometry::Vec3& p, double time) const noexcept;
+
+    /// An upper bound of how far the path of a point from `p` deviates from its chord, metres:
+    /// r angle^2 / 8 at the distance r from the axis. Over a part of the time its square of that.
+    double chord_deviation(const geometry::Vec3& p) const noexcept;
+
+    friend bool operator==(const Screw&, const Screw&) = default;
 };
 
 /// A rigid motion from time 0 to 1: a kinematic chain of screws, each fixed to the one before and

@@ -4,7 +4,10 @@
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/tree.h"
 #include "earshot/collision/contact.h"
+#include "earshot/collision/convex.h"
 #include "earshot/collision/discrete.h"
+#include "earshot/collision/rigid_motion.h"
+#include "earshot/geometry/animated_mesh.h"
 #include "earshot/geometry/mesh.h"
 
 #include <algorithm>
@@ -49,6 +52,9 @@ struct ContactOptions {
     }
 };
 
+/// The paths of vertices between two instants.
+enum class Path { chords, screws };
+
 /// The work of the last search.
 struct WorldStatistics {
     std::uint64_t box_tests = 0;       ///< of pairs of boxes, and of normal cones
@@ -75,11 +81,33 @@ public:
     /// Error if a triangle names a vertex that is not there.
     std::uint32_t add_mesh(std::span<const geometry::Triangle> triangles, std::size_t vertices);
 
-    /// The mesh moves from `begin` to `end` in the next step; equal for one that rests. Throws
-    /// Error if a position is not finite. Precondition: as many positions as vertices.
+    /// Adds all meshes of a scene, in its order; set_step() moves them. Returns the number of the
+    /// first. With `weld`, vertices of one mesh that are at one position at every instant are one
+    /// vertex, the one of the lowest index (see weld.h); never across meshes.
+    std::uint32_t add(geometry::AnimatedMesh scene, bool weld = true);
+
+    /// In the next step all meshes of scenes move from where they are at `t0` to where they are at
+    /// `t1`, seconds. On screws, meshes whose vertices follow one node that is not scaled rotate
+    /// with it, instead of every vertex on a chord; a step in which that is not one screw is split
+    /// (up to 64 times). Throws as update().
+    void set_step(double t0, double t1, Path path = Path::chords);
+
+    /// How far a mesh of a scene that follows a node turns between two instants, radians; 0 for
+    /// others.
+    double turn(std::uint32_t mesh, double t0, double t1) const;
+
+    /// The mesh moves from `begin` to `end` in the next step; equal for one that rests. Coordinates
+    /// below geometry::kMinCoordinate count as 0. Throws Error if a position is not finite.
+    /// Precondition: as many positions as vertices.
     void update(std::uint32_t mesh,
                 std::span<const geometry::Vec3> begin,
                 std::span<const geometry::Vec3> end);
+
+    /// The mesh moves from `begin` on a screw in the next step. Contacts of meshes on different
+    /// screws, or of one on a screw and one that is not, are never missed and never late, and may
+    /// be 1e-9 of the extent of the features' motion apart; within a mesh, and between meshes on
+    /// equal screws, they are those of meshes at rest.
+    void update(std::uint32_t mesh, std::span<const geometry::Vec3> begin, const Screw& screw);
 
     /// All contacts of the step, sorted, each once; the same for any executor. Refits the BVH of
     /// the last step, or rebuilds it where its SAH cost has grown.
@@ -98,10 +126,16 @@ public:
                                    std::uint32_t b,
                                    Executor& executor = Executor::serial());
 
+    /// penetration_depth() of the convex solids of two meshes at the beginning of the step; b may
+    /// be a: of its own parts. Nothing if none overlap, or a mesh does not consist of convex
+    /// solids.
+    std::optional<SolidDepth> depth_at_begin(std::uint32_t a, std::uint32_t b);
+
     /// The first of contacts(), if there is one.
     std::optional<Contact> first_contact(const ContactOptions& options = {},
                                          Executor& executor = Executor::serial());
 
+    std::uint32_t mesh_count() const noexcept;
     const WorldStatistics& statistics() const noexcept;
 
 private:

@@ -25,7 +25,7 @@ double max_abs_coordinate(const Vec3& v) noexcept {
 
 }  // namespace
 
-void require_rigid(const Pose& pose) {
+bool is_rigid(const Pose& pose) noexcept {
     const glm::dmat3 product = glm::transpose(pose.rotation) * pose.rotation;
     double deviation = 0.0;
     for (int i = 0; i < 3; ++i) {
@@ -34,8 +34,12 @@ void require_rigid(const Pose& pose) {
             deviation = wrong <= deviation ? deviation : wrong;
         }
     }
-    if (!(deviation <= kRigidTolerance) || glm::determinant(pose.rotation) < 0.0 ||
-        !(max_abs_coordinate(pose.translation) <= Shape::kMaxCoordinate)) {
+    return deviation <= kRigidTolerance && glm::determinant(pose.rotation) > 0.0 &&
+           max_abs_coordinate(pose.translation) <= Shape::kMaxCoordinate;
+}
+
+void require_rigid(const Pose& pose) {
+    if (!is_rigid(pose)) {
         throw Error("pose",
                     "is not a rotation, or a translation within 2^60 m",
                     "orthonormalise the rotation");

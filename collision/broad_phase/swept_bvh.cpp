@@ -125,7 +125,8 @@ bool SweptBvh::update(const MovingScene& scene, double margin, Executor& executo
     extents_.resize(scene.begin.size());
     executor.for_each(boxes_.size(), kGrain, [&](std::size_t from, std::size_t to) {
         for (std::size_t i = from; i < to; ++i) {
-            boxes_[i] = swept_box(scene.corners_of(scene.triangles[i]), margin);
+            boxes_[i] = swept_box(scene.corners_of(scene.triangles[i]),
+                                  margin + scene.deviation_of(scene.triangles[i]));
         }
     });
     executor.for_each(extents_.size(), kGrain, [&](std::size_t from, std::size_t to) {
@@ -178,7 +179,8 @@ void SweptBvh::fill_slots(const MovingScene& scene, double margin, Executor& exe
             const std::uint32_t id = triangle(static_cast<std::uint32_t>(slot));
             const Triangle& t = scene.triangles[id];
             slot_boxes_[slot] = boxes_[id];
-            dops_[slot] = SweptDop(extents_[t[0]], extents_[t[1]], extents_[t[2]], margin);
+            dops_[slot] = SweptDop(
+                extents_[t[0]], extents_[t[1]], extents_[t[2]], margin + scene.deviation_of(t));
         }
     });
 }

@@ -4,11 +4,13 @@
 #include "earshot/collision/broad_phase/internal/swept_dop.h"
 #include "earshot/collision/contact.h"
 #include "earshot/collision/narrow_phase/ccd.h"
+#include "earshot/collision/narrow_phase/internal/screw_ccd.h"
 #include "earshot/geometry/mesh.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,6 +24,9 @@ struct MovingScene {
     std::vector<geometry::VertexId> first_vertex{0};  ///< of each mesh, and one beyond
     std::vector<std::size_t> first_triangle{0};       ///< likewise
 
+    std::vector<std::optional<Screw>> screws;  ///< of meshes that do not move on chords
+    std::vector<double> deviation;             ///< by vertex, bound from its chord, metres
+
     std::uint32_t meshes() const noexcept {
         return static_cast<std::uint32_t>(first_vertex.size() - 1);
     }
@@ -31,11 +36,29 @@ struct MovingScene {
 
     std::span<const geometry::Triangle> triangles_of(std::uint32_t mesh) const noexcept;
     MovingCorners corners_of(const geometry::Triangle& triangle) const noexcept;
-    MovingPoints points_of(const std::array<geometry::VertexId, 4>& vertices) const noexcept;
+    /// Points of meshes that move alike, as `mesh` does: on chords, and at rest if it is on a
+    /// screw.
+    MovingPoints points_of(const std::array<geometry::VertexId, 4>& vertices,
+                           std::uint32_t mesh) const noexcept;
+    /// Bound of how far a triangle's points deviate from their chords, metres.
+    double deviation_of(const geometry::Triangle& triangle) const noexcept;
+
+    /// Whether points of two meshes have to be tested on screws: one of the meshes moves on a screw
+    /// and the other does not move with it.
+    bool on_screws(std::uint32_t mesh_a, std::uint32_t mesh_b) const noexcept;
+    ScrewPoints screw_points_of(const std::array<geometry::VertexId, 4>& vertices,
+                                std::uint32_t mesh_a,
+                                std::uint32_t mesh_b) const noexcept;
+
     Element element(std::uint32_t mesh, std::span<const geometry::VertexId> vertices) const;
     /// Sets the point and normal of a contact between these vertices, given its kind and time.
     void set_point_and_normal(const std::array<geometry::VertexId, 4>& vertices,
                               Contact& contact) const;
+
+private:
+    const Screw* screw_of(std::uint32_t mesh) const noexcept {
+        return screws[mesh] ? &*screws[mesh] : nullptr;
+    }
 };
 
 }  // namespace earshot::collision

@@ -32,8 +32,11 @@ void ElementTester::test(std::uint32_t slot_a, std::uint32_t slot_b) {
     if (!share_a_vertex(scene_.triangles[a], scene_.triangles[b])) {
         const MovingCorners one = scene_.corners_of(scene_.triangles[a]);
         const MovingCorners other = scene_.corners_of(scene_.triangles[b]);
-        if (disjoint_along_normal(one, other, options_.margin()) ||
-            disjoint_along_normal(other, one, options_.margin())) {
+        const double margin =
+            options_.margin() + std::max(scene_.deviation_of(scene_.triangles[a]),
+                                         scene_.deviation_of(scene_.triangles[b]));
+        if (disjoint_along_normal(one, other, margin) ||
+            disjoint_along_normal(other, one, margin)) {
             return;
         }
     }
@@ -64,10 +67,7 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
         // Ascending, so that the time does not depend on how the triangle is written.
         std::array<VertexId, 4> vertices{vertex, corners[0], corners[1], corners[2]};
         std::sort(vertices.begin() + 1, vertices.end());
-        const MovingPoints points = scene_.points_of(vertices);
-        const auto time = options_.min_separation > 0.0
-                              ? vertex_face_min_separation_ccd(points, separation())
-                              : vertex_face_ccd(points);
+        const auto time = vertex_face_time(vertices, mesh_of(of), mesh_of(face));
         if (time) {
             Contact contact{.kind = ContactKind::vertex_face,
                             .a = scene_.element(mesh_of(of), std::span(vertices).first(1)),
@@ -77,6 +77,30 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
             contacts_.push_back(contact);
         }
     }
+}
+
+std::optional<double> ElementTester::vertex_face_time(const std::array<VertexId, 4>& vertices,
+                                                      std::uint32_t mesh_a,
+                                                      std::uint32_t mesh_b) const {
+    if (scene_.on_screws(mesh_a, mesh_b)) {
+        return vertex_face_screw_ccd(scene_.screw_points_of(vertices, mesh_a, mesh_b),
+                                     options_.min_separation);
+    }
+    const MovingPoints points = scene_.points_of(vertices, mesh_a);
+    return options_.min_separation > 0.0 ? vertex_face_min_separation_ccd(points, separation())
+                                         : vertex_face_ccd(points);
+}
+
+std::optional<double> ElementTester::edge_edge_time(const std::array<VertexId, 4>& vertices,
+                                                    std::uint32_t mesh_a,
+                                                    std::uint32_t mesh_b) const {
+    if (scene_.on_screws(mesh_a, mesh_b)) {
+        return edge_edge_screw_ccd(scene_.screw_points_of(vertices, mesh_a, mesh_b),
+                                   options_.min_separation);
+    }
+    const MovingPoints points = scene_.points_of(vertices, mesh_a);
+    return options_.min_separation > 0.0 ? edge_edge_min_separation_ccd(points, separation())
+                                         : edge_edge_ccd(points);
 }
 
 void ElementTester::test_edges(std::uint32_t a, unsigned i, std::uint32_t b, unsigned k) {
@@ -96,10 +120,7 @@ void ElementTester::test_edges(std::uint32_t a, unsigned i, std::uint32_t b, uns
         std::rotate(vertices.begin(), vertices.begin() + 2, vertices.end());
         std::swap(a, b);
     }
-    const MovingPoints points = scene_.points_of(vertices);
-    const auto time = options_.min_separation > 0.0
-                          ? edge_edge_min_separation_ccd(points, separation())
-                          : edge_edge_ccd(points);
+    const auto time = edge_edge_time(vertices, mesh_of(a), mesh_of(b));
     if (time) {
         Contact contact{.kind = ContactKind::edge_edge,
                         .a = scene_.element(mesh_of(a), std::span(vertices).first(2)),

@@ -111,6 +111,11 @@ Vec3 cut(const Vec3& from, const Vec3& to, const Corners& plane) noexcept {
                determinant3d(plane[0], plane[1], plane[2], to));
 }
 
+/// Whether two triangles have the same corners in any order.
+bool are_same(const Corners& one, const Corners& other) noexcept {
+    return std::is_permutation(one.begin(), one.end(), other.begin());
+}
+
 bool is_before(const Vec3& a, const Vec3& b) noexcept {
     return a.x != b.x ? a.x < b.x : a.y != b.y ? a.y < b.y : a.z < b.z;
 }
@@ -141,6 +146,12 @@ public:
             if (TriangleRegion(from, to, to).touches(other[0], other[1], other[2])) {
                 add_crossing(from, to, other);
             }
+        }
+    }
+
+    void add_corners_of(const Corners& triangle) noexcept {
+        for (const Vec3& corner : triangle) {
+            add(corner);
         }
     }
 
@@ -236,10 +247,15 @@ std::optional<Segment> intersection(const Corners& one, const Corners& other) no
         const Crossing crossing(one, one_sides, other, other_sides);
         return crossing.intersect() ? std::optional(cut_of(crossing)) : std::nullopt;
     }
+    IntersectionPoints points;
+    if (are_same(one, other)) {
+        // As below, where the crossings of equal edges are their ends.
+        points.add_corners_of(one);
+        return points.farthest_pair();
+    }
     if (!TriangleRegion(one[0], one[1], one[2]).touches(other[0], other[1], other[2])) {
         return std::nullopt;
     }
-    IntersectionPoints points;
     points.add_all_of(one, other);
     points.add_all_of(other, one);
     return points.farthest_pair();

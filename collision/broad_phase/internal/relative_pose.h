@@ -14,6 +14,9 @@ struct RelativeFrame {
     float padding;
 };
 
+/// Whether a pose is a rotation, within 1e-9, and a translation within Shape::kMaxCoordinate.
+bool is_rigid(const Pose& pose) noexcept;
+
 /// Throws Error if a pose's matrix is not a rotation or it is beyond Shape::kMaxCoordinate.
 void require_rigid(const Pose& pose);
 

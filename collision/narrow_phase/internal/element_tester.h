@@ -8,7 +8,9 @@
 #include "earshot/collision/narrow_phase/min_separation.h"
 #include "earshot/collision/world.h"
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,6 +53,14 @@ private:
     void test_elements(std::uint32_t a, std::uint32_t b);
     void test_corners(std::uint32_t of, std::uint32_t face);
     void test_edges(std::uint32_t a, unsigned i, std::uint32_t b, unsigned k);
+
+    // Times of impact of features of two meshes, on chords or screws.
+    std::optional<double> vertex_face_time(const std::array<geometry::VertexId, 4>& vertices,
+                                           std::uint32_t mesh_a,
+                                           std::uint32_t mesh_b) const;
+    std::optional<double> edge_edge_time(const std::array<geometry::VertexId, 4>& vertices,
+                                         std::uint32_t mesh_a,
+                                         std::uint32_t mesh_b) const;
 
     std::uint32_t mesh_of(std::uint32_t triangle) const noexcept {
         return scene_.mesh_of_triangle[triangle];
