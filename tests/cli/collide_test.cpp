@@ -5,10 +5,12 @@
 #include "run_earshot.h"
 #include "support/test_paths.h"
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace earshot::test {
@@ -182,6 +184,252 @@ TEST_F(Collide, TakesTrianglesWithoutArea) {
     EXPECT_EQ(contacts[0]["kind"], "vertex_face");
     EXPECT_LE(contacts[0]["toi"].get<double>(), 0.5);
     EXPECT_NEAR(contacts[0]["toi"].get<double>(), 0.5, 1e-11);
+}
+
+/// A file of tests/data/cases/geometry.
+std::string case_file(const std::string& name) {
+    return test::source_file("tests/data/cases/geometry/" + name).string();
+}
+
+/// Runs `collide` on a scene; the steps that it writes.
+class CollideCases : public Collide {
+protected:
+    Json run(std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), "collide");
+        arguments.insert(arguments.end(), {"-o", path("contacts.json")});
+        const RunResult result = run_earshot(arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return result.status == 0 ? Json::parse(read_file(folder_ / "contacts.json")) : Json();
+    }
+    static std::size_t contacts_of(const Json& file) {
+        std::size_t count = 0;
+        for (const Json& step : file["steps"]) {
+            count += step["contacts"].size();
+        }
+        return count;
+    }
+};
+
+TEST_F(CollideCases, SplitVerticesOfAMeshAreOne) {
+    const std::string folder = "01-split-vertices/";
+    // A closed cube that only slides does not touch itself, however its file splits vertices.
+    for (const char* file : {"cube_split.gltf", "cube_welded.gltf"}) {
+        const std::string scene = case_file(folder + file);
+        EXPECT_EQ(contacts_of(run({scene, "--self"})), 0U) << file;
+        EXPECT_EQ(contacts_of(run({scene, "--self", "--discrete"})), 0U) << file;
+    }
+    const std::string two_materials = case_file(folder + "cube_two_materials.gltf");
+    const Json file = run({two_materials});
+    EXPECT_EQ(contacts_of(file), 0U);
+    EXPECT_EQ(file["meshes"].size(), 1U);
+    EXPECT_EQ(contacts_of(run({two_materials, "--self", "--discrete"})), 0U);
+    const std::string stl = case_file(folder + "cube.stl");
+    EXPECT_EQ(contacts_of(run({stl, "--self"})), 0U);
+    EXPECT_EQ(contacts_of(run({stl, "--self", "--discrete"})), 0U);
+    EXPECT_EQ(contacts_of(run({stl, stl})), 0U);
+    // Without joining, neighbours touch.
+    EXPECT_EQ(contacts_of(run({stl, "--self", "--no-weld"})), 378U);
+    EXPECT_EQ(contacts_of(run({stl, "--self", "--discrete", "--no-weld"})), 48U);
+    EXPECT_EQ(contacts_of(run({case_file(folder + "cube_split.gltf"), "--self", "--no-weld"})),
+              6300U);
+}
+
+TEST_F(CollideCases, ObjectsOfAnObjAreMeshes) {
+    const Json file = run({case_file("06-obj-objects/two_cubes_overlap.obj"), "--discrete"});
+    EXPECT_EQ(file["meshes"], Json({"left", "right"}));
+    ASSERT_EQ(file["steps"].size(), 1U);
+    EXPECT_EQ(contacts_of(file), 18U);
+    for (const Json& contact : file["steps"][0]["contacts"]) {
+        EXPECT_EQ(contact["a"]["mesh"], 0);
+        EXPECT_EQ(contact["b"]["mesh"], 1);
+        EXPECT_LT(contact["b"]["element"][2], 8);  // vertices count within the mesh
+    }
+    // Vertices of different meshes are never one: these two share an edge's positions, and touch.
+    EXPECT_EQ(contacts_of(run({case_file("06-obj-objects/two_objects.obj"), "--discrete"})), 1U);
+}
+
+TEST_F(CollideCases, ASceneThatDoesNotMoveHasOneInstant) {
+    const std::string obj = case_file("07-static-discrete-doubled/fcl503.obj");
+    const Json discrete = run({obj, "--discrete", "--self"});
+    ASSERT_EQ(discrete["steps"].size(), 1U);
+    EXPECT_EQ(discrete["steps"][0]["contacts"].size(), 62U);
+    EXPECT_EQ(discrete["steps"][0]["t0"], 0.0);
+    EXPECT_EQ(discrete["steps"][0]["t1"], 0.0);
+    EXPECT_EQ(run({obj, "--discrete", "--self", "--frames", "0:0:1"}), discrete);
+    EXPECT_EQ(run({obj, "--self"})["steps"].size(), 1U);
+    EXPECT_EQ(run({obj, "--self", "--frames", "0:0:1"})["steps"].size(), 1U);
+    EXPECT_EQ(run({pose("still.off", -0.5), "--self", "--discrete"})["steps"].size(), 1U);
+    // A moving one keeps its instants.
+    const std::string door = test::source_file("scenes/door.gltf").string();
+    EXPECT_EQ(run({door, "--discrete", "--frames", "0:0.2:0.1"})["steps"].size(), 3U);
+    EXPECT_EQ(run({door, "--frames", "0:0.2:0.1"})["steps"].size(), 2U);
+}
+
+TEST_F(CollideCases, CoordinatesTooSmallForExactTestsAreZero) {
+    EXPECT_EQ(
+        contacts_of(run({case_file("13-denormals/denormal_apart.obj"), "--discrete", "--self"})),
+        0U);
+    // A triangle above another at a height that counts as 0, one at a height that does not, and
+    // one that lies lower by as little.
+    const auto write = [&](const char* name, const char* height) {
+        std::ofstream(path(name)) << "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 0.2 " << height << " 0.2\nv 0.3 "
+                                  << height << " 0.2\nv 0.2 1 0.3\nf 1 2 3\nf 4 5 6\n";
+        return path(name);
+    };
+    EXPECT_EQ(contacts_of(run({write("a.obj", "4e-324"), "--discrete", "--self"})), 1U);
+    EXPECT_EQ(contacts_of(run({write("b.obj", "1e-91"), "--discrete", "--self"})), 1U);
+    EXPECT_EQ(contacts_of(run({write("c.obj", "1e-89"), "--discrete", "--self"})), 0U);
+    EXPECT_EQ(contacts_of(run({write("d.obj", "-1e-200"), "--self"})), 2U);
+}
+
+TEST_F(CollideCases, DepthOfConvexPartsIsTheShortestSeparation) {
+    const Json file =
+        run({case_file("14-solid-depth/libccd25.obj"), "--discrete", "--self", "--distance"});
+    ASSERT_EQ(file["steps"][0]["distances"].size(), 1U);
+    const Json within = file["steps"][0]["distances"][0];
+    EXPECT_NEAR(within["depth"].get<double>(), 0.1, 1e-15);
+    EXPECT_NEAR(std::abs(within["move"][2].get<double>()), 0.1, 1e-15);
+    EXPECT_EQ(within["parts"], Json({0, 1}));
+    EXPECT_FALSE(within.contains("distance"));
+    // The same cubes as objects, and a third one half a metre beside the first.
+    std::ofstream obj(path("three.obj"));
+    int first = 1;
+    for (const auto& [name, x, z] :
+         {std::tuple("low", 0.0, 0.0), {"high", 0.0, 1.9}, {"beside", 2.5, 0.0}}) {
+        obj << "o " << name << "\n";
+        for (int i = 0; i < 8; ++i) {
+            obj << "v " << x + ((i & 1) != 0 ? 1 : -1) << " " << ((i & 2) != 0 ? 1 : -1) << " "
+                << z + ((i & 4) != 0 ? 1 : -1) << "\n";
+        }
+        for (const auto& [a, b, c, d] : {std::tuple(0, 2, 3, 1),
+                                         {4, 5, 7, 6},
+                                         {0, 1, 5, 4},
+                                         {2, 6, 7, 3},
+                                         {0, 4, 6, 2},
+                                         {1, 3, 7, 5}}) {
+            obj << "f " << first + a << " " << first + b << " " << first + c << " " << first + d
+                << "\n";
+        }
+        first += 8;
+    }
+    obj.close();
+    const Json three = run({path("three.obj"), "--discrete", "--distance"});
+    EXPECT_EQ(three["meshes"], Json({"low", "high", "beside"}));
+    const Json& pairs = three["steps"][0]["distances"];
+    ASSERT_EQ(pairs.size(), 3U);
+    EXPECT_EQ(pairs[0]["distance"], 0.0);
+    EXPECT_NEAR(pairs[0]["depth"].get<double>(), 0.1, 1e-15);
+    EXPECT_FALSE(pairs[0].contains("points"));
+    EXPECT_EQ(pairs[1]["a"], 0);
+    EXPECT_EQ(pairs[1]["b"], 2);
+    EXPECT_EQ(pairs[1]["distance"], 0.5);
+    EXPECT_FALSE(pairs[1].contains("depth"));
+    EXPECT_EQ(pairs[1]["points"][0][0], 1.0);
+    EXPECT_EQ(pairs[1]["points"][1][0], 1.5);
+    EXPECT_NEAR(pairs[2]["distance"].get<double>(), 0.5, 1e-15);
+}
+
+TEST_F(CollideCases, RigidNodesTurnOnScrews) {
+    // A rod turns into a box: its side reaches the corner where asin(0.01 / r) is left.
+    const double expected = 0.48750226;
+    const std::string rotor = case_file("15-rotation/rotor.gltf");
+    const Json whole = run({rotor, "--frames", "0:1:1", "--rigid"});
+    ASSERT_EQ(whole["steps"].size(), 1U);
+    ASSERT_FALSE(whole["steps"][0]["contacts"].empty());
+    const double toi = whole["steps"][0]["contacts"][0]["toi"];
+    EXPECT_NEAR(toi, expected, 1e-8);
+    // The first contact of many steps, and the only one that is written.
+    const Json first = run({rotor, "--rigid", "--first"});
+    ASSERT_EQ(contacts_of(first), 1U);
+    const Json& step = first["steps"].back();
+    const double t0 = step["t0"], t1 = step["t1"];
+    EXPECT_NEAR(t0 + step["contacts"][0]["toi"].get<double>() * (t1 - t0), expected, 1e-8);
+    EXPECT_LT(t0, expected);
+    EXPECT_GT(t1, expected);
+    // Half a turn, whose two ends do not tell which way: the corner is reached at half the time.
+    const Json half = run({case_file("15-rotation/rotor180.gltf"), "--frames", "0:1:1", "--rigid"});
+    ASSERT_FALSE(half["steps"][0]["contacts"].empty());
+}
+
+TEST_F(CollideCases, AHintSaysWhereChordsAreFarFromTheMotion) {
+    const std::string rotor = case_file("15-rotation/rotor.gltf");
+    const auto warnings = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), "collide");
+        arguments.insert(arguments.end(), {"-o", path("contacts.json")});
+        return run_earshot(arguments).err;
+    };
+    const std::string hint = "turns by 90 degrees in step 0";
+    EXPECT_NE(warnings({rotor, "--frames", "0:1:1"}).find(hint), std::string::npos);
+    EXPECT_NE(warnings({rotor, "--frames", "0:1:1"}).find("--rigid"), std::string::npos);
+    EXPECT_EQ(warnings({rotor, "--frames", "0:1:1", "--rigid"}).find("turns by"),
+              std::string::npos);
+    EXPECT_EQ(warnings({rotor}).find("turns by"), std::string::npos);
+    EXPECT_EQ(warnings({rotor, "--discrete", "--frames", "0:1:1"}).find("turns by"),
+              std::string::npos);
+}
+
+TEST_F(CollideCases, ASummaryHasALineForEachPair) {
+    const RunResult result = run_earshot({"collide",
+                                          case_file("06-obj-objects/two_cubes_overlap.obj"),
+                                          "--discrete",
+                                          "--summary",
+                                          "--distance",
+                                          "--first",
+                                          "-o",
+                                          path("contacts.json")});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("pair       left - right: 1 contact, first at 0"), std::string::npos)
+        << result.out;
+    EXPECT_NE(result.out.find("first      at 0: left face "), std::string::npos) << result.out;
+    EXPECT_NE(result.out.find(", depth "), std::string::npos) << result.out;
+    const RunResult json = run_earshot({"collide",
+                                        case_file("15-rotation/rotor.gltf"),
+                                        "--rigid",
+                                        "--first",
+                                        "--summary",
+                                        "--json",
+                                        "-o",
+                                        path("contacts.json")});
+    ASSERT_EQ(json.status, 0) << json.err;
+    const Json summary = Json::parse(json.out);
+    EXPECT_NEAR(summary["first"].get<double>(), 0.48750226, 1e-8);
+    ASSERT_EQ(summary["pairs"].size(), 1U);
+    EXPECT_EQ(summary["pairs"][0]["contacts"], 1);
+    const RunResult none = run_earshot({"collide",
+                                        case_file("01-split-vertices/cube.stl"),
+                                        "--self",
+                                        "--first",
+                                        "-o",
+                                        path("contacts.json")});
+    EXPECT_NE(none.out.find("first      none"), std::string::npos) << none.out;
+}
+
+TEST_F(CollideCases, OptionsThatDoNotGoTogetherAreRefused) {
+    const std::string rotor = case_file("15-rotation/rotor.gltf");
+    const std::string a = pose("a.off", 1.0), b = pose("b.off", -0.5), out = path("contacts.json");
+    EXPECT_TRUE(failed_with(
+        run_earshot({"collide", rotor, "--rigid", "--discrete", "-o", out}), 2, "--rigid"));
+    EXPECT_TRUE(failed_with(run_earshot({"collide", a, b, "--rigid", "-o", out}), 2, "--rigid"));
+    EXPECT_TRUE(
+        failed_with(run_earshot({"collide", rotor, "--distance", "-o", path("contacts.csv")}),
+                    2,
+                    "--distance"));
+}
+
+TEST_F(CollideCases, CoincidentTrianglesAreListedPairByPair) {
+    std::ofstream obj(path("many.obj"));
+    constexpr int kCount = 60;
+    for (int i = 0; i < kCount; ++i) {
+        obj << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n";
+    }
+    obj.close();
+    const Json joined = run({path("many.obj"), "--self", "--discrete"});
+    EXPECT_EQ(contacts_of(joined), kCount * (kCount - 1) / 2U);
+    const Json& contact = joined["steps"][0]["contacts"][0];
+    EXPECT_EQ(contact["point"], Json({0.5, 0.5, 0.0}));  // of the longest side's ends
+    const Json apart = run({path("many.obj"), "--self", "--discrete", "--no-weld"});
+    EXPECT_EQ(contacts_of(apart), kCount * (kCount - 1) / 2U);
+    EXPECT_EQ(apart["steps"][0]["contacts"][0]["point"], contact["point"]);
 }
 
 }  // namespace
