@@ -63,12 +63,12 @@ public:
                    "--min-separation",
                    separation_.min_separation,
                    {0.0, 1e100},
-                   "points as near as this along every axis are in contact; 0: exact contact");
+                   "points this close along every axis are in contact; 0: exact contact");
         add_number(app(),
                    "--tolerance",
                    separation_.tolerance,
                    {1e-300, 1e100},
-                   "how much farther apart may count as nearer, with --min-separation");
+                   "how much farther apart may count as closer, with --min-separation");
         app().footer(kFooter);
     }
 

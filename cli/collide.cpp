@@ -78,12 +78,12 @@ public:
                    "--min-separation",
                    options_.min_separation,
                    {0.0, 1e6},
-                   "elements as near as this along every axis are in contact, metres");
+                   "elements this close along every axis are in contact, metres");
         add_number(app(),
                    "--tolerance",
                    options_.tolerance,
                    {1e-12, 1e6},
-                   "how much farther apart may count as nearer, with --min-separation, metres");
+                   "how much farther apart may count as closer, with --min-separation, metres");
         app().footer(kFooter);
     }
 

@@ -40,8 +40,8 @@ bool follows(const SceneMeshes& meshes, std::uint32_t mesh, double t0, double t1
     const std::array<Vec3, 2> box = meshes.node_bounds(mesh);
     const glm::dmat4 start = meshes.scene().node_transform(node, t0);
     // Not only half-way: after two turns a node is there as if it had not moved.
-    for (const double share : {0.5, 0.381966}) {
-        const auto part = displacement(meshes.scene(), node, t0, t0 + share * (t1 - t0));
+    for (const double fraction : {0.5, 0.381966}) {
+        const auto part = displacement(meshes.scene(), node, t0, t0 + fraction * (t1 - t0));
         if (!part) {
             return true;
         }
@@ -52,7 +52,7 @@ bool follows(const SceneMeshes& meshes, std::uint32_t mesh, double t0, double t1
                            (corner & 4) != 0 ? box[1].z : box[0].z);
             const Vec3 point(start * glm::dvec4(own, 1.0));
             constexpr double kTolerance = 1e-4;
-            if (!(glm::length(screw.apply(point, share) - part->apply(point)) <=
+            if (!(glm::length(screw.apply(point, fraction) - part->apply(point)) <=
                   kTolerance * size)) {
                 return false;
             }

@@ -28,10 +28,11 @@ struct Penetration {
     geometry::Segment cut{};  ///< intersection() of the two
 };
 
-/// The deepest of the pairs; of equally deep ones the first. It tells where meshes meet and how
-/// badly, and its move takes these two triangles apart: it is not the move that parts the meshes,
-/// for which the surfaces alone do not tell what is inside. Empty if there is no pair in which a
-/// triangle has an area. Precondition: all pairs intersect, as those of find_contacts() do.
+/// The deepest of the pairs; of equally deep ones the first. It shows where surfaces penetrate
+/// each other, and its move separates these two triangles: it does not separate the meshes, for
+/// which surfaces alone do not tell what is inside (see convex.h for solids). Empty if there is no
+/// pair in which a triangle has an area. Precondition: all pairs intersect, as those of
+/// find_contacts() do.
 std::optional<Penetration> deepest_penetration(const Body& a,
                                                const Body& b,
                                                std::span<const TrianglePair> contacts);

@@ -51,7 +51,7 @@ private:
             triangles_.push_back(tree_.primitives()[node.first]);
             return kTriangleFlag | leaf;
         }
-        const auto place = static_cast<std::uint32_t>(nodes_.size());
+        const auto wide = static_cast<std::uint32_t>(nodes_.size());
         nodes_.push_back(BoxNode{});
         std::array<std::uint32_t, BoxNode::kWidth> slots{node.first, node.first + 1};
         std::uint32_t count = 2;
@@ -65,22 +65,22 @@ private:
             slots[largest] = first;
             slots[count++] = first + 1;
         }
-        nodes_[place].count = count;
+        nodes_[wide].count = count;
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t child = child_of(slots[i]);
-            nodes_[place].child[i] = child;
+            nodes_[wide].child[i] = child;
         }
-        return place;
+        return wide;
     }
 
     /// The largest slot of more triangles than that, or slots.size().
     std::size_t largest_above(std::uint32_t fitting, std::span<const std::uint32_t> slots) const {
         std::size_t largest = slots.size();
-        double most = -1.0;
+        double largest_area = -1.0;
         for (std::size_t i = 0; i < slots.size(); ++i) {
             const Node& node = tree_.nodes()[slots[i]];
-            if (counts_[slots[i]] > fitting && node.box.half_area() > most) {
-                most = node.box.half_area();
+            if (counts_[slots[i]] > fitting && node.box.half_area() > largest_area) {
+                largest_area = node.box.half_area();
                 largest = i;
             }
         }

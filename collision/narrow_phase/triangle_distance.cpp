@@ -19,7 +19,7 @@ struct Edge {
     double length_squared = 0.0;
 };
 
-/// A triangle relative to a corner of the first: what is near it then has its full precision.
+/// A triangle relative to a corner of the first: points close to it then have full precision.
 struct Local {
     Corners corners{};
     std::array<Edge, 3> edges{};
@@ -55,7 +55,7 @@ public:
     void add_edges(const Edge& one, const Edge& other) noexcept {
         // Where the lines are closest, from cross products: Gram determinants (Ericson 2005,
         // section 5.1.9) lose twice the digits of a small angle. Of edges that are parallel but for
-        // rounding any share will do that the other edge reaches.
+        // rounding any parameter that the other edge reaches will do.
         const Vec3 normal = glm::cross(one.along, other.along);
         const double normal_squared = glm::dot(normal, normal);
         const Vec3 between = other.from - one.from;

@@ -32,8 +32,8 @@ using namespace earshot::HWY_NAMESPACE;  // NOLINT: the wide types
 // On the way down through two trees, all children of each pair but one stay on the stack.
 inline constexpr std::size_t kMaxStackSize = 2 * (BoxNode::kWidth - 1) * (bvh::kMaxDepth + 2) + 1;
 
-HWY_INLINE std::uint32_t child_of(std::span<const BoxNode> nodes, std::uint32_t place) {
-    return nodes[place / 8].child[place % 8];
+HWY_INLINE std::uint32_t child_of(std::span<const BoxNode> nodes, std::uint32_t index) {
+    return nodes[index / 8].child[index % 8];
 }
 
 /// One box of a node.
@@ -42,9 +42,9 @@ struct Slot {
     float normal[3], slab_centre, slab_half;
     std::uint32_t child;
 
-    HWY_INLINE Slot(std::span<const BoxNode> nodes, std::uint32_t place) {
-        const BoxNode& node = nodes[place / 8];
-        const std::uint32_t slot = place % 8;
+    HWY_INLINE Slot(std::span<const BoxNode> nodes, std::uint32_t index) {
+        const BoxNode& node = nodes[index / 8];
+        const std::uint32_t slot = index % 8;
         for (std::size_t k = 0; k < 3; ++k) {
             centre[k] = node.centre[k][slot];
             half[k] = node.half[k][slot];
@@ -215,15 +215,18 @@ HWY_INLINE std::uint32_t overlapping(const BoxNode& node,
 /// Support of each node box along its own centre offset, from its centre: the direction is split
 /// into a multiple of the slab's normal, bounded by the slab, and a rest, bounded by the box.
 HWY_INLINE Float8 extent_of_node_slabs(const BoxNode& node, const RelativeBox& box) {
-    const Float8 share = mul_add(box.centre_offset[0],
-                                 Float8::load(node.normal[0]),
-                                 mul_add(box.centre_offset[1],
-                                         Float8::load(node.normal[1]),
-                                         box.centre_offset[2] * Float8::load(node.normal[2])));
-    Float8 radius =
-        mul_add(share, Float8::load(node.slab_centre), abs(share) * Float8::load(node.slab_half));
+    const Float8 along_normal =
+        mul_add(box.centre_offset[0],
+                Float8::load(node.normal[0]),
+                mul_add(box.centre_offset[1],
+                        Float8::load(node.normal[1]),
+                        box.centre_offset[2] * Float8::load(node.normal[2])));
+    Float8 radius = mul_add(along_normal,
+                            Float8::load(node.slab_centre),
+                            abs(along_normal) * Float8::load(node.slab_half));
     for (std::size_t k = 0; k < 3; ++k) {
-        const Float8 rest = neg_mul_add(share, Float8::load(node.normal[k]), box.centre_offset[k]);
+        const Float8 rest =
+            neg_mul_add(along_normal, Float8::load(node.normal[k]), box.centre_offset[k]);
         radius = mul_add(abs(rest), box.half[k], radius);
     }
     return radius;
@@ -232,15 +235,15 @@ HWY_INLINE Float8 extent_of_node_slabs(const BoxNode& node, const RelativeBox& b
 /// Support of the other box in the opposite direction; `centre_offset` holds the components of the
 /// direction along its axes.
 HWY_INLINE Float8 extent_of_box_slab(const Slot& slot, const Float8 (&centre_offset)[3]) {
-    const Float8 share = mul_add(
+    const Float8 along_normal = mul_add(
         centre_offset[0],
         Float8(slot.normal[0]),
         mul_add(
             centre_offset[1], Float8(slot.normal[1]), centre_offset[2] * Float8(slot.normal[2])));
-    Float8 radius =
-        neg_mul_add(share, Float8(slot.slab_centre), abs(share) * Float8(slot.slab_half));
+    Float8 radius = neg_mul_add(
+        along_normal, Float8(slot.slab_centre), abs(along_normal) * Float8(slot.slab_half));
     for (std::size_t k = 0; k < 3; ++k) {
-        const Float8 rest = neg_mul_add(share, Float8(slot.normal[k]), centre_offset[k]);
+        const Float8 rest = neg_mul_add(along_normal, Float8(slot.normal[k]), centre_offset[k]);
         radius = mul_add(abs(rest), Float8(slot.half[k]), radius);
     }
     return radius;
