@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <tuple>
 #include <utility>
 
@@ -98,6 +99,15 @@ void World::set_step(double t0, double t1, Path path) {
         }
     }
     state.move_to_part(0);
+}
+
+bool World::moves(std::uint32_t mesh) const noexcept {
+    const MovingScene& scene = state_->scene;
+    EARSHOT_ASSERT(mesh < scene.meshes());
+    const auto first = static_cast<std::ptrdiff_t>(scene.first_vertex[mesh]);
+    const auto last = static_cast<std::ptrdiff_t>(scene.first_vertex[mesh + 1]);
+    return !std::equal(
+        scene.begin.begin() + first, scene.begin.begin() + last, scene.end.begin() + first);
 }
 
 double World::turn(std::uint32_t mesh, double t0, double t1) const {

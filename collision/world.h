@@ -92,6 +92,9 @@ public:
     /// (up to 64 times). Throws as update().
     void set_step(double t0, double t1, Path path = Path::chords);
 
+    /// Whether any vertex of a mesh moves in the step.
+    bool moves(std::uint32_t mesh) const noexcept;
+
     /// How far a mesh of a scene that follows a node turns between two instants, radians; 0 for
     /// others.
     double turn(std::uint32_t mesh, double t0, double t1) const;

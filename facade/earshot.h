@@ -104,7 +104,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-/// The moving parts of a room, and when they touch. The room need not outlive it.
+/// The meshes of a room, and when they touch. The room need not outlive it.
 class World {
 public:
     explicit World(const Room& room);
@@ -112,13 +112,13 @@ public:
     World(World&&) noexcept;
     World& operator=(World&&) noexcept;
 
-    /// All contacts between two parts of which one moves, while each vertex moves on a straight
+    /// All contacts between two meshes of which one moves, while each vertex moves on a straight
     /// line from its position at `begin` to that at `end` (seconds); sorted by time.
     std::vector<collision::Contact> contacts(double begin, double end);
 
     /// Seconds; 0: nothing moves.
     double duration() const noexcept;
-    /// The name of the part that collision::Element::mesh counts.
+    /// The name of the mesh that collision::Element::mesh counts.
     const std::string& name_of(std::uint32_t mesh) const;
 
 private:

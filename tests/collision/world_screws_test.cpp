@@ -117,6 +117,8 @@ TEST(WorldOnScrews, ATurningRodReachesThePostAtItsAngle) {
         EXPECT_NEAR(in_steps, expected, 1e-7) << angle;
         EXPECT_NEAR(world.turn(0, 0.0, 1.0), angle, 1e-6);
         EXPECT_EQ(world.turn(1, 0.0, 1.0), 0.0);
+        EXPECT_TRUE(world.moves(0));
+        EXPECT_FALSE(world.moves(1));
     }
 }
 
