@@ -83,6 +83,25 @@ TEST(WholeFile, LeavesNothingBehindWhenTheNameIsTooLong) {
     EXPECT_EQ(entries(folder.path()), 0U);
 }
 
+TEST(WholeFile, TakesItsBytesPieceByPiece) {
+    const test::TemporaryFolder folder;
+    const fs::path file = folder.path() / "pieces";
+    write_whole_file(file, [](const ByteSink& sink) {
+        for (int i = 0; i < 3; ++i) {
+            sink(std::to_string(i) + " ");
+        }
+    });
+    EXPECT_EQ(read_whole_file(file), "0 1 2 ");
+    // What fails on the way leaves the file that was there.
+    const auto fails = [](const ByteSink& sink) {
+        sink("half");
+        throw Error("work", "failed");
+    };
+    EXPECT_THROW(write_whole_file(file, fails), Error);
+    EXPECT_EQ(read_whole_file(file), "0 1 2 ");
+    EXPECT_EQ(entries(folder.path()), 1U);
+}
+
 TEST(WholeFile, ReadingNamesWhatIsMissing) {
     const test::TemporaryFolder folder;
     EXPECT_THROW(read_whole_file(folder.path()), Error);
