@@ -20,7 +20,7 @@ using Complex = std::complex<double>;
 constexpr double kSpacingOverLowestWidth = 0.65;
 
 // Leaves a filter its ringing beside the taps of its delay at the lowest sample rates.
-constexpr std::size_t kLeastSize = 8 * kDelayTaps;
+constexpr std::size_t kMinSize = 8 * kDelayTaps;
 
 // The phases are made on a grid this much finer, which moves the aliasing of the cepstrum (it falls
 // off as 1 / n^2 because of the kinks at the band centres) below the phase error that matters.
@@ -36,7 +36,7 @@ std::size_t filter_size(const Bands& bands, double sample_rate) {
     const double spacing =
         kSpacingOverLowestWidth * (bands.upper_edge_hz(0) - bands.lower_edge_hz(0));
     const auto size = static_cast<std::size_t>(std::ceil(sample_rate / spacing));
-    return power_of_two_from(std::max(size, kLeastSize));
+    return power_of_two_from(std::max(size, kMinSize));
 }
 
 struct Place {

@@ -19,14 +19,14 @@ namespace {
 // chosen over shoe-boxes and decaying noise: docs/algorithms/audio.md.
 constexpr int kStepDb = 10;
 constexpr int kLastStepFromDb = 45;
-constexpr double kLeastSlowness = 0.7;
+constexpr double kMinSlowness = 0.7;
 constexpr double kFluctuation = 2.0;
-constexpr double kLeastSlownessOfAll = 0.3;
+constexpr double kMinSlownessOfAll = 0.3;
 
-constexpr int kDeepestDb = kLastStepFromDb + kStepDb;
+constexpr int kMaxDepthDb = kLastStepFromDb + kStepDb;
 
 // Shorter decays are those of the filter (ISO 3382-2:2008, 7.3; Jacobsen 1987).
-constexpr double kLeastBandwidthTimesDecay = 16.0;
+constexpr double kMinBandwidthTimesDecay = 16.0;
 
 // Why a decay that bends at `depth_db` does not give a range.
 std::string early_end(int depth_db, const DecayRange& range) {
@@ -59,16 +59,17 @@ DecayCurve::DecayCurve(std::span<const double> squared,
     energy_ = sum;
     EARSHOT_ASSERT(energy_ > 0.0);
 
-    known_db_ = beyond > 0.0 ? static_cast<int>(-10.0 * math::log10(beyond / energy_)) : kDeepestDb;
-    const double least = energy_ * math::pow10(-kDeepestDb / 10.0);
+    known_db_ =
+        beyond > 0.0 ? static_cast<int>(-10.0 * math::log10(beyond / energy_)) : kMaxDepthDb;
+    const double min_energy = energy_ * math::pow10(-kMaxDepthDb / 10.0);
     for (const double remaining : remaining_) {
-        if (remaining < least) {
+        if (remaining < min_energy) {
             break;
         }
         level_db_.push_back(10.0 * math::log10(remaining / energy_));
     }
     std::size_t sample = 0;
-    for (int depth = 0; depth <= kDeepestDb; ++depth) {
+    for (int depth = 0; depth <= kMaxDepthDb; ++depth) {
         while (sample < level_db_.size() && level_db_[sample] >= -depth) {
             ++sample;
         }
@@ -126,20 +127,20 @@ DecayCurve::Reading DecayCurve::read(const DecayRange& range,
     const double time = db_per_second < 0.0 ? -60.0 / db_per_second : 0.0;
     // A line through a few samples can be flatter than the decay that they are taken from.
     const double shortest = std::min(time, time_between(range));
-    if (bandwidth_hz * shortest < kLeastBandwidthTimesDecay) {
+    if (bandwidth_hz * shortest < kMinBandwidthTimesDecay) {
         return {std::nullopt,
                 false,
                 "decay of " + rounded_ms(shortest) + " ms, the band's filter needs " +
-                    rounded_ms(kLeastBandwidthTimesDecay / bandwidth_hz) + " ms"};
+                    rounded_ms(kMinBandwidthTimesDecay / bandwidth_hz) + " ms"};
     }
     if (full_decay) {
         return {time, false, {}};
     }
-    const double least = std::max(kLeastSlowness - kFluctuation / std::sqrt(bandwidth_hz * time),
-                                  kLeastSlownessOfAll);
+    const double min_slowness =
+        std::max(kMinSlowness - kFluctuation / std::sqrt(bandwidth_hz * time), kMinSlownessOfAll);
     const int last = std::min(kLastStepFromDb, known_db_ - kStepDb);
     for (int depth = range.to_db; depth <= last; ++depth) {
-        if (slowness_after(depth) < least) {
+        if (slowness_after(depth) < min_slowness) {
             return {std::nullopt, true, early_end(depth, range)};
         }
     }

@@ -39,9 +39,9 @@ std::vector<double> energies_of(std::size_t band,
 
 std::size_t onset_of(std::span<const double> energies) {
     constexpr double kBelow = 0.01;
-    const double least = kBelow * *std::max_element(energies.begin(), energies.end());
+    const double min_energy = kBelow * *std::max_element(energies.begin(), energies.end());
     std::size_t onset = 0;
-    while (energies[onset] < least) {
+    while (energies[onset] < min_energy) {
         ++onset;
     }
     return onset;

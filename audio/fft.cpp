@@ -111,8 +111,8 @@ void RealFft::inverse(std::span<const Complex> spectrum, std::span<double> signa
     plans_->inverse.transform(packed.data(), reinterpret_cast<Complex*>(signal.data()));
 }
 
-std::size_t power_of_two_from(std::size_t least) noexcept {
-    return std::bit_ceil(least);
+std::size_t power_of_two_from(std::size_t min_size) noexcept {
+    return std::bit_ceil(min_size);
 }
 
 }  // namespace earshot::audio

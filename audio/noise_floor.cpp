@@ -15,7 +15,7 @@ constexpr double kBlock = 0.01;       // seconds
 constexpr double kAboveNoise = 10.0;  // 10 dB: the line is read above
 constexpr double kNoiseShare = 0.1;   // of the response, at its end, at least
 constexpr int kRounds = 5;
-constexpr std::size_t kFewestBlocks = 3;
+constexpr std::size_t kMinBlocks = 3;
 
 /// Mean energies per sample of blocks.
 std::vector<double> block_means(std::span<const double> squared, std::size_t size) {
@@ -66,7 +66,7 @@ NoiseFloor find_noise_floor(std::span<const double> squared,
     const std::vector<double> blocks = block_means(squared.subspan(onset), size);
     const auto last_tenth =
         static_cast<std::size_t>((1.0 - kNoiseShare) * static_cast<double>(blocks.size()));
-    if (blocks.size() < 4 * kFewestBlocks || last_tenth >= blocks.size()) {
+    if (blocks.size() < 4 * kMinBlocks || last_tenth >= blocks.size()) {
         return {};
     }
     const auto loudest =
@@ -82,7 +82,7 @@ NoiseFloor find_noise_floor(std::span<const double> squared,
             ++end;
         }
         // What never comes down to the noise, or at once, has no decay that noise ends.
-        if (end == blocks.size() || end < loudest + kFewestBlocks) {
+        if (end == blocks.size() || end < loudest + kMinBlocks) {
             return {};
         }
         const Line line = line_through(blocks, loudest, end);

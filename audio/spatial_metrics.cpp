@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLateralBegin = 0.005;  // seconds
 constexpr double kEarlyEnd = 0.08;
-constexpr double kLargestDelay = 0.001;  // between the ears
+constexpr double kMaxDelay = 0.001;  // between the ears
 
 std::size_t samples_in(double time, double sample_rate) {
     return static_cast<std::size_t>(std::lround(time * sample_rate));
@@ -34,18 +34,18 @@ std::optional<double> coefficient(std::span<const double> left,
                                   std::span<const double> right,
                                   std::size_t begin,
                                   std::size_t end,
-                                  std::size_t largest_delay) {
+                                  std::size_t max_delay) {
     const double energies =
         energy_of(left.subspan(begin, end - begin)) * energy_of(right.subspan(begin, end - begin));
     if (!(energies > 0.0)) {
         return std::nullopt;
     }
     double largest = 0.0;
-    for (std::size_t shift = 0; shift <= 2 * largest_delay; ++shift) {
+    for (std::size_t shift = 0; shift <= 2 * max_delay; ++shift) {
         double sum = 0.0;
         for (std::size_t n = begin; n < end; ++n) {
-            if (n + shift >= largest_delay && n + shift - largest_delay < right.size()) {
-                sum += left[n] * right[n + shift - largest_delay];
+            if (n + shift >= max_delay && n + shift - max_delay < right.size()) {
+                sum += left[n] * right[n + shift - max_delay];
             }
         }
         largest = std::max(largest, std::abs(sum));
@@ -114,7 +114,7 @@ BinauralMetrics binaural_metrics(const Bands& bands,
     const BandEnergy at_left(bands, left.samples, left.sample_rate);
     const BandEnergy at_right(bands, right.samples, right.sample_rate);
     const std::size_t begin = at_left.lead() + std::min(*left_onset, *right_onset);
-    const std::size_t largest_delay = samples_in(kLargestDelay, left.sample_rate);
+    const std::size_t max_delay = samples_in(kMaxDelay, left.sample_rate);
     for (std::size_t band = 0; band < bands.count(); ++band) {
         if (!at_left.covers(band)) {
             metrics.notes.push_back("iacc" + at(bands, band) +
@@ -123,9 +123,9 @@ BinauralMetrics binaural_metrics(const Bands& bands,
         }
         const auto l = at_left.filtered(band);
         const auto r = at_right.filtered(band);
-        metrics.iacc_early[band] = coefficient(l, r, begin, begin + early, largest_delay);
-        metrics.iacc_late[band] = coefficient(l, r, begin + early, l.size(), largest_delay);
-        metrics.iacc[band] = coefficient(l, r, begin, l.size(), largest_delay);
+        metrics.iacc_early[band] = coefficient(l, r, begin, begin + early, max_delay);
+        metrics.iacc_late[band] = coefficient(l, r, begin + early, l.size(), max_delay);
+        metrics.iacc[band] = coefficient(l, r, begin, l.size(), max_delay);
         if (!metrics.iacc[band]) {
             metrics.notes.push_back("iacc" + at(bands, band) + ": an ear is silent");
         }

@@ -17,12 +17,13 @@ constexpr double kReferenceTemperature = 293.15;  // kelvin
 constexpr double kTriplePoint = 273.16;           // kelvin, of water
 constexpr double kReferencePressure = 101.325;    // kilopascals
 
-void check(const char* subject, double value, double least, double most, const char* unit) {
-    if (!(value >= least && value <= most)) {
+void check(
+    const char* subject, double value, double min_value, double max_value, const char* unit) {
+    if (!(value >= min_value && value <= max_value)) {
         throw Error(subject,
                     "is " + std::to_string(value) + " " + unit,
-                    "give a value in " + std::to_string(static_cast<int>(least)) + " ... " +
-                        std::to_string(static_cast<int>(most)));
+                    "give a value in " + std::to_string(static_cast<int>(min_value)) + " ... " +
+                        std::to_string(static_cast<int>(max_value)));
     }
 }
 

@@ -20,15 +20,19 @@ namespace {
 
 constexpr double kDegree = math::kPi / 180.0;
 
-void check_axis(std::span<const double> axis, double least, double most, const char* name) {
+void check_axis(std::span<const double> axis,
+                double min_value,
+                double max_value,
+                const char* name) {
     bool sound = !axis.empty();
     for (std::size_t i = 0; i < axis.size(); ++i) {
-        sound = sound && axis[i] >= least && axis[i] <= most && (i == 0 || axis[i - 1] < axis[i]);
+        sound = sound && axis[i] >= min_value && axis[i] <= max_value &&
+                (i == 0 || axis[i - 1] < axis[i]);
     }
     if (!sound) {
         throw Error(std::string("directivity: ") + name,
-                    "must increase within " + std::to_string(std::lround(least)) + " ... " +
-                        std::to_string(std::lround(most)),
+                    "must increase within " + std::to_string(std::lround(min_value)) + " ... " +
+                        std::to_string(std::lround(max_value)),
                     "sort the table");
     }
 }

@@ -38,7 +38,7 @@ private:
     std::vector<std::complex<double>> half_turn_;  // exp(-2 pi i k / size), k < size / 2
 };
 
-/// Smallest power of two that is at least `least` (>= 1).
-std::size_t power_of_two_from(std::size_t least) noexcept;
+/// Smallest power of two that is at least `min_size` (>= 1).
+std::size_t power_of_two_from(std::size_t min_size) noexcept;
 
 }  // namespace earshot::audio
