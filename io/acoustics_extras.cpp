@@ -171,6 +171,11 @@ Material read_material(const Json& json,
         }
         material.one_sided = one_sided.get<bool>();
     }
+    try {
+        propagation::validate(material);
+    } catch (const Error& error) {
+        place.fail(error.what(), error.remedy());
+    }
     return material;
 }
 

@@ -93,9 +93,44 @@ double EnergyCoefficient::at(double frequency_hz) const noexcept {
 audio::Spectrum EnergyCoefficient::over(const audio::Bands& bands) const noexcept {
     audio::Spectrum spectrum{};
     for (std::size_t band = 0; band < bands.count(); ++band) {
-        spectrum[band] = at(bands.nominal_hz()[band]);
+        double sum = 0.0;
+        std::size_t count = 0;
+        for (const Point& point : points_) {
+            if (point.frequency_hz >= bands.lower_edge_hz(band) &&
+                point.frequency_hz < bands.upper_edge_hz(band)) {
+                sum += point.value;
+                ++count;
+            }
+        }
+        spectrum[band] =
+            count > 1 ? sum / static_cast<double>(count) : at(bands.nominal_hz()[band]);
     }
     return spectrum;
+}
+
+void validate(const Material& material) {
+    // Both are linear between points, so the points of both decide.
+    for (const EnergyCoefficient* coefficient : {&material.absorption, &material.transmission}) {
+        for (const Point& point : coefficient->points()) {
+            const double absorption = material.absorption.at(point.frequency_hz);
+            const double transmission = material.transmission.at(point.frequency_hz);
+            if (transmission > absorption) {
+                throw Error("material \"" + material.name + "\"",
+                            "transmission " + text(transmission) + " exceeds absorption " +
+                                text(absorption) + " at " + text(point.frequency_hz) + " Hz",
+                            "absorption counts all that is not reflected: give at least as much");
+            }
+        }
+    }
+}
+
+audio::Spectrum transmitted_energy(const Material& material, const audio::Bands& bands) noexcept {
+    const audio::Spectrum absorption = material.absorption.over(bands);
+    audio::Spectrum energy = material.transmission.over(bands);
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        energy[band] = std::min(energy[band], absorption[band]);
+    }
+    return energy;
 }
 
 audio::Spectrum reflected_pressure(const Material& material, const audio::Bands& bands) noexcept {
@@ -109,7 +144,7 @@ audio::Spectrum reflected_pressure(const Material& material, const audio::Bands&
 }
 
 audio::Spectrum transmitted_pressure(const Material& material, const audio::Bands& bands) noexcept {
-    audio::Spectrum pressure = material.transmission.over(bands);
+    audio::Spectrum pressure = transmitted_energy(material, bands);
     for (std::size_t band = 0; band < bands.count(); ++band) {
         pressure[band] = std::sqrt(pressure[band]);
     }

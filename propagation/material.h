@@ -28,15 +28,18 @@ public:
     explicit EnergyCoefficient(std::vector<Point> points);
 
     double at(double frequency_hz) const noexcept;  ///< precondition: frequency_hz > 0
-    audio::Spectrum over(const audio::Bands& bands) const noexcept;  ///< at the nominal centres
+    /// Per band: the mean of the points within the band where there are several, as of thirds
+    /// within an octave; else the value at its nominal centre.
+    audio::Spectrum over(const audio::Bands& bands) const noexcept;
     std::span<const Point> points() const noexcept { return points_; }
 
 private:
     std::vector<Point> points_{{1000.0, 0.0}};
 };
 
-/// How a surface treats sound. Energy coefficients; of the energy that arrives, `absorption` is
-/// lost from the reflection and `scattering` of the rest leaves the specular path.
+/// How a surface treats sound. Energy coefficients; of the energy that arrives, `absorption` is not
+/// reflected, `transmission` of all passes through, as a part of `absorption`, and `scattering` of
+/// what is reflected leaves the specular path.
 struct Material {
     std::string name;
     EnergyCoefficient absorption{0.1};
@@ -45,11 +48,20 @@ struct Material {
     bool one_sided = false;  ///< reflects only on the front (counter-clockwise) side
 };
 
+/// Throws Error if transmission exceeds absorption at a frequency: more energy would leave the
+/// surface than arrives.
+void validate(const Material& material);
+
+/// Energy that passes through, per band: transmission, at most absorption. Band averages of the two
+/// may differ where they are given at different frequencies.
+audio::Spectrum transmitted_energy(const Material& material, const audio::Bands& bands) noexcept;
+
 /// Factor of the pressure amplitude in one specular reflection, per band:
 /// sqrt((1 - absorption) (1 - scattering)).
 audio::Spectrum reflected_pressure(const Material& material, const audio::Bands& bands) noexcept;
 
-/// Factor of the pressure amplitude on the way straight through, per band: sqrt(transmission).
+/// Factor of the pressure amplitude on the way straight through, per band: the root of
+/// transmitted_energy().
 audio::Spectrum transmitted_pressure(const Material& material, const audio::Bands& bands) noexcept;
 
 /// A row of the built-in library.

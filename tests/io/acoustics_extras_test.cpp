@@ -42,6 +42,17 @@ TEST(AcousticsExtras, ReadsCoefficientsPerBandAndPlain) {
     EXPECT_EQ(loaded.scene.material_of_triangle, std::vector<std::uint32_t>{0});
 }
 
+TEST(AcousticsExtras, RefusesMoreTransmissionThanAbsorption) {
+    try {
+        load_with_acoustics({{"absorption", 0.1}, {"transmission", 0.5}});
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_NE(error.line().find("material \"wall\""), std::string::npos) << error.line();
+        EXPECT_NE(error.line().find("transmission 0.5 exceeds absorption 0.1"), std::string::npos)
+            << error.line();
+    }
+}
+
 TEST(AcousticsExtras, CoefficientsNotGivenAreTheDefaults) {
     const Material wall = load_with_acoustics(Json::object()).scene.materials[0];
     EXPECT_EQ(wall.absorption.at(1000.0), 0.1);

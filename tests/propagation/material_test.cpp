@@ -85,6 +85,56 @@ TEST(EnergyCoefficient, GivesOneValuePerBandAtNominalCentres) {
     }
 }
 
+TEST(EnergyCoefficient, AveragesDataFinerThanTheBand) {
+    const EnergyCoefficient thirds(
+        Points{{630.0, 0.1}, {800.0, 0.5}, {1000.0, 0.9}, {1250.0, 0.5}, {1600.0, 0.1}});
+    const audio::Spectrum octaves = thirds.over(audio::Bands::octaves());
+    EXPECT_NEAR(octaves[5], 1.9 / 3.0, 1e-15);  // 1 kHz
+    // One point lies within the octaves of 500 Hz and 2 kHz each: interpolated as before.
+    EXPECT_EQ(octaves[4], 0.1);
+    EXPECT_EQ(octaves[6], 0.1);
+    // Thirds take their own values.
+    const audio::Bands& bands = audio::Bands::third_octaves();
+    const audio::Spectrum own = thirds.over(bands);
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        EXPECT_EQ(own[band], thirds.at(bands.nominal_hz()[band])) << band;
+    }
+}
+
+TEST(Material, MayNotTransmitMoreThanItAbsorbs) {
+    Material material;
+    material.name = "panel";
+    EXPECT_NO_THROW(validate(material));
+    material.absorption = EnergyCoefficient(Points{{125.0, 0.5}, {1000.0, 0.1}});
+    material.transmission = EnergyCoefficient(Points{{125.0, 0.5}, {1000.0, 0.1}});
+    EXPECT_NO_THROW(validate(material));
+    // Right at the points of absorption, but not between them.
+    material.transmission = EnergyCoefficient(Points{{125.0, 0.2}, {250.0, 0.45}, {1000.0, 0.1}});
+    try {
+        validate(material);
+        FAIL() << "accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.subject(), "material \"panel\"");
+        EXPECT_NE(std::string(error.what()).find("transmission 0.45 exceeds absorption 0.3"),
+                  std::string::npos)
+            << error.what();
+        EXPECT_NE(std::string(error.what()).find("at 250 Hz"), std::string::npos) << error.what();
+    }
+}
+
+TEST(TransmittedPressure, CarriesNoMoreEnergyThanIsNotReflected) {
+    Material material;
+    material.absorption = EnergyCoefficient(Points{{800.0, 0.2}, {1000.0, 0.8}, {1250.0, 0.2}});
+    material.transmission = EnergyCoefficient(Points{{1000.0, 0.7}, {1250.0, 0.1}, {800.0, 0.2}});
+    EXPECT_NO_THROW(validate(material));
+    const audio::Bands& octaves = audio::Bands::octaves();
+    const audio::Spectrum transmitted = transmitted_pressure(material, octaves);
+    const audio::Spectrum absorption = material.absorption.over(octaves);
+    for (std::size_t band = 0; band < octaves.count(); ++band) {
+        EXPECT_LE(transmitted[band] * transmitted[band], absorption[band] * (1.0 + 1e-15)) << band;
+    }
+}
+
 std::string refusal(const Points& points) {
     try {
         const EnergyCoefficient coefficient(points);
