@@ -31,6 +31,17 @@ public:
         }
     }
 
+    /// The stage is over, whether or not all of its steps were needed.
+    void finish() {
+        if (progress_ != nullptr) {
+            const std::lock_guard lock(mutex_);
+            if (done_ < total_) {
+                done_ = total_;
+                progress_->report(stage_, done_, total_);
+            }
+        }
+    }
+
 private:
     Progress* progress_;
     std::string_view stage_;

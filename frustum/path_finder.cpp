@@ -200,13 +200,14 @@ double PathFinder::max_radius() const noexcept {
 
 SourceBeamTree PathFinder::trace_source(const Vec3& source,
                                         FirstFacets first,
-                                        Executor& executor) const {
+                                        Executor& executor,
+                                        Progress* progress) const {
     EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
     auto kept = std::make_unique<SourceBeamTree::Kept>();
     kept->source = source;
     if (state_->trace.max_order > 0) {
         for (BeamRecorder& task : state_->tracer.trace<BeamRecorder>(
-                 source, first, [] { return BeamRecorder(); }, executor)) {
+                 source, first, [] { return BeamRecorder(); }, executor, progress)) {
             kept->parts.push_back(task.take_tree());
         }
     }
@@ -290,7 +291,8 @@ void PathFinder::for_each_listener(const SourceBeamTree& source,
 TraceResult PathFinder::find(const Vec3& source,
                              const ListenerBeamTree& listeners,
                              FirstFacets first,
-                             Executor& executor) const {
+                             Executor& executor,
+                             Progress* progress) const {
     EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
     const State& state = *state_;
     const ListenerSet set = listeners.kept_->set();
@@ -298,7 +300,7 @@ TraceResult PathFinder::find(const Vec3& source,
     if (state.trace.max_order > 0) {
         const auto make_task = [&] { return CandidateTask(state.generator(source, set)); };
         for (CandidateTask& task :
-             state.tracer.trace<CandidateTask>(source, first, make_task, executor)) {
+             state.tracer.trace<CandidateTask>(source, first, make_task, executor, progress)) {
             result.append(task.take_result());
         }
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/base/progress.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
 #include "earshot/frustum/surface_points.h"
@@ -81,10 +82,12 @@ public:
     PathFinder& operator=(PathFinder&&) noexcept;
     ~PathFinder();
 
-    /// Precondition, here and below: points lie within max_radius() of the origin.
+    /// Reports the stage "tracing". Precondition, here and below: points lie within max_radius() of
+    /// the origin.
     SourceBeamTree trace_source(const geometry::Vec3& source,
                                 FirstFacets first = {},
-                                Executor& executor = Executor::serial()) const;
+                                Executor& executor = Executor::serial(),
+                                Progress* progress = nullptr) const;
     ListenerBeamTree trace_listeners(std::span<const geometry::Vec3> listeners,
                                      Executor& executor = Executor::serial()) const;
 
@@ -95,11 +98,13 @@ public:
                         Executor& executor = Executor::serial()) const;
 
     /// The same without keeping the source's beam tree: memory does not grow with the number of
-    /// frusta. The statistics leave out the listeners' frusta, here and above.
+    /// frusta. The statistics leave out the listeners' frusta, here and above. Reports the stage
+    /// "tracing".
     TraceResult find(const geometry::Vec3& source,
                      const ListenerBeamTree& listeners,
                      FirstFacets first = {},
-                     Executor& executor = Executor::serial()) const;
+                     Executor& executor = Executor::serial(),
+                     Progress* progress = nullptr) const;
 
     /// Every path of pairs of which some points lie on surfaces, sorted by the listeners' numbers.
     /// Precondition: no point is undecided. The statistics include the listeners' frusta.

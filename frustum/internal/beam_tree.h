@@ -3,6 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/parallel.h"
+#include "earshot/base/stage_progress.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/frustum/internal/visible_facets.h"
@@ -59,12 +60,13 @@ public:
     /// Calls task.visit(search) for every frustum, depth first within a task, and task.push(facet)
     /// and task.pop() around those of higher order. Frusta around the source and the subtrees of
     /// order 1 are divided among tasks, made by make_task() and returned in order. `mask`: facets
-    /// that may reflect first; empty: all.
+    /// that may reflect first; empty: all. Reports the stage "tracing", subtree by subtree.
     template <typename Task, typename MakeTask>
     std::vector<Task> trace(const geometry::Vec3& source,
                             std::span<const std::uint8_t> mask,
                             MakeTask&& make_task,
-                            Executor& executor) const;
+                            Executor& executor,
+                            Progress* progress) const;
 
     VisibleFacets make_search() const;
 
@@ -123,7 +125,8 @@ template <typename Task, typename MakeTask>
 std::vector<Task> BeamTracer::trace(const geometry::Vec3& source,
                                     std::span<const std::uint8_t> mask,
                                     MakeTask&& make_task,
-                                    Executor& executor) const {
+                                    Executor& executor,
+                                    Progress* progress) const {
     EARSHOT_ASSERT(mask.empty() || mask.size() == index_.size());
     // The frusta around the source, and their reflections.
     const auto roots = frusta_around_source(source);
@@ -151,6 +154,7 @@ std::vector<Task> BeamTracer::trace(const geometry::Vec3& source,
         subtrees.insert(subtrees.end(), of_root.begin(), of_root.end());
     }
     std::vector<std::optional<Task>> subtree_tasks(chunk_count(subtrees.size(), kGrain));
+    StageProgress traced(progress, "tracing", subtrees.size());
     executor.for_each(subtrees.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         std::vector<VisibleFacets> searches;  // one per order
         for (int order = 0; order < orders_; ++order) {
@@ -162,6 +166,7 @@ std::vector<Task> BeamTracer::trace(const geometry::Vec3& source,
             trace_subtree(subtrees[i], searches, task);
             task.pop();
         }
+        traced.add(end - begin);
     });
     std::vector<Task> tasks;
     for (auto* some : {&root_tasks, &subtree_tasks}) {

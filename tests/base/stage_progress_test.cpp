@@ -38,6 +38,15 @@ TEST(StageProgress, CountsStepsOfManyThreads) {
     }
 }
 
+TEST(StageProgress, MayEndBeforeAllStepsAreDone) {
+    Reports reports;
+    StageProgress stage(&reports, "work", 10);
+    stage.add(4);
+    stage.finish();
+    stage.finish();
+    EXPECT_EQ(reports.counts, (std::vector<std::size_t>{0, 4, 10}));
+}
+
 TEST(StageProgress, NeedsNobodyToReportTo) {
     StageProgress stage(nullptr, "work", 1);
     stage.add(1);
