@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/propagation/plausibility.h"
+
+#include "earshot/base/math.h"
+#include "earshot/propagation/internal/closed_surfaces.h"
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace earshot::propagation {
+namespace {
+
+using geometry::Vec3;
+
+constexpr double kMinExtent = 1.5;       // metres: a booth
+constexpr double kMaxExtent = 200.0;     // metres: an arena
+constexpr double kMinHeight = 1.8;       // metres: people stand in rooms
+constexpr double kMaxHeight = 40.0;      // metres: a cathedral
+constexpr double kMinSide = 0.8;         // metres, of what is proposed: a corridor
+constexpr double kMaxVolume = 200000.0;  // cubic metres
+constexpr double kUsualHeight = 3.0;     // metres
+
+std::string number(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.3g", value);
+    // Without an exponent, which people do not read.
+    if (std::abs(value) >= 1000.0 && std::abs(value) < 1e12) {
+        std::snprintf(text.data(), text.size(), "%.0f", value);
+    }
+    return text.data();
+}
+
+std::string size_text(const Vec3& size) {
+    return number(size.x) + " x " + number(size.y) + " x " + number(size.z) + " m";
+}
+
+double largest_side(const Vec3& size) {
+    return std::max({size.x, size.y, size.z});
+}
+
+/// What keeps a scene from being a room; empty if nothing does.
+std::string implausible(const Vec3& size, double volume) {
+    const double extent = largest_side(size);
+    if (extent < kMinExtent || extent > kMaxExtent) {
+        return "an extent of " + number(extent) + " m";
+    }
+    if (size.y < kMinHeight || size.y > kMaxHeight) {
+        return "a height of " + number(size.y) + " m";
+    }
+    return volume > kMaxVolume ? "a volume of " + number(volume) + " m3" : "";
+}
+
+/// A room that is read right side up is likelier than one that is not, if sizes tell nothing else.
+constexpr double kTurnPenalty = 0.1;
+
+/// 0 for a room of the usual height; larger the higher or lower, and if it is a tower.
+double improbability(const Vec3& size) {
+    return std::abs(math::log(size.y / kUsualHeight)) +
+           std::max(0.0, math::log(size.y / std::min(size.x, size.z)));
+}
+
+/// One source or listener.
+struct Placed {
+    const Emitter* emitter = nullptr;
+    bool is_source = false;
+    Vec3 position{0.0};
+
+    std::string name() const {
+        return (is_source ? "source \"" : "listener \"") + emitter->name + "\" at " +
+               number(position.x) + ", " + number(position.y) + ", " + number(position.z);
+    }
+};
+
+std::vector<Placed> placed_emitters(const Scene& scene, double time) {
+    std::vector<Placed> placed;
+    for (const Emitter& source : scene.sources) {
+        placed.push_back({&source, true, scene.position_at(source, time)});
+    }
+    for (const Emitter& listener : scene.listeners) {
+        placed.push_back({&listener, false, scene.position_at(listener, time)});
+    }
+    return placed;
+}
+
+bool is_beyond(const SceneExtent& extent, const Vec3& point) {
+    return glm::any(glm::lessThan(point, extent.lower)) ||
+           glm::any(glm::greaterThan(point, extent.upper));
+}
+
+/// Whether a surface holds some of the sources and listeners but not those they belong with.
+bool parts_a_pair(const std::vector<Placed>& placed, const std::vector<bool>& inside) {
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+        for (std::size_t k = 0; k < placed.size(); ++k) {
+            if (placed[i].is_source && !placed[k].is_source && inside[i] != inside[k]) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+SceneExtent scene_extent(const Scene& scene, double time) {
+    const std::vector<Vec3> positions = scene.mesh.positions_at(time);
+    const auto triangles = scene.mesh.triangles();
+    SceneExtent extent{positions[triangles[0][0]], positions[triangles[0][0]]};
+    for (const geometry::Triangle& triangle : triangles) {
+        for (const geometry::VertexId vertex : triangle) {
+            extent.lower = glm::min(extent.lower, positions[vertex]);
+            extent.upper = glm::max(extent.upper, positions[vertex]);
+        }
+    }
+    return extent;
+}
+
+std::optional<UnitProposal> propose_unit(const Vec3& size, double volume, const ReadAs& read_as) {
+    UnitProposal best{.problem = implausible(size, volume)};
+    if (best.problem.empty()) {
+        return std::nullopt;
+    }
+    constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
+        {{"mm", 0.001}, {"cm", 0.01}, {"in", 0.0254}, {"m", 1.0}}};
+    double best_score = 0.0;
+    for (const auto& [name, metres] : kUnits) {
+        const double scale = metres / read_as.metres_per_unit;
+        for (const bool is_turned : {false, true}) {
+            const Vec3 scaled = (is_turned ? Vec3(size.x, size.z, size.y) : size) * scale;
+            if (std::min(scaled.x, scaled.z) < kMinSide ||
+                !implausible(scaled, volume * scale * scale * scale).empty()) {
+                continue;
+            }
+            const double score = improbability(scaled) + (is_turned ? kTurnPenalty : 0.0);
+            if (best.unit.empty() || score < best_score) {
+                best.unit = name;
+                best.up = is_turned ? (read_as.z_is_up ? "y" : "z") : "";
+                best.size = scaled;
+                best_score = score;
+            }
+        }
+    }
+    return best;
+}
+
+std::string unit_warning(const UnitProposal& proposal, const Vec3& size, bool has_unit_option) {
+    const std::string found = "the scene measures " + size_text(size) +
+                              " (height in the middle); " + proposal.problem +
+                              " is not that of a room";
+    if (proposal.unit.empty()) {
+        return found + (has_unit_option ? "; check the unit and the up axis (--units, --up)"
+                                        : "; check scale and up axis of the export");
+    }
+    const std::string unit(proposal.unit);
+    const std::string up(proposal.up);
+    const std::string cure =
+        has_unit_option
+            ? "--units " + unit + (up.empty() ? "" : " --up " + up) + " makes it "
+            : "coordinates in " + unit + (up.empty() ? "" : " with +" + up + " up") + " would be ";
+    return found + "; " + cure + size_text(proposal.size);
+}
+
+Warnings misplaced_emitters(const Scene& scene, double time) {
+    const std::vector<Placed> placed = placed_emitters(scene, time);
+    const SceneExtent extent = scene_extent(scene, time);
+    const std::vector<Vec3> positions = scene.mesh.positions_at(time);
+    const auto triangles = scene.mesh.triangles();
+    Warnings warnings;
+    std::vector<bool> is_told(placed.size(), false);
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+        if (is_beyond(extent, placed[i].position)) {
+            warnings.push_back({scene.name,
+                                placed[i].name() + " lies outside of the scene, which measures " +
+                                    size_text(extent.size())});
+            is_told[i] = true;
+        }
+    }
+    for (const ClosedSurface& surface : closed_surfaces(positions, triangles)) {
+        std::vector<bool> inside(placed.size());
+        for (std::size_t i = 0; i < placed.size(); ++i) {
+            inside[i] = is_inside(surface, positions, triangles, placed[i].position);
+        }
+        if (!parts_a_pair(placed, inside)) {
+            continue;
+        }
+        // A surface half as large as the scene is taken for the room, a smaller one for a solid.
+        const bool is_room =
+            2.0 * glm::length(surface.upper - surface.lower) >= glm::length(extent.size());
+        for (std::size_t i = 0; i < placed.size(); ++i) {
+            if (inside[i] == is_room || is_told[i]) {
+                continue;
+            }
+            warnings.push_back(
+                {scene.name,
+                 placed[i].name() +
+                     (is_room ? " lies outside of the closed surface of "
+                              : " lies inside the closed surface of ") +
+                     std::to_string(surface.triangles.size()) + " triangles that measures " +
+                     size_text(surface.upper - surface.lower) +
+                     (is_room ? ", which holds the others" : ", a solid or a room of its own")});
+            is_told[i] = true;
+        }
+    }
+    return warnings;
+}
+
+}  // namespace earshot::propagation

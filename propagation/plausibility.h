@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/error.h"
+#include "earshot/geometry/types.h"
+#include "earshot/propagation/scene.h"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace earshot::propagation {
+
+// Whether a model means what its user thinks: a room in inches that is read in metres, or a
+// listener inside a table, gives numbers that look like any others.
+
+/// The size of a scene at one instant, metres, +Y up.
+struct SceneExtent {
+    geometry::Vec3 lower{0.0};
+    geometry::Vec3 upper{0.0};
+
+    geometry::Vec3 size() const noexcept { return upper - lower; }
+};
+
+/// Of all vertices that a triangle uses. Precondition: there is a triangle.
+SceneExtent scene_extent(const Scene& scene, double time);
+
+/// How a file was read: its unit, and whether +Z was taken for up.
+struct ReadAs {
+    double metres_per_unit = 1.0;
+    bool z_is_up = false;
+};
+
+/// What a scene would be like if its coordinates were in another unit, or another axis were up.
+struct UnitProposal {
+    std::string problem{};     ///< "an extent of 8000 m"
+    std::string_view unit{};   ///< "mm", "cm", "in", "m"; empty: none makes it a room
+    std::string_view up{};     ///< "y" or "z"; empty: the axis is right as it is
+    geometry::Vec3 size{0.0};  ///< with what is proposed, metres
+};
+
+/// Limits of what a room measures: its largest side 1.5 ... 200 m, its height 1.8 ... 40 m, the
+/// volume of its air at most 200,000 m3. Empty if the scene keeps them. Otherwise the unit, of mm,
+/// cm, in and m, and the up axis that make it a room: of several the one whose height is nearest to
+/// 3 m, by ratio, and not above its other sides. `volume` in cubic metres, 0 where it is unknown.
+/// Feet cannot be told by size alone.
+std::optional<UnitProposal> propose_unit(const geometry::Vec3& size,
+                                         double volume,
+                                         const ReadAs& read_as);
+
+/// The message of a proposal. `has_unit_option`: the file's unit can be told by --units, as that of
+/// a glTF file, which is always in metres, cannot.
+std::string unit_warning(const UnitProposal& proposal,
+                         const geometry::Vec3& size,
+                         bool has_unit_option);
+
+/// Sources and listeners that no sound can link, or that are probably misplaced, at `time`: a
+/// listener outside of the closed surface around the sources, inside a solid, or beyond the
+/// scene's extent. Each warning names the emitter and its position. A closed surface is a set of
+/// connected triangles (vertices of one position are one) in which every edge has an even number
+/// of triangles; which side a point is on is the parity of its crossings with a line.
+Warnings misplaced_emitters(const Scene& scene, double time);
+
+}  // namespace earshot::propagation
