@@ -27,17 +27,89 @@ struct Place {
     }
 };
 
-/// extras.acoustics, if the object has it.
-const Json* acoustics_of(const Json& object, const Place& place) {
+/// What is written in a string: a JSON object, or else the string itself.
+Json unpacked(const Json& value, const Place& place, const std::string& key) {
+    if (!value.is_string()) {
+        return value;
+    }
+    const std::string& text = value.get_ref<const std::string&>();
+    if (text.find('{') == std::string::npos) {
+        return value;
+    }
+    Json json = Json::parse(text, nullptr, false);
+    if (!json.is_object()) {
+        place.fail(key + " is a text that is no JSON object",
+                   R"(write a library name, or as in {"absorption": 0.1})");
+    }
+    return json;
+}
+
+constexpr std::string_view kFlatPrefix = "acoustics_";
+
+/// acoustics_absorption and its like, as the property panels of modellers write them.
+Json flat_acoustics(const Json& extras, const Place& place) {
+    Json acoustics = Json::object();
+    for (const auto& [key, value] : extras.items()) {
+        if (key.starts_with(kFlatPrefix)) {
+            acoustics[key.substr(kFlatPrefix.size())] = unpacked(value, place, key);
+        }
+    }
+    return acoustics;
+}
+
+/// Keys of extras that were probably meant for us: "acoustic", "Acoustics", a plain "absorption".
+template <std::size_t Count>
+void warn_of_near_misses(const Json& extras,
+                         const std::array<std::string_view, Count>& known,
+                         const Place& place,
+                         Warnings& warnings) {
+    constexpr std::size_t kMaxEdits = 2;
+    for (const auto& [key, value] : extras.items()) {
+        std::string lower = key;
+        std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
+            return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+        });
+        const bool is_known_alone =
+            std::find(known.begin(), known.end(), lower) != known.end() && lower != "role";
+        const bool is_near = key != "acoustics" && edit_distance(lower, "acoustics") <= kMaxEdits;
+        const bool is_bad_prefix = !key.starts_with(kFlatPrefix) && lower.starts_with("acoustic") &&
+                                   lower.find('_') != std::string::npos;
+        if (is_known_alone || is_near || is_bad_prefix) {
+            warnings.push_back({place.file,
+                                place.element + ": extras has a key \"" + key +
+                                    "\" that means nothing here; write it below \"acoustics\", "
+                                    "or as \"acoustics_library\" and its like"});
+        }
+    }
+}
+
+/// The acoustic data of a material or node: extras.acoustics and flat keys, which count where both
+/// give the same; nothing if the object has neither.
+template <std::size_t Count>
+std::optional<Json> acoustics_of(const Json& object,
+                                 const std::array<std::string_view, Count>& known,
+                                 const Place& place,
+                                 Warnings& warnings) {
     const auto extras = object.find("extras");
-    if (extras == object.end() || !extras->is_object() || !extras->contains("acoustics")) {
-        return nullptr;
+    if (extras == object.end() || !extras->is_object()) {
+        return std::nullopt;
     }
-    const Json& acoustics = (*extras)["acoustics"];
+    warn_of_near_misses(*extras, known, place, warnings);
+    Json flat = flat_acoustics(*extras, place);
+    if (!extras->contains("acoustics")) {
+        return flat.empty() ? std::nullopt : std::optional(std::move(flat));
+    }
+    Json acoustics = unpacked((*extras)["acoustics"], place, "extras.acoustics");
+    if (acoustics.is_string()) {
+        // Of a material a library name, of a node what it is.
+        acoustics = Json{{known.front(), acoustics}};
+    }
     if (!acoustics.is_object()) {
-        place.fail("extras.acoustics is not a JSON object", "write {\"absorption\": 0.1}");
+        place.fail("extras.acoustics is neither a JSON object nor a name",
+                   R"(write {"absorption": 0.1} or a library name)");
     }
-    return &acoustics;
+    acoustics.update(flat);
+    return acoustics;
 }
 
 template <std::size_t Count>
@@ -48,7 +120,7 @@ void warn_of_unknown_keys(const Json& acoustics,
     for (const auto& [key, value] : acoustics.items()) {
         if (std::find(known.begin(), known.end(), key) == known.end()) {
             warnings.push_back({place.file,
-                                place.element + ": extras.acoustics has a key \"" + key +
+                                place.element + ": acoustic data has a key \"" + key +
                                     "\" that means nothing here"});
         }
     }
@@ -111,6 +183,48 @@ Material library_material(const Json& name, const Place& place) {
     return std::move(*found);
 }
 
+constexpr std::array<std::string_view, 5> kMaterialKeys{
+    "library", "absorption", "scattering", "transmission", "one_sided"};
+constexpr std::array<std::string_view, 2> kNodeKeys{"role", "directivity"};
+
+/// Blender writes yes and no as 1 and 0.
+bool read_flag(const Json& flag, const char* key, const Place& place) {
+    if (flag.is_boolean()) {
+        return flag.get<bool>();
+    }
+    if (flag != 0 && flag != 1) {
+        place.fail(std::string(key) + " is neither true nor false", "write true or false");
+    }
+    return flag == 1;
+}
+
+/// A library row, and what is given beside it in its place.
+Material material_of(const Json& acoustics, const Place& place, Warnings& warnings) {
+    warn_of_unknown_keys(acoustics, kMaterialKeys, place, warnings);
+    Material material;
+    if (acoustics.contains("library")) {
+        material = library_material(acoustics["library"], place);
+    }
+    if (auto given = read_coefficient(acoustics, "absorption", place)) {
+        material.absorption = std::move(*given);
+    }
+    if (auto given = read_coefficient(acoustics, "scattering", place)) {
+        material.scattering = std::move(*given);
+    }
+    if (auto given = read_coefficient(acoustics, "transmission", place)) {
+        material.transmission = std::move(*given);
+    }
+    if (acoustics.contains("one_sided")) {
+        material.one_sided = read_flag(acoustics["one_sided"], "one_sided", place);
+    }
+    try {
+        propagation::validate(material);
+    } catch (const Error& error) {
+        place.fail(error.what(), error.remedy());
+    }
+    return material;
+}
+
 }  // namespace
 
 std::string nearest_library_names(const std::string& name) {
@@ -126,57 +240,40 @@ std::string nearest_library_names(const std::string& name) {
     return text.empty() ? "see earshot materials" : text + " (see earshot materials)";
 }
 
-Material material_named(const std::string& name, const std::string& file, Warnings& warnings) {
-    if (std::optional<Material> found = propagation::find_library_material(name)) {
-        found->name = name;
-        return std::move(*found);
-    }
-    warnings.push_back(
-        {file, "material \"" + name + "\" has no acoustic data and takes absorption 0.1"});
-    Material material;
-    material.name = name;
-    return material;
+ReadMaterial material_named(const std::string& name) {
+    std::optional<Material> row = propagation::find_library_material(name);
+    ReadMaterial read{.material = row ? std::move(*row) : Material{}, .is_default = !row};
+    read.material.name = name;
+    return read;
 }
 
-Material read_material(const Json& json,
-                       const std::string& name,
-                       const std::string& file,
-                       Warnings& warnings) {
+ReadMaterial read_material(const Json& json,
+                           const std::string& name,
+                           const std::string& file,
+                           Warnings& warnings) {
     const Place place{file, "material \"" + name + "\""};
-    const Json* acoustics = acoustics_of(json, place);
-    if (acoustics == nullptr) {
-        return material_named(name, file, warnings);
+    const auto acoustics = acoustics_of(json, kMaterialKeys, place, warnings);
+    if (!acoustics) {
+        return material_named(name);
     }
-    constexpr std::array<std::string_view, 5> kKnown{
-        "absorption", "scattering", "transmission", "library", "one_sided"};
-    warn_of_unknown_keys(*acoustics, kKnown, place, warnings);
-    Material material;
-    if (acoustics->contains("library")) {
-        material = library_material((*acoustics)["library"], place);
+    ReadMaterial read{.material = material_of(*acoustics, place, warnings)};
+    read.material.name = name;
+    return read;
+}
+
+Material read_acoustics(const Json& value,
+                        const std::string& element,
+                        const std::string& file,
+                        Warnings& warnings) {
+    const Place place{file, element};
+    if (value.is_string()) {
+        return library_material(value, place);
     }
-    material.name = name;
-    if (auto given = read_coefficient(*acoustics, "absorption", place)) {
-        material.absorption = std::move(*given);
+    if (!value.is_object()) {
+        place.fail("is neither a library name nor a JSON object",
+                   R"(write "carpet-thin" or {"absorption": 0.1})");
     }
-    if (auto given = read_coefficient(*acoustics, "scattering", place)) {
-        material.scattering = std::move(*given);
-    }
-    if (auto given = read_coefficient(*acoustics, "transmission", place)) {
-        material.transmission = std::move(*given);
-    }
-    if (acoustics->contains("one_sided")) {
-        const Json& one_sided = (*acoustics)["one_sided"];
-        if (!one_sided.is_boolean()) {
-            place.fail("one_sided is neither true nor false", "write true or false");
-        }
-        material.one_sided = one_sided.get<bool>();
-    }
-    try {
-        propagation::validate(material);
-    } catch (const Error& error) {
-        place.fail(error.what(), error.remedy());
-    }
-    return material;
+    return material_of(value, place, warnings);
 }
 
 NodeAcoustics read_node_acoustics(const Json& node,
@@ -184,12 +281,11 @@ NodeAcoustics read_node_acoustics(const Json& node,
                                   const std::string& file,
                                   Warnings& warnings) {
     const Place place{file, "node \"" + name + "\""};
-    const Json* acoustics = acoustics_of(node, place);
-    if (acoustics == nullptr) {
+    const auto acoustics = acoustics_of(node, kNodeKeys, place, warnings);
+    if (!acoustics) {
         return {};
     }
-    constexpr std::array<std::string_view, 2> kKnown{"role", "directivity"};
-    warn_of_unknown_keys(*acoustics, kKnown, place, warnings);
+    warn_of_unknown_keys(*acoustics, kNodeKeys, place, warnings);
     NodeAcoustics read;
     if (acoustics->contains("role")) {
         const Json& role = (*acoustics)["role"];

@@ -24,16 +24,22 @@ void add_materials(const GltfFile& file, const GltfGeometry& geometry, LoadedSce
         is_used[index] = true;
         scene.material_of_triangle.push_back(static_cast<std::uint32_t>(index));
     }
+    const auto add = [&](ReadMaterial read, bool used) {
+        if (used && read.is_default) {
+            loaded.default_materials.push_back(static_cast<std::uint32_t>(scene.materials.size()));
+        }
+        scene.materials.push_back(std::move(read.material));
+    };
     Warnings unused;
     for (std::size_t i = 0; i < count; ++i) {
         const Json& json = file.json["materials"][i];
         const std::string given = json.value("name", std::string());
         const std::string name = given.empty() ? "material " + std::to_string(i) : given;
-        scene.materials.push_back(
-            read_material(json, name, file.name, is_used[i] ? loaded.warnings : unused));
+        add(read_material(json, name, file.name, is_used[i] ? loaded.acoustic_warnings : unused),
+            is_used[i]);
     }
     if (is_used[count]) {
-        scene.materials.push_back(material_named("default", file.name, loaded.warnings));
+        add(material_named("default"), true);
     }
 }
 
@@ -67,7 +73,7 @@ void add_emitters(const GltfFile& file,
         emitter.name = node_name(file, i);
         emitter.node = nodes.index_of[i];
         const NodeAcoustics acoustics =
-            read_node_acoustics(json, emitter.name, file.name, loaded.warnings);
+            read_node_acoustics(json, emitter.name, file.name, loaded.acoustic_warnings);
         if (!acoustics.directivity.empty()) {
             emitter.directivity = directivity_named(
                 acoustics.directivity, folder, file.name + ": node \"" + emitter.name + "\"");

@@ -48,9 +48,16 @@ void check_positions(geometry::Mesh& mesh, const std::string& file) {
 
 }  // namespace
 
-LoadedScene load_mesh_file(const std::filesystem::path& path, MeshFormat format) {
+LoadedScene load_mesh_file(const std::filesystem::path& path,
+                           MeshFormat format,
+                           const FileFrame& frame) {
     const std::string file = path.string();
     PolygonMesh read = parse(read_whole_file(path), format, file);
+    if (!frame.is_default()) {
+        for (geometry::Vec3& position : read.mesh.positions) {
+            position = frame.to_scene(position);
+        }
+    }
     check_positions(read.mesh, file);
     LoadedScene loaded;
     if (read.material_names.empty()) {
@@ -58,7 +65,12 @@ LoadedScene load_mesh_file(const std::filesystem::path& path, MeshFormat format)
         read.material_of_triangle.assign(read.mesh.triangles.size(), 0);
     }
     for (const std::string& name : read.material_names) {
-        loaded.scene.materials.push_back(material_named(name, file, loaded.warnings));
+        ReadMaterial material = material_named(name);
+        if (material.is_default) {
+            loaded.default_materials.push_back(
+                static_cast<std::uint32_t>(loaded.scene.materials.size()));
+        }
+        loaded.scene.materials.push_back(std::move(material.material));
     }
     loaded.scene.material_of_triangle = std::move(read.material_of_triangle);
     loaded.scene.mesh = geometry::AnimatedMesh::fixed(std::move(read.mesh));

@@ -4,6 +4,7 @@
 #include "earshot/geometry/types.h"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace earshot::io {
@@ -12,5 +13,14 @@ namespace earshot::io {
 /// line without a number is a header; blank lines are skipped. Throws Error naming the file and
 /// line, or if there is no point or a coordinate is beyond kMaxCoordinate.
 std::vector<geometry::Vec3> read_points(const std::filesystem::path& file);
+
+/// A point of a table that has names.
+struct NamedPosition {
+    std::string name;
+    geometry::Vec3 position{0.0};
+};
+
+/// The same of four columns: name, x, y, z. Throws Error besides if a name is empty.
+std::vector<NamedPosition> read_named_points(const std::filesystem::path& file);
 
 }  // namespace earshot::io

@@ -36,20 +36,25 @@ void check_file(const fs::path& file) {
 
 LoadedScene load_by_suffix(const fs::path& file, const SceneOptions& options) {
     const std::string suffix = lower_case_suffix(file);
-    if (suffix == ".gltf" || suffix == ".glb") {
+    if (is_gltf(file)) {
+        if (!options.frame.is_default()) {
+            throw Error(file.string(),
+                        "is glTF, which is in metres with +Y up",
+                        "leave out --units and --up");
+        }
         return load_gltf(file, options);
     }
     if (suffix == ".obj") {
-        return load_mesh_file(file, MeshFormat::obj);
+        return load_mesh_file(file, MeshFormat::obj, options.frame);
     }
     if (suffix == ".ply") {
-        return load_mesh_file(file, MeshFormat::ply);
+        return load_mesh_file(file, MeshFormat::ply, options.frame);
     }
     if (suffix == ".stl") {
-        return load_mesh_file(file, MeshFormat::stl);
+        return load_mesh_file(file, MeshFormat::stl, options.frame);
     }
     if (suffix == ".off") {
-        return load_mesh_file(file, MeshFormat::off);
+        return load_mesh_file(file, MeshFormat::off, options.frame);
     }
     throw Error(file.string(),
                 suffix.empty() ? "has no suffix, which selects the format"
@@ -84,6 +89,34 @@ void check_extent(const propagation::Scene& scene, const std::string& file) {
 }
 
 }  // namespace
+
+bool is_gltf(const fs::path& file) {
+    const std::string suffix = lower_case_suffix(file);
+    return suffix == ".gltf" || suffix == ".glb";
+}
+
+Warnings warnings_of_acoustics(const LoadedScene& loaded) {
+    constexpr std::size_t kMaxNames = 12;
+    Warnings warnings = loaded.acoustic_warnings;
+    const std::vector<std::uint32_t>& indices = loaded.default_materials;
+    if (indices.empty()) {
+        return warnings;
+    }
+    std::string names;
+    for (std::size_t i = 0; i < std::min(kMaxNames, indices.size()); ++i) {
+        names += (i == 0 ? "\"" : ", \"") + loaded.scene.materials[indices[i]].name + "\"";
+    }
+    if (indices.size() > kMaxNames) {
+        names += " and " + std::to_string(indices.size() - kMaxNames) + " more";
+    }
+    warnings.push_back(
+        {loaded.scene.name,
+         (indices.size() == 1
+              ? "material " + names + " has no acoustic data and takes"
+              : std::to_string(indices.size()) + " materials have no acoustic " + "data and take") +
+             " absorption 0.1" + (indices.size() == 1 ? "" : ": " + names)});
+    return warnings;
+}
 
 LoadedScene load_scene(const fs::path& file, const SceneOptions& options) {
     check_file(file);

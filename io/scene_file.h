@@ -2,26 +2,43 @@
 #pragma once
 
 #include "earshot/base/error.h"
+#include "earshot/io/file_frame.h"
 #include "earshot/propagation/scene.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace earshot::io {
 
 struct LoadedScene {
     propagation::Scene scene;
-    Warnings warnings;  ///< each names what was odd: a material without acoustic data, ...
+    Warnings warnings;           ///< each names what was odd
+    Warnings acoustic_warnings;  ///< the same of acoustic data; of no matter where none is used
+    /// Indices into the scene's materials, ascending: those of a triangle that have no acoustic
+    /// data and take the default (propagation::Material{}).
+    std::vector<std::uint32_t> default_materials;
 };
+
+/// What to tell where acoustic data is used: acoustic_warnings and, if materials take the default,
+/// one warning that names them.
+Warnings warnings_of_acoustics(const LoadedScene& loaded);
 
 struct SceneOptions {
     /// Name or index of the glTF animation that moves the scene; empty: the first one.
-    std::string animation;
+    std::string animation{};
+    /// How the coordinates of a mesh file are meant; the scene is in metres, +Y up. Of a glTF file
+    /// only the default is right, anything else an Error.
+    FileFrame frame{};
 };
 
 /// Reads .gltf, .glb, .obj, .ply, .stl or .off (by suffix, any case); docs/files.md says what is
 /// understood. Throws Error naming the file and the fault; nothing is half read.
 LoadedScene load_scene(const std::filesystem::path& file, const SceneOptions& options = {});
+
+/// Whether a file is glTF by its suffix.
+bool is_gltf(const std::filesystem::path& file);
 
 /// Coordinates beyond this (metres) are taken for a damaged file: double precision still resolves
 /// a tenth of a millimetre there, and squares of distances stay far from overflow.

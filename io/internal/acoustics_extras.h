@@ -10,18 +10,30 @@
 
 namespace earshot::io {
 
-/// The library's material of that name, or the default with a warning that names it. `name` stays
-/// the material's name.
-propagation::Material material_named(const std::string& name,
+/// A material, and whether its acoustic data is the default for want of any.
+struct ReadMaterial {
+    propagation::Material material;
+    bool is_default = false;
+};
+
+/// The library's material of that name, or the default. `name` stays the material's name.
+ReadMaterial material_named(const std::string& name);
+
+/// A glTF material: its extras.acoustics (an object, a library name, or the object as JSON text)
+/// and flat keys acoustics_library, acoustics_absorption, ..., or else as material_named. Keys that
+/// are nearly ours are warned of. Throws Error naming file and material for coefficients out of
+/// 0..1, what is not a number, and unknown library names.
+ReadMaterial read_material(const nlohmann::json& material,
+                           const std::string& name,
+                           const std::string& file,
+                           Warnings& warnings);
+
+/// The value of extras.acoustics alone: a library name or an object. `element` names it in errors.
+/// Throws as read_material; the material has the library's name or none.
+propagation::Material read_acoustics(const nlohmann::json& value,
+                                     const std::string& element,
                                      const std::string& file,
                                      Warnings& warnings);
-
-/// A glTF material: its extras.acoustics, or else as material_named. Throws Error naming file and
-/// material for coefficients out of 0..1, what is not a number, and unknown library names.
-propagation::Material read_material(const nlohmann::json& material,
-                                    const std::string& name,
-                                    const std::string& file,
-                                    Warnings& warnings);
 
 enum class Role { none, source, listener };
 

@@ -14,7 +14,10 @@ LoadedScene load_gltf(const std::filesystem::path& file, const SceneOptions& opt
 /// Which plain mesh format a file is in.
 enum class MeshFormat { obj, ply, stl, off };
 
-/// A scene of a file that knows polygons and at most names of materials. Throws Error.
-LoadedScene load_mesh_file(const std::filesystem::path& file, MeshFormat format);
+/// A scene of a file that knows polygons and at most names of materials; `frame` says how its
+/// coordinates are meant. Throws Error.
+LoadedScene load_mesh_file(const std::filesystem::path& file,
+                           MeshFormat format,
+                           const FileFrame& frame);
 
 }  // namespace earshot::io

@@ -38,7 +38,7 @@ TEST(AcousticsExtras, ReadsCoefficientsPerBandAndPlain) {
     EXPECT_EQ(wall.scattering.at(500.0), 0.25);
     EXPECT_EQ(wall.transmission.at(1000.0), 0.01);
     EXPECT_TRUE(wall.one_sided);
-    EXPECT_TRUE(loaded.warnings.empty());
+    EXPECT_TRUE(warnings_of_acoustics(loaded).empty());
     EXPECT_EQ(loaded.scene.material_of_triangle, std::vector<std::uint32_t>{0});
 }
 
@@ -67,10 +67,10 @@ TEST(AcousticsExtras, LibraryMaterialsByReferenceAndByName) {
     const LoadedScene referred = load_with_acoustics({{"library", "brick-painted"}});
     EXPECT_EQ(referred.scene.materials[0].name, "wall");
     EXPECT_EQ(referred.scene.materials[0].absorption.at(500.0), brick->absorption.at(500.0));
-    EXPECT_TRUE(referred.warnings.empty());
+    EXPECT_TRUE(warnings_of_acoustics(referred).empty());
     const LoadedScene named = load_with({{"name", "brick-painted"}});
     EXPECT_EQ(named.scene.materials[0].absorption.at(500.0), brick->absorption.at(500.0));
-    EXPECT_TRUE(named.warnings.empty());
+    EXPECT_TRUE(warnings_of_acoustics(named).empty());
     const LoadedScene changed =
         load_with_acoustics({{"library", "brick-painted"}, {"scattering", 0.5}});
     EXPECT_EQ(changed.scene.materials[0].scattering.at(500.0), 0.5);
@@ -81,8 +81,10 @@ TEST(AcousticsExtras, OthersTakeTheDefaultAndOneWarningNamesEach) {
     const LoadedScene loaded = load_with({{"name", "lambert1"}, {"doubleSided", true}});
     EXPECT_EQ(loaded.scene.materials[0].absorption.at(500.0), 0.1);
     EXPECT_FALSE(loaded.scene.materials[0].one_sided);
-    ASSERT_EQ(loaded.warnings.size(), 1U);
-    EXPECT_NE(loaded.warnings[0].what.find("lambert1"), std::string::npos);
+    EXPECT_TRUE(loaded.warnings.empty());
+    const Warnings warnings = warnings_of_acoustics(loaded);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].what.find("lambert1"), std::string::npos);
 }
 
 TEST(AcousticsExtras, UnusedMaterialsAreNotWarnedAbout) {
@@ -91,14 +93,75 @@ TEST(AcousticsExtras, UnusedMaterialsAreNotWarnedAbout) {
     builder.primitive(0)["material"] = 1;
     const test::TemporaryFolder folder;
     const LoadedScene loaded = load_scene(folder.file("scene.glb", builder.glb()));
-    EXPECT_TRUE(loaded.warnings.empty());
+    EXPECT_TRUE(warnings_of_acoustics(loaded).empty());
     EXPECT_EQ(loaded.scene.material_of_triangle, std::vector<std::uint32_t>{1});
 }
 
 TEST(AcousticsExtras, UnknownKeysAreWarnedAbout) {
     const LoadedScene loaded = load_with_acoustics({{"absorbtion", 0.5}});
-    ASSERT_EQ(loaded.warnings.size(), 1U);
-    EXPECT_NE(loaded.warnings[0].what.find("absorbtion"), std::string::npos);
+    EXPECT_TRUE(loaded.warnings.empty());
+    const Warnings warnings = warnings_of_acoustics(loaded);
+    ASSERT_EQ(warnings.size(), 1U);
+    EXPECT_NE(warnings[0].what.find("absorbtion"), std::string::npos);
+}
+
+/// The triangle's material, whose extras are these.
+LoadedScene load_with_extras(const Json& extras) {
+    return load_with({{"name", "wall"}, {"extras", extras}});
+}
+
+TEST(AcousticsExtras, MayBeALibraryNameOrJsonText) {
+    const auto brick = propagation::find_library_material("brick-painted");
+    const LoadedScene named = load_with_extras({{"acoustics", "brick-painted"}});
+    EXPECT_EQ(named.scene.materials[0].absorption.at(500.0), brick->absorption.at(500.0));
+    EXPECT_EQ(named.scene.materials[0].name, "wall");
+    const LoadedScene text = load_with_extras(
+        {{"acoustics", R"({"absorption": {"125": 0.2, "250": 0.4}, "scattering": 0.3})"}});
+    EXPECT_EQ(text.scene.materials[0].absorption.at(250.0), 0.4);
+    EXPECT_EQ(text.scene.materials[0].scattering.at(250.0), 0.3);
+    EXPECT_TRUE(warnings_of_acoustics(named).empty());
+    EXPECT_TRUE(warnings_of_acoustics(text).empty());
+}
+
+TEST(AcousticsExtras, FlatKeysAreThoseOfAPropertyPanel) {
+    const auto brick = propagation::find_library_material("brick-painted");
+    const LoadedScene loaded = load_with_extras({{"acoustics_library", "brick-painted"},
+                                                 {"acoustics_scattering", 0.25},
+                                                 {"acoustics_transmission", R"({"125": 0.01})"},
+                                                 {"acoustics_one_sided", 1}});
+    const Material& wall = loaded.scene.materials[0];
+    EXPECT_EQ(wall.absorption.at(500.0), brick->absorption.at(500.0));
+    EXPECT_EQ(wall.scattering.at(500.0), 0.25);
+    EXPECT_EQ(wall.transmission.at(500.0), 0.01);
+    EXPECT_TRUE(wall.one_sided);
+    EXPECT_TRUE(warnings_of_acoustics(loaded).empty());
+}
+
+TEST(AcousticsExtras, NearMissesAreWarnedAbout) {
+    for (const Json& extras : {Json{{"library", "brick-painted"}, {"absorption", 0.3}},
+                               Json{{"acoustic", "brick-painted"}, {"Scattering", 0.3}},
+                               Json{{"Acoustics", "brick-painted"}, {"acoustic_absorption", 1}}}) {
+        const LoadedScene loaded = load_with_extras(extras);
+        ASSERT_EQ(loaded.acoustic_warnings.size(), 2U) << extras;
+        for (const auto& [key, value] : extras.items()) {
+            const std::string told =
+                loaded.acoustic_warnings[0].what + loaded.acoustic_warnings[1].what;
+            EXPECT_NE(told.find("\"" + key + "\""), std::string::npos) << told;
+        }
+        EXPECT_EQ(loaded.default_materials.size(), 1U);
+    }
+}
+
+TEST(AcousticsExtras, OtherPropertiesOfAModellerAreNoConcern) {
+    const LoadedScene loaded =
+        load_with_extras({{"colour", "red"}, {"price", 3}, {"acoustics", {{"absorption", 0.2}}}});
+    EXPECT_TRUE(warnings_of_acoustics(loaded).empty());
+}
+
+TEST(AcousticsExtras, TextThatIsNeitherNameNorJsonIsRefused) {
+    for (const char* text : {"{absorption: 0.1}", "[0.1]", "no such material", ""}) {
+        EXPECT_THROW(load_with_extras({{"acoustics", text}}), Error) << text;
+    }
 }
 
 TEST(AcousticsExtras, UnknownLibraryNameSuggestsNearOnes) {
