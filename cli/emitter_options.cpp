@@ -3,42 +3,53 @@
 
 #include "earshot/cli/values.h"
 #include "earshot/io/directivity_file.h"
+#include "earshot/io/points.h"
 
 #include <algorithm>
+#include <set>
+#include <utility>
 
 namespace earshot::cli {
 namespace {
 
 using propagation::Emitter;
 
-std::vector<NamedPoint> parse_points(const CLI::App& app,
-                                     const std::string& option,
-                                     const std::vector<std::string>& texts) {
-    std::vector<NamedPoint> points;
+using io::NamedPosition;
+
+/// In the scene's metres.
+std::vector<NamedPosition> parse_points(const CLI::App& app,
+                                        const std::string& option,
+                                        const std::vector<std::string>& texts,
+                                        const io::FileFrame& frame) {
+    std::vector<NamedPosition> points;
     for (const std::string& text : texts) {
         const auto point = parse_named_point(text);
         if (!point) {
             throw wrong_usage(app, option, "'" + text + "' is not of the form [NAME=]X,Y,Z");
         }
-        points.push_back(*point);
+        const auto& [x, y, z] = point->position;
+        points.push_back({point->name, frame.to_scene({x, y, z})});
     }
     return points;
 }
 
-geometry::Vec3 position_of(const NamedPoint& point) {
-    return {point.position[0], point.position[1], point.position[2]};
-}
-
-/// Points of the command line stand beside the scene's; one of the same name replaces it.
-void add_or_replace(const std::vector<NamedPoint>& points,
+/// Points of the command line stand beside the scene's; one of the same name replaces it. Those
+/// without a name are numbered.
+void add_or_replace(std::vector<NamedPosition> points,
                     const std::string& role,
                     std::vector<Emitter>& emitters) {
     std::size_t unnamed = 0;
-    for (const NamedPoint& point : points) {
-        const Emitter emitter = {
-            .name = point.name.empty() ? role + std::to_string(++unnamed) : point.name,
-            .node = -1,
-            .position = position_of(point)};
+    std::set<std::string> given;
+    for (NamedPosition& point : points) {
+        if (point.name.empty()) {
+            point.name = role + std::to_string(++unnamed);
+        }
+        if (!given.insert(point.name).second) {
+            throw Error(role + " \"" + point.name + "\"",
+                        "is given twice, and results are stored by name",
+                        "give each " + role + " a name of its own");
+        }
+        const Emitter emitter = {.name = point.name, .node = -1, .position = point.position};
         const auto same = std::find_if(emitters.begin(), emitters.end(), [&](const Emitter& e) {
             return e.name == emitter.name;
         });
@@ -68,12 +79,12 @@ void change_named(const std::string& name,
     }
 }
 
-void set_look_at(const std::vector<NamedPoint>& points,
+void set_look_at(const std::vector<NamedPosition>& points,
                  const std::string& option,
                  std::vector<Emitter>& emitters) {
-    for (const NamedPoint& point : points) {
+    for (const NamedPosition& point : points) {
         change_named(point.name, option, emitters, [&](Emitter& emitter) {
-            emitter.looks_at = position_of(point);
+            emitter.looks_at = point.position;
         });
     }
 }
@@ -89,8 +100,10 @@ void require_any(const std::vector<Emitter>& emitters,
 }  // namespace
 
 void EmitterOptions::add_to(CLI::App& app) {
-    add_repeatable(app, "--source", sources_, "a source at [NAME=]X,Y,Z in metres");
-    add_repeatable(app, "--listener", listeners_, "a listener at [NAME=]X,Y,Z in metres");
+    add_repeatable(app, "--source", sources_, "a source at [NAME=]X,Y,Z, in the file's unit");
+    add_repeatable(app, "--listener", listeners_, "a listener at [NAME=]X,Y,Z, in the file's unit");
+    app.add_option("--listeners", listeners_file_, "a .csv file of listeners: name,x,y,z on a line")
+        ->type_name("FILE");
     add_repeatable(app,
                    "--directivity",
                    directivities_,
@@ -103,16 +116,21 @@ void EmitterOptions::add_to(CLI::App& app) {
 }
 
 void EmitterOptions::apply(const CLI::App& app,
-                           const std::string& scene_file,
+                           const SceneChoice& choice,
                            propagation::Scene& scene) const {
-    const auto sources = parse_points(app, "--source", sources_);
-    const auto listeners = parse_points(app, "--listener", listeners_);
-    const auto aims = parse_points(app, "--aim-at", aims_);
-    const auto looks = parse_points(app, "--look-at", looks_);
-    add_or_replace(sources, "source", scene.sources);
-    add_or_replace(listeners, "listener", scene.listeners);
-    require_any(scene.sources, "source", scene_file);
-    require_any(scene.listeners, "listener", scene_file);
+    const io::FileFrame frame = choice.frame();
+    auto listeners = parse_points(app, "--listener", listeners_, frame);
+    if (!listeners_file_.empty()) {
+        for (const NamedPosition& listener : io::read_named_points(listeners_file_)) {
+            listeners.push_back({listener.name, frame.to_scene(listener.position)});
+        }
+    }
+    const auto aims = parse_points(app, "--aim-at", aims_, frame);
+    const auto looks = parse_points(app, "--look-at", looks_, frame);
+    add_or_replace(parse_points(app, "--source", sources_, frame), "source", scene.sources);
+    add_or_replace(std::move(listeners), "listener", scene.listeners);
+    require_any(scene.sources, "source", choice.file());
+    require_any(scene.listeners, "listener", choice.file());
     set_look_at(aims, "--aim-at", scene.sources);
     set_look_at(looks, "--look-at", scene.listeners);
     for (const std::string& text : directivities_) {

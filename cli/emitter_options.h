@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/cli/arguments.h"
+#include "earshot/cli/scene_choice.h"
 #include "earshot/propagation/scene.h"
 
 #include <string>
@@ -15,13 +16,14 @@ public:
     /// Must outlive the parsing of the command line.
     void add_to(CLI::App& app);
 
-    /// Changes the scene that was read from `scene_file`. Throws UsageError for values that are not
-    /// of their form, Error for names that the scene does not know or if no source or listener is
-    /// there.
-    void apply(const CLI::App& app, const std::string& scene_file, propagation::Scene& scene) const;
+    /// Changes the scene that was read from the file of `choice`, in whose unit and axes the points
+    /// are. Throws UsageError for values that are not of their form, Error for names that stand
+    /// twice or that the scene does not know, or if no source or listener is there.
+    void apply(const CLI::App& app, const SceneChoice& choice, propagation::Scene& scene) const;
 
 private:
     std::vector<std::string> sources_, listeners_, directivities_, aims_, looks_;
+    std::string listeners_file_;
 };
 
 }  // namespace earshot::cli

@@ -2,6 +2,7 @@
 #include "earshot/base/simd.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/emitter_options.h"
+#include "earshot/cli/material_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/pvs_coverage.h"
@@ -12,6 +13,7 @@
 #include "earshot/io/scene_file.h"
 #include "earshot/io/sofa.h"
 #include "earshot/io/visibility_file.h"
+#include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -47,6 +49,7 @@ public:
             .add_option("-o,--output", directory_, "folder for the results; created if missing")
             ->required();
         emitters_.add_to(app());
+        materials_.add_to(app());
         add_tracing_options();
         add_limits();
         add_visibility_options();
@@ -62,7 +65,9 @@ public:
         override_simd_target(common().simd);
 
         io::LoadedScene loaded = scene_.load();
-        emitters_.apply(app(), scene_.file(), loaded.scene);
+        materials_.apply(scene_.file(), loaded);
+        emitters_.apply(app(), scene_, loaded.scene);
+        warn_of_doubtful_model(instants.front(), loaded);
         if (!visibility_file_.empty()) {
             visible_sets_.emplace(io::read_visible_sets(visibility_file_));
             const Warnings uncovered =
@@ -87,6 +92,7 @@ public:
         // Not before the work is done: what fails says one line and no more.
         if (!common().quiet) {
             print_warnings(loaded.warnings);
+            print_warnings(io::warnings_of_acoustics(loaded));
             print_notes(summary.notes);
         }
         if (common().json) {
@@ -241,6 +247,23 @@ private:
         return format;
     }
 
+    /// A unit that is not meant, or a listener in a table, is no error, but hardly what was wanted.
+    void warn_of_doubtful_model(double time, io::LoadedScene& loaded) const {
+        const propagation::Scene& scene = loaded.scene;
+        const geometry::Vec3 size = propagation::scene_extent(scene, time).size();
+        const io::FileFrame frame = scene_.frame();
+        const propagation::ReadAs read_as{.metres_per_unit = frame.metres_per_unit,
+                                          .z_is_up = frame.up == io::UpAxis::z};
+        const bool has_unit_option = !io::is_gltf(scene_.file());
+        if (const auto proposal = propagation::propose_unit(size, 0.0, read_as)) {
+            loaded.acoustic_warnings.push_back(
+                {scene.name, propagation::unit_warning(*proposal, size, has_unit_option)});
+        }
+        const Warnings misplaced = propagation::misplaced_emitters(scene, time);
+        loaded.acoustic_warnings.insert(
+            loaded.acoustic_warnings.end(), misplaced.begin(), misplaced.end());
+    }
+
     static void print_notes(const Warnings& notes) {
         constexpr std::size_t kMaxNotes = 8;
         Warnings shown(notes.begin(),
@@ -255,6 +278,7 @@ private:
     std::string directory_, mode_ = "complete", bands_ = "octave";
     std::string format_ = "mono", head_file_;
     EmitterOptions emitters_;
+    MaterialOptions materials_;
     bool writes_sofa_ = false;
     bool writes_histograms_ = false;
     std::string visibility_file_;

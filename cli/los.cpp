@@ -89,12 +89,17 @@ public:
 private:
     std::vector<Vec3> points_of(const std::string& option, const std::string& text) const {
         if (const auto point = parse_point(text)) {
-            return {*point};
+            return {scene_.to_scene(*point)};
         }
         if (text.find(',') != std::string::npos && !std::filesystem::exists(text)) {
-            throw Error(option, "'" + text + "' is not of the form X,Y,Z", "give metres or a file");
+            throw Error(
+                option, "'" + text + "' is not of the form X,Y,Z", "give a point or a file");
         }
-        return io::read_points(text);
+        std::vector<Vec3> points = io::read_points(text);
+        for (Vec3& point : points) {
+            point = scene_.to_scene(point);
+        }
+        return points;
     }
 
     void write(const propagation::Scene& scene,

@@ -28,14 +28,16 @@ void PictureChoice::add_to(CLI::App& app) {
                "distance of the darkest grey, metres; default: the largest");
 }
 
-visibility::View PictureChoice::view_from(const CLI::App& app, const geometry::Vec3& point) const {
+visibility::View PictureChoice::view_from(const CLI::App& app,
+                                          const SceneChoice& scene,
+                                          const geometry::Vec3& point) const {
     visibility::View view;
     if (!look_at_.empty()) {
         const auto target = parse_point(look_at_);
         if (!target) {
             throw wrong_usage(app, "--look-at", "'" + look_at_ + "' is not of the form X,Y,Z");
         }
-        view.forward = *target - point;
+        view.forward = scene.to_scene(*target) - point;
         if (*view.forward == geometry::Vec3(0.0)) {
             throw wrong_usage(app, "--look-at", "is the viewpoint itself");
         }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/cli/arguments.h"
+#include "earshot/cli/scene_choice.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/io/png.h"
 #include "earshot/propagation/scene.h"
@@ -21,8 +22,11 @@ public:
     bool is_chosen() const noexcept { return !file_.empty(); }
     const std::string& file() const noexcept { return file_; }
 
-    /// The projection of a picture from `point`. Throws UsageError if an option is not of its form.
-    visibility::View view_from(const CLI::App& app, const geometry::Vec3& point) const;
+    /// The projection of a picture from `point`, in the axes of `scene`. Throws UsageError if an
+    /// option is not of its form.
+    visibility::View view_from(const CLI::App& app,
+                               const SceneChoice& scene,
+                               const geometry::Vec3& point) const;
 
     /// What was seen, painted; `mesh` is where it was then. If --depth-range is not given, the
     /// first picture sets it for all.

@@ -163,7 +163,11 @@ private:
             throw wrong_usage(
                 app(), "--region", "'" + region_option_ + "' is not of the form X,Y,Z:X,Y,Z");
         }
-        return ViewRegion{(*corners)[0], (*corners)[1]};
+        ViewRegion region{scene_.to_scene((*corners)[0]), scene_.to_scene((*corners)[1])};
+        if (scene_.frame().up == io::UpAxis::z) {
+            std::swap(region.lower.z, region.upper.z);  // the turn reverses this axis
+        }
+        return region;
     }
 
     static ViewRegion box_of(const bvh::WideTree& tree) {

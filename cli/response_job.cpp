@@ -2,6 +2,7 @@
 #include "earshot/cli/response_job.h"
 
 #include "earshot/base/stage_progress.h"
+#include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
@@ -11,7 +12,6 @@
 #include <cctype>
 #include <chrono>
 #include <cstdio>
-#include <set>
 #include <string>
 #include <system_error>
 
@@ -36,29 +36,6 @@ void make_directory(const std::filesystem::path& directory) {
     io::require_writable(directory / "paths.json");
 }
 
-/// Names of sources and listeners as parts of file names: what a file system might not take becomes
-/// `_`, and names that would coincide are numbered.
-std::vector<std::string> file_names(const std::vector<propagation::Emitter>& emitters) {
-    constexpr std::size_t kLongest = 80;
-    std::set<std::string> taken;
-    std::vector<std::string> names;
-    for (const propagation::Emitter& emitter : emitters) {
-        std::string name = emitter.name.substr(0, kLongest);
-        for (char& c : name) {
-            const auto byte = static_cast<unsigned char>(c);
-            const bool is_plain = byte >= 0x80 || std::isalnum(byte) != 0 || c == '-' || c == '_' ||
-                                  c == '.' || c == ' ';
-            c = is_plain ? c : '_';
-        }
-        std::string unique = name;
-        for (int number = 2; !taken.insert(unique).second; ++number) {
-            unique = name + "-" + std::to_string(number);
-        }
-        names.push_back(unique);
-    }
-    return names;
-}
-
 /// One job under way.
 class Run {
 public:
@@ -66,8 +43,7 @@ public:
         : job_(job),
           executor_(executor),
           progress_(progress),
-          source_names_(file_names(job.scene.sources)),
-          listener_names_(file_names(job.scene.listeners)),
+          names_(job.scene),
           renderer_(job.simulation.bands, job.format) {
         summary_.paths_of_order.resize(static_cast<std::size_t>(job.simulation.specular_order) + 1);
     }
@@ -156,8 +132,7 @@ private:
             }
         });
         for (std::size_t i = 0; i < pairs.size(); ++i) {
-            const std::string name =
-                source_names_[pairs[i].source] + "__" + listener_names_[pairs[i].listener];
+            const std::string& name = names_.of(pairs[i].source, pairs[i].listener);
             if (pairs[i].paths.empty() && pairs[i].late.energy.empty()) {
                 summary_.notes.push_back(
                     {name, "no path up to the given order: the response is silent"});
@@ -196,7 +171,7 @@ private:
     const ResponseJob& job_;
     Executor& executor_;
     Progress& progress_;
-    std::vector<std::string> source_names_, listener_names_;
+    ResultNames names_;
     propagation::ResponseRenderer renderer_;
     std::vector<PairResult> all_pairs_;
     std::vector<propagation::PairMetrics> metrics_;

@@ -10,6 +10,17 @@
 #include <filesystem>
 
 namespace earshot::cli {
+namespace {
+
+std::vector<std::string> unit_names() {
+    std::vector<std::string> names;
+    for (const io::LengthUnit& unit : io::length_units()) {
+        names.emplace_back(unit.name);
+    }
+    return names;
+}
+
+}  // namespace
 
 void SceneChoice::add_to(CLI::App& app, const std::string& of_each_frame) {
     app.add_option("SCENE", file_, "a .gltf, .glb, .obj, .ply, .stl or .off file")->required();
@@ -21,10 +32,22 @@ void SceneChoice::add_to(CLI::App& app, const std::string& of_each_frame) {
     }
     app.add_option(
         "--animation", animation_, "name or number of the animation; default: the first");
+    app.add_option("--units",
+                   unit_,
+                   "unit of a mesh file and of points given beside it: m, cm, mm, in or ft "
+                   "(default: m; glTF is always in metres)")
+        ->check(CLI::IsMember(unit_names()));
+    app.add_option("--up", up_axis_, "axis of a mesh file that points up: y or z (default: y)")
+        ->check(CLI::IsMember({"y", "z"}));
 }
 
 io::LoadedScene SceneChoice::load() const {
-    return io::load_scene(file_, {.animation = animation_});
+    return io::load_scene(file_, {.animation = animation_, .frame = frame()});
+}
+
+io::FileFrame SceneChoice::frame() const {
+    return {.metres_per_unit = io::metres_per_unit(unit_).value_or(1.0),
+            .up = up_axis_ == "z" ? io::UpAxis::z : io::UpAxis::y};
 }
 
 std::vector<double> SceneChoice::times(const CLI::App& app) const {

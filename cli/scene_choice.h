@@ -23,6 +23,13 @@ public:
     /// Throws Error as io::load_scene().
     io::LoadedScene load() const;
 
+    /// How the coordinates of the file, and of points given beside it, are meant.
+    io::FileFrame frame() const;
+
+    /// A point of the command line or of a table, in the file's unit and axes, in the scene's
+    /// metres.
+    geometry::Vec3 to_scene(const geometry::Vec3& point) const { return frame().to_scene(point); }
+
     bool is_sequence() const noexcept { return !frames_.empty(); }
 
     /// Instants in seconds, at least one. Throws UsageError if --frames is not of its form.
@@ -34,6 +41,7 @@ public:
 
 private:
     std::string file_, frames_, animation_;
+    std::string unit_ = "m", up_axis_ = "y";
     double time_ = 0.0;
 };
 

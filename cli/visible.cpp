@@ -65,8 +65,8 @@ public:
         if (!from) {
             throw wrong_usage(app(), "--from", "'" + from_option_ + "' is not of the form X,Y,Z");
         }
-        point_ = *from;
-        const visibility::View view = picture_.view_from(app(), point_);
+        point_ = scene_.to_scene(*from);
+        const visibility::View view = picture_.view_from(app(), scene_, point_);
         if (output_.empty() && !picture_.is_chosen() && common().quiet && !common().json) {
             throw wrong_usage(app(), "--quiet", "leaves nothing to do without -o or --image");
         }

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/result_names.h"
+
+#include "earshot/base/error.h"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+namespace earshot::cli {
+namespace {
+
+using propagation::Emitter;
+
+void require_unique(const std::vector<Emitter>& emitters, const std::string& role) {
+    std::set<std::string> names;
+    for (const Emitter& emitter : emitters) {
+        if (!names.insert(emitter.name).second) {
+            throw Error(role + " \"" + emitter.name + "\"",
+                        "is there twice, and results are stored by name",
+                        "give each " + role + " a name of its own");
+        }
+    }
+}
+
+/// Cut at the beginning of a UTF-8 character.
+std::string file_name(const std::string& name) {
+    constexpr std::size_t kMaxBytes = 80;
+    std::size_t size = std::min(name.size(), kMaxBytes);
+    while (size < name.size() && size > 0 &&
+           (static_cast<unsigned char>(name[size]) & 0xC0U) == 0x80U) {
+        --size;
+    }
+    std::string text = name.substr(0, size);
+    for (char& c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool is_plain =
+            byte >= 0x80 || std::isalnum(byte) != 0 || c == '-' || c == '_' || c == '.' || c == ' ';
+        c = is_plain ? c : '_';
+    }
+    return text;
+}
+
+}  // namespace
+
+ResultNames::ResultNames(const propagation::Scene& scene)
+    : listener_count_(scene.listeners.size()) {
+    require_unique(scene.sources, "source");
+    require_unique(scene.listeners, "listener");
+    std::map<std::string, std::string> pair_of_file;
+    for (const Emitter& source : scene.sources) {
+        for (const Emitter& listener : scene.listeners) {
+            const std::string pair =
+                "source \"" + source.name + "\" and listener \"" + listener.name + "\"";
+            names_.push_back(file_name(source.name) + "__" + file_name(listener.name));
+            const auto [there, is_new] = pair_of_file.emplace(names_.back(), pair);
+            if (!is_new) {
+                throw Error(
+                    names_.back() + ".wav",
+                    "would hold the response of two pairs: " + there->second + ", and " + pair,
+                    "rename one of them");
+            }
+        }
+    }
+}
+
+}  // namespace earshot::cli

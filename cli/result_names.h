@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/propagation/scene.h"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+
+/// `SOURCE__LISTENER` of every pair, the beginnings of the names of its files.
+class ResultNames {
+public:
+    /// What a file system might not take becomes `_`, and names are cut after 80 bytes. Throws
+    /// Error if two sources or two listeners share a name, or if two pairs would share a file.
+    explicit ResultNames(const propagation::Scene& scene);
+
+    const std::string& of(std::size_t source, std::size_t listener) const noexcept {
+        return names_[source * listener_count_ + listener];
+    }
+
+private:
+    std::size_t listener_count_ = 0;
+    std::vector<std::string> names_;
+};
+
+}  // namespace earshot::cli
