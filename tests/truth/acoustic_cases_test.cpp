@@ -47,7 +47,8 @@ Sums expected_sums(const Vec3& source, const Vec3& listener, double absorption, 
 Sums simulated_sums(const propagation::Scene& scene, int order) {
     propagation::Simulator simulator(scene, {.specular_order = order, .air_absorption = false});
     Sums sums;
-    for (const propagation::Path& path : simulator.run().at(0).paths) {
+    const propagation::PairResult pair = simulator.run().at(0);
+    for (const propagation::Path& path : pair.paths) {
         const double pressure = path.pressure.at(kOneKilohertz);
         ++sums.paths;
         sums.pressure += pressure;
@@ -122,7 +123,8 @@ TEST(AcousticCases, TheFirstOfCoplanarMaterialsCountsAndIsTold) {
         EXPECT_NE(warnings[0].what.find(std::string(first) + " counts"), std::string::npos)
             << warnings[0].what;
         std::size_t on_the_wall = 0;
-        for (const propagation::Path& path : simulator.run().at(0).paths) {
+        const propagation::PairResult pair = simulator.run().at(0);
+        for (const propagation::Path& path : pair.paths) {
             if (path.order == 1 && path.points[1].x == 0.0) {
                 ++on_the_wall;
                 EXPECT_EQ(scene.materials[path.materials[0]].name, first) << file;
