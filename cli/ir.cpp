@@ -67,7 +67,6 @@ public:
         io::LoadedScene loaded = scene_.load();
         materials_.apply(scene_.file(), loaded);
         emitters_.apply(app(), scene_, loaded.scene);
-        warn_of_doubtful_model(instants.front(), loaded);
         if (!visibility_file_.empty()) {
             visible_sets_.emplace(io::read_visible_sets(visibility_file_));
             const Warnings uncovered =
@@ -89,6 +88,7 @@ public:
             ProgressBar progress(common().quiet);
             summary = run_response_job(job, executor, progress);
         }
+        warn_of_doubtful_model(instants.front(), summary, loaded);
         // Not before the work is done: what fails says one line and no more.
         if (!common().quiet) {
             print_warnings(loaded.warnings);
@@ -248,16 +248,18 @@ private:
     }
 
     /// A unit that is not meant, or a listener in a table, is no error, but hardly what was wanted.
-    void warn_of_doubtful_model(double time, io::LoadedScene& loaded) const {
+    void warn_of_doubtful_model(double time,
+                                const ResponseSummary& summary,
+                                io::LoadedScene& loaded) const {
         const propagation::Scene& scene = loaded.scene;
-        const geometry::Vec3 size = propagation::scene_extent(scene, time).size();
         const io::FileFrame frame = scene_.frame();
         const propagation::ReadAs read_as{.metres_per_unit = frame.metres_per_unit,
                                           .z_is_up = frame.up == io::UpAxis::z};
         const bool has_unit_option = !io::is_gltf(scene_.file());
-        if (const auto proposal = propagation::propose_unit(size, 0.0, read_as)) {
+        if (const auto proposal =
+                propagation::propose_unit(summary.size, summary.visible_volume, read_as)) {
             loaded.acoustic_warnings.push_back(
-                {scene.name, propagation::unit_warning(*proposal, size, has_unit_option)});
+                {scene.name, propagation::unit_warning(*proposal, summary.size, has_unit_option)});
         }
         const Warnings misplaced = propagation::misplaced_emitters(scene, time);
         loaded.acoustic_warnings.insert(

@@ -7,6 +7,7 @@
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
 #include "earshot/io/whole_file.h"
+#include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
 #include <cctype>
@@ -45,6 +46,7 @@ public:
           progress_(progress),
           names_(job.scene),
           renderer_(job.simulation.bands, job.format) {
+        summary_.size = propagation::scene_extent(job.scene, job.times.front()).size();
         summary_.paths_of_order.resize(static_cast<std::size_t>(job.simulation.specular_order) + 1);
     }
 
@@ -72,6 +74,9 @@ public:
             summary_.trace_seconds += trace_seconds;
             summary_.update_seconds.push_back(prepare_seconds + trace_seconds);
             add_statistics(simulator);
+            for (const PairResult& pair : pairs) {
+                summary_.visible_volume = std::max(summary_.visible_volume, pair.visible_volume);
+            }
             if (job_.check_visibility) {
                 count_lost_paths(pairs, job_.times[frame]);
             }

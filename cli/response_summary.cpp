@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/response_summary.h"
 
+#include "earshot/propagation/plausibility.h"
+
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -40,6 +42,16 @@ std::vector<std::pair<const char*, std::size_t>> clean_counts(const geometry::Cl
             {"T-junctions", clean.t_junctions}};
 }
 
+/// Rays measure the volume; without them it is not known.
+std::string volume_text(double volume) {
+    return volume > 0.0 ? "air in sight of the sources " + propagation::short_text(volume) + " m3"
+                        : "volume not measured (no rays)";
+}
+
+Json volume_json(double volume) {
+    return volume > 0.0 ? Json(volume) : Json(nullptr);
+}
+
 std::string clean_text(const geometry::CleanReport& clean) {
     std::string text;
     for (const auto& [name, count] : clean_counts(clean)) {
@@ -72,6 +84,8 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
                  job.scene.name + ": " + std::to_string(geometry.triangles) + " triangles, " +
                      std::to_string(geometry.facets) + " facets, " +
                      std::to_string(job.scene.materials.size()) + " materials");
+    text += line("extent",
+                 propagation::size_text(summary.size) + ", " + volume_text(summary.visible_volume));
     text += line("clean-up", clean_text(geometry.clean));
     text += line("sources", names_of(job.scene.sources));
     text += line("listeners", names_of(job.scene.listeners));
@@ -125,6 +139,9 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
                  {"scene", job.scene.name},
                  {"triangles", geometry.triangles},
                  {"facets", geometry.facets},
+                 {"extent", {summary.size.x, summary.size.y, summary.size.z}},
+                 {"height", summary.size.y},
+                 {"volume", volume_json(summary.visible_volume)},
                  {"clean_up", std::move(clean)},
                  {"sources", job.scene.sources.size()},
                  {"listeners", job.scene.listeners.size()},

@@ -26,20 +26,6 @@ constexpr double kMinSide = 0.8;         // metres, of what is proposed: a corri
 constexpr double kMaxVolume = 200000.0;  // cubic metres
 constexpr double kUsualHeight = 3.0;     // metres
 
-std::string number(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.3g", value);
-    // Without an exponent, which people do not read.
-    if (std::abs(value) >= 1000.0 && std::abs(value) < 1e12) {
-        std::snprintf(text.data(), text.size(), "%.0f", value);
-    }
-    return text.data();
-}
-
-std::string size_text(const Vec3& size) {
-    return number(size.x) + " x " + number(size.y) + " x " + number(size.z) + " m";
-}
-
 double largest_side(const Vec3& size) {
     return std::max({size.x, size.y, size.z});
 }
@@ -48,12 +34,12 @@ double largest_side(const Vec3& size) {
 std::string implausible(const Vec3& size, double volume) {
     const double extent = largest_side(size);
     if (extent < kMinExtent || extent > kMaxExtent) {
-        return "an extent of " + number(extent) + " m";
+        return "an extent of " + short_text(extent) + " m";
     }
     if (size.y < kMinHeight || size.y > kMaxHeight) {
-        return "a height of " + number(size.y) + " m";
+        return "a height of " + short_text(size.y) + " m";
     }
-    return volume > kMaxVolume ? "a volume of " + number(volume) + " m3" : "";
+    return volume > kMaxVolume ? "a volume of " + short_text(volume) + " m3" : "";
 }
 
 /// A room that is read right side up is likelier than one that is not, if sizes tell nothing else.
@@ -73,7 +59,8 @@ struct Placed {
 
     std::string name() const {
         return (is_source ? "source \"" : "listener \"") + emitter->name + "\" at " +
-               number(position.x) + ", " + number(position.y) + ", " + number(position.z);
+               short_text(position.x) + ", " + short_text(position.y) + ", " +
+               short_text(position.z);
     }
 };
 
@@ -106,6 +93,18 @@ bool parts_a_pair(const std::vector<Placed>& placed, const std::vector<bool>& in
 }
 
 }  // namespace
+
+std::string short_text(double value) {
+    std::array<char, 32> text{};
+    const bool is_long = std::abs(value) >= 1000.0 && std::abs(value) < 1e12;
+    std::snprintf(text.data(), text.size(), is_long ? "%.0f" : "%.3g", value);
+    return text.data();
+}
+
+std::string size_text(const Vec3& size) {
+    return short_text(size.x) + " x " + short_text(size.y) + " x " + short_text(size.z) +
+           " m (height in the middle)";
+}
 
 SceneExtent scene_extent(const Scene& scene, double time) {
     const std::vector<Vec3> positions = scene.mesh.positions_at(time);

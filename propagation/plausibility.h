@@ -26,6 +26,12 @@ struct SceneExtent {
 /// Of all vertices that a triangle uses. Precondition: there is a triangle.
 SceneExtent scene_extent(const Scene& scene, double time);
 
+/// A number for people: three digits, without an exponent below 1e12.
+std::string short_text(double value);
+
+/// "8 x 3.5 x 6 m (height in the middle)".
+std::string size_text(const geometry::Vec3& size);
+
 /// How a file was read: its unit, and whether +Z was taken for up.
 struct ReadAs {
     double metres_per_unit = 1.0;

@@ -4,6 +4,7 @@
 
 #include "run_earshot.h"
 #include "support/temporary_folder.h"
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -60,9 +61,10 @@ protected:
                                               "-o",
                                               out().string(),
                                               "--order",
-                                              "3",
-                                              "--rays",
-                                              "0"};
+                                              "3"};
+        if (std::find(options.begin(), options.end(), "--rays") == options.end()) {
+            arguments.insert(arguments.end(), {"--rays", "0"});
+        }
         arguments.insert(arguments.end(), options.begin(), options.end());
         return run_earshot(arguments);
     }
@@ -113,6 +115,17 @@ TEST_F(ModelMeaning, PointsAreInTheFilesUnitAndTheResultInMetres) {
     for (std::size_t k = 0; k < 3; ++k) {
         EXPECT_NEAR(direct["points"][0][k].get<double>(), source[k], 1e-12);
     }
+}
+
+TEST_F(ModelMeaning, TheSummaryTellsSizeAndVolume) {
+    const RunResult text = ir({1.0}, {"--up", "z"});
+    EXPECT_NE(text.out.find("extent     7.2 x 3.2 x 9 m"), std::string::npos) << text.out;
+    const RunResult json = ir({1.0}, {"--up", "z", "--rays", "4000", "--json", "--quiet"});
+    ASSERT_EQ(json.status, 0) << json.err;
+    const Json summary = Json::parse(json.out);
+    EXPECT_NEAR(summary["height"].get<double>(), 3.2, 1e-12);
+    // The box is convex: the source sees all of its air.
+    EXPECT_NEAR(summary["volume"].get<double>(), 7.2 * 9.0 * 3.2, 0.05 * 7.2 * 9.0 * 3.2);
 }
 
 TEST_F(ModelMeaning, MaterialsAreAssignedByPatternAndFile) {
