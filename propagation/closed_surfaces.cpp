@@ -2,6 +2,7 @@
 #include "earshot/propagation/internal/closed_surfaces.h"
 
 #include "earshot/geometry/clean.h"
+#include "earshot/geometry/closest_point.h"
 #include "earshot/geometry/topology.h"
 
 #include <glm/common.hpp>
@@ -158,6 +159,24 @@ bool is_inside(const ClosedSurface& surface,
         votes += odd ? 1 : 0;
     }
     return votes >= 2;
+}
+
+bool is_on(const ClosedSurface& surface,
+           std::span<const Vec3> positions,
+           std::span<const Triangle> triangles,
+           const Vec3& point,
+           double tolerance) {
+    const geometry::PreparedPoint prepared(point);
+    return std::any_of(surface.triangles.begin(), surface.triangles.end(), [&](TriangleId t) {
+        const auto& [i, j, k] = triangles[t];
+        const Vec3 &a = positions[i], &b = positions[j], &c = positions[k];
+        // Most triangles are far off by their boxes.
+        const Vec3 lower = glm::min(glm::min(a, b), c) - tolerance;
+        const Vec3 upper = glm::max(glm::max(a, b), c) + tolerance;
+        return glm::all(glm::greaterThanEqual(point, lower)) &&
+               glm::all(glm::lessThanEqual(point, upper)) &&
+               prepared.closest_point(a, b, c, tolerance).has_value();
+    });
 }
 
 }  // namespace earshot::propagation

@@ -2,6 +2,7 @@
 #include "earshot/propagation/plausibility.h"
 
 #include "earshot/base/math.h"
+#include "earshot/geometry/tolerance.h"
 #include "earshot/propagation/internal/closed_surfaces.h"
 
 #include <glm/common.hpp>
@@ -75,16 +76,20 @@ std::vector<Placed> placed_emitters(const Scene& scene, double time) {
     return placed;
 }
 
-bool is_beyond(const SceneExtent& extent, const Vec3& point) {
-    return glm::any(glm::lessThan(point, extent.lower)) ||
-           glm::any(glm::greaterThan(point, extent.upper));
+bool is_beyond(const SceneExtent& extent, const Vec3& point, double tolerance) {
+    return glm::any(glm::lessThan(point, extent.lower - tolerance)) ||
+           glm::any(glm::greaterThan(point, extent.upper + tolerance));
 }
 
+/// A point on the surface is taken from the side of the pair's other point, whichever that is.
+enum class Side { inside, outside, on_surface };
+
 /// Whether a surface holds some of the sources and listeners but not those they belong with.
-bool parts_a_pair(const std::vector<Placed>& placed, const std::vector<bool>& inside) {
+bool parts_a_pair(const std::vector<Placed>& placed, const std::vector<Side>& sides) {
     for (std::size_t i = 0; i < placed.size(); ++i) {
         for (std::size_t k = 0; k < placed.size(); ++k) {
-            if (placed[i].is_source && !placed[k].is_source && inside[i] != inside[k]) {
+            if (placed[i].is_source && !placed[k].is_source && sides[i] != sides[k] &&
+                sides[i] != Side::on_surface && sides[k] != Side::on_surface) {
                 return true;
             }
         }
@@ -169,10 +174,11 @@ Warnings misplaced_emitters(const Scene& scene, double time) {
     const SceneExtent extent = scene_extent(scene, time);
     const std::vector<Vec3> positions = scene.mesh.positions_at(time);
     const auto triangles = scene.mesh.triangles();
+    const double tolerance = geometry::coplanar_tolerance({positions, triangles});
     Warnings warnings;
     std::vector<bool> is_told(placed.size(), false);
     for (std::size_t i = 0; i < placed.size(); ++i) {
-        if (is_beyond(extent, placed[i].position)) {
+        if (is_beyond(extent, placed[i].position, tolerance)) {
             warnings.push_back({scene.name,
                                 placed[i].name() + " lies outside of the scene, which measures " +
                                     size_text(extent.size())});
@@ -180,18 +186,21 @@ Warnings misplaced_emitters(const Scene& scene, double time) {
         }
     }
     for (const ClosedSurface& surface : closed_surfaces(positions, triangles)) {
-        std::vector<bool> inside(placed.size());
-        for (std::size_t i = 0; i < placed.size(); ++i) {
-            inside[i] = is_inside(surface, positions, triangles, placed[i].position);
+        std::vector<Side> sides;
+        for (const auto& [emitter, is_source, position] : placed) {
+            sides.push_back(is_on(surface, positions, triangles, position, tolerance)
+                                ? Side::on_surface
+                            : is_inside(surface, positions, triangles, position) ? Side::inside
+                                                                                 : Side::outside);
         }
-        if (!parts_a_pair(placed, inside)) {
+        if (!parts_a_pair(placed, sides)) {
             continue;
         }
         // A surface half as large as the scene is taken for the room, a smaller one for a solid.
         const bool is_room =
             2.0 * glm::length(surface.upper - surface.lower) >= glm::length(extent.size());
         for (std::size_t i = 0; i < placed.size(); ++i) {
-            if (inside[i] == is_room || is_told[i]) {
+            if (sides[i] != (is_room ? Side::outside : Side::inside) || is_told[i]) {
                 continue;
             }
             warnings.push_back(

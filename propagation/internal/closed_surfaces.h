@@ -30,4 +30,11 @@ bool is_inside(const ClosedSurface& surface,
                std::span<const geometry::Triangle> triangles,
                const geometry::Vec3& point);
 
+/// Whether `point` lies on the surface, within `tolerance` metres. O(n).
+bool is_on(const ClosedSurface& surface,
+           std::span<const geometry::Vec3> positions,
+           std::span<const geometry::Triangle> triangles,
+           const geometry::Vec3& point,
+           double tolerance);
+
 }  // namespace earshot::propagation

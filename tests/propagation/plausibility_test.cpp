@@ -123,6 +123,19 @@ TEST(Plausibility, ASourceInASolidIsTold) {
     EXPECT_NE(warnings[0].what.find("source \"s\""), std::string::npos) << warnings[0].what;
 }
 
+// On a surface a point counts from the side of the pair's other point.
+TEST(Plausibility, PointsOnSurfacesAreLeftAlone) {
+    for (const Vec3& on_surface : {Vec3(2, 0, 3),      // the floor
+                                   Vec3(5.5, 3, 3.9),  // the ceiling
+                                   Vec3(0, 0, 0),      // a corner
+                                   Vec3(6, 1, 2.5),    // a wall
+                                   Vec3(6 + 1e-7, 1, 2.5),
+                                   Vec3(1.5, 2, 1.25)}) {  // the cupboard
+        EXPECT_TRUE(placed(furnished(), on_surface, {5, 1, 2}).empty()) << on_surface.x;
+        EXPECT_TRUE(placed(furnished(), {5, 1, 2}, on_surface).empty()) << on_surface.x;
+    }
+}
+
 TEST(Plausibility, AnOpenShelfIsNoSolid) {
     EXPECT_TRUE(placed(furnished(), {5, 1, 2}, {3.5, 1, 1.25}).empty());
 }
