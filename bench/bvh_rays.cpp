@@ -22,7 +22,7 @@ namespace {
 
 Vec3 direction(std::uint64_t stream, std::uint64_t i) {
     const double z = 1.0 - 2.0 * random(1, stream, i);
-    const double angle = 2.0 * math::kPi * random(1, stream + 1, i);
+    const double angle = 2.0 * earshot::math::kPi * random(1, stream + 1, i);
     const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
     return {r * std::cos(angle), r * std::sin(angle), z};
 }
@@ -107,7 +107,7 @@ std::vector<RaySet> make_ray_sets(const MeshView& mesh, std::size_t count, bool 
         if (!hit) {
             continue;
         }
-        const auto [a, b, c] = geometry::corners(mesh, hit->triangle);
+        const auto [a, b, c] = earshot::geometry::corners(mesh, hit->triangle);
         Vec3 normal = glm::cross(b - a, c - a);
         if (!(glm::length(normal) > 0.0)) {
             continue;
