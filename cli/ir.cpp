@@ -27,6 +27,9 @@
 namespace earshot::cli {
 namespace {
 
+constexpr std::string_view kAuto = "auto";
+constexpr std::size_t kMaxAutoRays = 1000000;
+
 constexpr const char* kFooter =
     "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json.\n"
     "Reflections up to --order are exact; rays add later and scattered sound.\n\n"
@@ -61,6 +64,7 @@ public:
 
     void run() override {
         const std::vector<double> instants = scene_.times(app());
+        const std::size_t rays = ray_count();
         propagation::ResponseFormat format = response_format();
         override_simd_target(common().simd);
 
@@ -74,7 +78,7 @@ public:
             loaded.warnings.insert(loaded.warnings.end(), uncovered.begin(), uncovered.end());
         }
         const ResponseJob job = {.scene = loaded.scene,
-                                 .simulation = simulation_options(),
+                                 .simulation = simulation_options(rays),
                                  .format = std::move(format),
                                  .write_sofa = writes_sofa_,
                                  .write_histograms = writes_histograms_,
@@ -139,11 +143,18 @@ private:
     }
 
     void add_late_options() {
-        add_integer(app(),
-                    "--rays",
-                    rays_,
-                    {0, 1000000000},
-                    "of late sound: reverberation and scattering; 0: none");
+        app()
+            .add_option(
+                "--rays",
+                rays_,
+                "of late sound, reverberation and scattering: a number, 0 for none, or auto: "
+                "until T30 and level are certain, at most a million")
+            ->capture_default_str();
+        add_number(app(),
+                   "--rays-error",
+                   rays_error_percent_,
+                   {0.1, 100.0},
+                   "standard error of T30 that --rays auto aims at, percent");
         app().add_flag("--histograms",
                        writes_histograms_,
                        "also write the energy of late sound over time, with standard errors, to "
@@ -203,7 +214,7 @@ private:
             "--no-air-absorption", no_air_absorption_, "ignore the absorption of sound by air");
     }
 
-    propagation::Options simulation_options() const {
+    propagation::Options simulation_options(std::size_t rays) const {
         return {
             .specular_order = static_cast<int>(order_),
             .mode = mode_ == "sampled" ? frustum::Mode::sampled : frustum::Mode::complete,
@@ -213,13 +224,30 @@ private:
             .transmission = transmission_,
             .max_length = max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity(),
             .min_level_db = min_level_db_,
-            .rays = static_cast<std::size_t>(rays_),
+            .rays = rays,
+            .max_error = rays_ == kAuto ? rays_error_percent_ / 100.0 : 0.0,
             .seed = static_cast<std::uint64_t>(common().seed),
             .late_length = length_,
             .late_directions = format_ != "mono",
             .keep_traces = scene_.is_sequence(),
             .visible_sets = visible_sets_ ? &*visible_sets_ : nullptr,
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
+    }
+
+    /// The number of --rays, at most where it is auto.
+    std::size_t ray_count() {
+        if (rays_ == kAuto) {
+            return kMaxAutoRays;
+        }
+        constexpr std::int64_t kMaxRays = 1000000000;
+        const auto count = parse_integer(rays_);
+        if (!count || *count < 0 || *count > kMaxRays) {
+            throw wrong_usage(
+                app(),
+                "--rays",
+                "'" + rays_ + "' is neither auto nor in 0 ... " + std::to_string(kMaxRays));
+        }
+        return static_cast<std::size_t>(*count);
     }
 
     propagation::ResponseFormat response_format() {
@@ -289,7 +317,8 @@ private:
     bool transmission_ = false;
     double max_length_ = 0.0;
     double min_level_db_ = -std::numeric_limits<double>::infinity();
-    std::int64_t rays_ = 20000;
+    std::string rays_ = "20000";
+    double rays_error_percent_ = 2.0;
     std::int64_t order_ = 4;
     std::int64_t resolution_ = 0;
     std::int64_t sample_rate_hz_ = 48000;

@@ -10,6 +10,7 @@
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <chrono>
 #include <cstdio>
@@ -115,6 +116,22 @@ private:
         }
     }
 
+    /// Tells where the rays did not suffice for the error that was asked for.
+    void add_error_note(const std::string& name, const propagation::LateErrors& errors) {
+        if (errors.reached) {
+            return;
+        }
+        std::array<char, 128> text{};
+        std::snprintf(
+            text.data(),
+            text.size(),
+            "after %zu rays the standard error of T30 is %.1f %%, that of the level %.2f dB",
+            errors.rays,
+            100.0 * errors.t30,
+            errors.level_db);
+        summary_.notes.push_back({name, text.data()});
+    }
+
     void write(const std::string& name, const std::string& bytes) {
         summary_.files.push_back(job_.directory / name);
         io::write_whole_file(summary_.files.back(), bytes);
@@ -142,6 +159,7 @@ private:
                 summary_.notes.push_back(
                     {name, "no path up to the given order: the response is silent"});
             }
+            add_error_note(name, pairs[i].late_errors);
             for (const propagation::Path& path : pairs[i].paths) {
                 ++summary_.paths_of_order[static_cast<std::size_t>(path.order)];
             }

@@ -4,9 +4,11 @@
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
 #include "earshot/base/stage_progress.h"
+#include "earshot/propagation/internal/listener_sums.h"
 #include "earshot/propagation/internal/ray_tracer.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace earshot::propagation {
@@ -17,9 +19,6 @@ using geometry::Vec3;
 
 namespace {
 
-// Rays of a batch are traced together, so that the hierarchy answers many at a time.
-constexpr std::size_t kBatchSize = 1024;
-
 void check(const RayOptions& options) {
     const auto positive = [](double value) { return value > 0.0 && std::isfinite(value); };
     if (options.rays == 0) {
@@ -28,95 +27,146 @@ void check(const RayOptions& options) {
     if (!positive(options.length) || !positive(options.bin) || options.length / options.bin > 1e7) {
         throw Error("histogram", "must have a positive length and up to 10 million intervals");
     }
-    if (options.receiver_radius != 0.0 && !positive(options.receiver_radius)) {
-        throw Error("receiver radius", "cannot be negative");
+    if (!(options.max_error >= 0.0 && options.max_error <= 1.0)) {
+        throw Error("error of rays", "must lie in 0 ... 100 %");
+    }
+    if (!positive(options.receiver_radius)) {
+        throw Error("receiver radius", "must be positive");
     }
     validate(options.air);
 }
 
-/// Adds up batches in their order: sums, and squares for the errors.
-class Sums {
+void add(double weight, const Spectrum& part, Spectrum& sum) {
+    for (std::size_t band = 0; band < sum.size(); ++band) {
+        sum[band] += weight * part[band];
+    }
+}
+
+void add(double weight, const EnergyBalance& part, EnergyBalance& sum) {
+    add(weight, part.emitted, sum.emitted);
+    add(weight, part.absorbed, sum.absorbed);
+    add(weight, part.escaped, sum.escaped);
+    add(weight, part.remaining, sum.remaining);
+    add(weight, part.roulette_surplus, sum.roulette_surplus);
+    sum.bounces += part.bounces;
+}
+
+/// How the rays are divided into batches, and when a listener has enough of them.
+class Batches {
 public:
-    explicit Sums(const RayOptions& options) : options_(options) {}
+    explicit Batches(const RayOptions& options)
+        : max_error_(options.max_error),
+          rays_(options.rays),
+          count_(max_error_ > 0.0 ? std::max<std::size_t>(rays_ / kMaxBatchRays, 2)
+                                  : chunk_count(rays_, kMaxBatchRays)) {}
 
-    void add(const RayTally& tally) {
-        ++count_;
-        energy_.resize(tally.energy.size(), 0.0);
-        squares_.resize(tally.energy.size(), 0.0);
-        directions_.resize(tally.directions.size(), 0.0);
-        for (std::size_t i = 0; i < energy_.size(); ++i) {
-            energy_[i] += tally.energy[i];
-            squares_[i] += tally.energy[i] * tally.energy[i];
-        }
-        for (std::size_t i = 0; i < directions_.size(); ++i) {
-            directions_[i] += tally.directions[i];
-        }
-        cubed_first_legs_ += tally.cubed_first_distances;
-        add(tally.balance.emitted, balance_.emitted);
-        add(tally.balance.absorbed, balance_.absorbed);
-        add(tally.balance.escaped, balance_.escaped);
-        add(tally.balance.remaining, balance_.remaining);
-        add(tally.balance.roulette_surplus, balance_.roulette_surplus);
-        balance_.bounces += tally.balance.bounces;
+    std::size_t count() const { return count_; }
+    std::size_t rays_of(std::size_t batch) const {
+        return max_error_ > 0.0 ? kMaxBatchRays : rays_ / count_ + (batch < rays_ % count_ ? 1 : 0);
+    }
+    std::size_t rays() const { return max_error_ > 0.0 ? count_ * kMaxBatchRays : rays_; }
+
+    /// Whether errors are looked at after `done` batches: few looks at growing numbers, so that
+    /// chance does not end the search.
+    bool is_look(std::size_t done) const {
+        constexpr std::size_t kFirstLook = 16;
+        return max_error_ > 0.0 &&
+               (done == count_ || (done >= kFirstLook && std::has_single_bit(done)));
+    }
+    bool are_small(const LateErrors& errors) const {
+        constexpr double kCaution = 1.3;           // for the errors' own error, and skewness
+        constexpr double kDecibelsPerShare = 5.0;  // 0.1 dB for 2 %
+        return kCaution * errors.t30 <= max_error_ &&
+               kCaution * errors.level_db <= kDecibelsPerShare * max_error_;
     }
 
-    const EnergyBalance& balance() const { return balance_; }
-    /// Of a sphere of solid angle, a ray a cone.
-    double visible_volume() const {
-        return 4.0 / 3.0 * math::kPi / static_cast<double>(options_.rays) * cubed_first_legs_;
+private:
+    double max_error_;
+    std::size_t rays_, count_;
+};
+
+/// Traces batches and adds them up, listener by listener.
+class Experiment {
+public:
+    Experiment(const RayTracer& tracer, std::size_t listeners, const RayOptions& options)
+        : tracer_(tracer), options_(options), batches_(options), has_enough_(listeners, 0) {
+        for (std::size_t k = 0; k < listeners; ++k) {
+            sums_.emplace_back(options, k, tracer.bins(), tracer.spans());
+        }
     }
 
-    /// Batches are equally large but for the last, and as good as independent.
-    EnergyHistogram histogram(std::size_t listener, std::size_t bins, std::size_t spans) const {
-        EnergyHistogram result{.bin = options_.bin,
-                               .energy = std::vector<Spectrum>(bins),
-                               .error = std::vector<Spectrum>(bins)};
-        const std::size_t bands = options_.bands.count();
-        const auto count = static_cast<double>(count_);
-        const double speed = speed_of_sound(options_.air);
-        for (std::size_t n = 0; n < bins; ++n) {
-            const double travelled = (static_cast<double>(n) + 0.5) * options_.bin * speed;
-            const Spectrum air = air_pressure(options_.air, options_.bands, travelled);
-            for (std::size_t band = 0; band < bands; ++band) {
-                const std::size_t i = (listener * bins + n) * bands + band;
-                const double loss = options_.air_absorption ? air[band] * air[band] : 1.0;
-                const double mean = energy_[i] / count;
-                const double variance = std::max(0.0, squares_[i] / count - mean * mean);
-                result.energy[n][band] = loss * energy_[i];
-                result.error[n][band] =
-                    count > 1.0 ? loss * count * std::sqrt(variance / (count - 1.0)) : 0.0;
-            }
-        }
-        if (options_.report_directions) {
-            result.directions.resize(spans);
-            const double* from =
-                directions_.data() + listener * spans * audio::kDirectionParts * bands;
-            for (auto& parts : result.directions) {
-                for (Spectrum& part : parts) {
-                    std::copy_n(from, bands, part.begin());
-                    from += bands;
+    void run(Executor& executor, Progress* progress) {
+        // A few batches at a time, so that memory does not grow with their number.
+        const std::size_t round = 2 * static_cast<std::size_t>(executor.threads());
+        StageProgress traced(progress, "late rays", batches_.rays());
+        while (!is_over_ && done_ < batches_.count()) {
+            std::vector<RayTally> tallies(std::min(round, batches_.count() - done_));
+            executor.for_each(tallies.size(), 1, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    tallies[i] = tracer_.trace(done_ + i, batches_.rays_of(done_ + i));
+                    traced.add(batches_.rays_of(done_ + i));
                 }
+            });
+            for (std::size_t i = 0; i < tallies.size() && !is_over_; ++i) {
+                add_batch(tallies[i]);
             }
         }
-        // Images of a room of volume V lie one to each V (Kuttruff 2009, section 4.2).
-        if (visible_volume() > 0.0) {
-            result.reflection_growth = 4.0 * math::kPi * speed * speed * speed / visible_volume();
+        traced.finish();
+    }
+
+    LateEnergy result() const {
+        LateEnergy result;
+        add(1.0 / rays_, balance_, result.balance);
+        result.visible_volume = visible_volume_ / volume_rays_;
+        const double speed = speed_of_sound(options_.air);
+        for (std::size_t k = 0; k < sums_.size(); ++k) {
+            EnergyHistogram& histogram = result.listeners.emplace_back(sums_[k].histogram());
+            // Images of a room of volume V lie one to each V (Kuttruff 2009, section 4.2).
+            if (result.visible_volume > 0.0) {
+                histogram.reflection_growth =
+                    4.0 * math::kPi * speed * speed * speed / result.visible_volume;
+            }
+            result.errors.push_back(sums_[k].errors());
+            result.errors.back().reached = options_.max_error == 0.0 || has_enough_[k] != 0;
         }
         return result;
     }
 
 private:
-    static void add(const Spectrum& part, Spectrum& sum) {
-        for (std::size_t band = 0; band < sum.size(); ++band) {
-            sum[band] += part[band];
+    void add_batch(const RayTally& tally) {
+        const std::size_t rays = batches_.rays_of(done_);
+        const auto weight = static_cast<double>(rays);
+        ++done_;
+        rays_ += weight;
+        add(weight, tally.balance, balance_);
+        // Of the first batches alone where the number of batches is open, so that the answer of a
+        // listener does not depend on that of others.
+        constexpr std::size_t kVolumeBatches = 16;
+        if (options_.max_error == 0.0 || done_ <= kVolumeBatches) {
+            visible_volume_ += weight * tally.visible_volume;
+            volume_rays_ += weight;
+        }
+        const bool is_look = batches_.is_look(done_);
+        is_over_ = is_look;
+        for (std::size_t k = 0; k < sums_.size(); ++k) {
+            if (has_enough_[k] == 0) {
+                sums_[k].add(tally, rays);
+                has_enough_[k] = is_look && batches_.are_small(sums_[k].errors()) ? 1 : 0;
+            }
+            is_over_ = is_over_ && has_enough_[k] != 0;
         }
     }
 
+    const RayTracer& tracer_;
     const RayOptions& options_;
-    std::vector<double> energy_, squares_, directions_;  // as in RayTally
-    EnergyBalance balance_;
-    double cubed_first_legs_ = 0.0;
-    std::size_t count_ = 0;
+    Batches batches_;
+    std::vector<ListenerSums> sums_;
+    std::vector<std::uint8_t> has_enough_;  // per listener
+    EnergyBalance balance_;                 // times the rays
+    double visible_volume_ = 0.0;           // times volume_rays_
+    double volume_rays_ = 0.0, rays_ = 0.0;
+    std::size_t done_ = 0;  // batches
+    bool is_over_ = false;
 };
 
 }  // namespace
@@ -131,6 +181,7 @@ double late_length(const RayScene& scene,
     constexpr double kWanted = -6.5;    // decades
     RayOptions few = options;
     few.rays = std::min<std::size_t>(options.rays, 512);
+    few.max_error = 0.0;
     few.bin = kMaxLength;
     for (few.length = kMinLength; few.length < kMaxLength; few.length *= 1.5) {
         const EnergyBalance balance = trace_late_rays(scene, source, {}, few, executor).balance;
@@ -155,32 +206,9 @@ LateEnergy trace_late_rays(const RayScene& scene,
                            Progress* progress) {
     check(options);
     const RayTracer tracer(scene, source, listeners, options, executor);
-    Sums sums(options);
-    // A few batches at a time, so that memory does not grow with their number.
-    const std::size_t round = 2 * static_cast<std::size_t>(executor.threads());
-    const std::size_t batches = chunk_count(options.rays, kBatchSize);
-    StageProgress traced(progress, "late rays", options.rays);
-    for (std::size_t first = 0; first < batches; first += round) {
-        std::vector<RayTally> tallies(std::min(round, batches - first));
-        executor.for_each(tallies.size(), 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const std::size_t from = kBatchSize * (first + i);
-                const std::size_t end_of_batch = std::min(from + kBatchSize, options.rays);
-                tallies[i] = tracer.trace(from, end_of_batch);
-                traced.add(end_of_batch - from);
-            }
-        });
-        for (const RayTally& tally : tallies) {
-            sums.add(tally);
-        }
-    }
-    LateEnergy result;
-    result.balance = sums.balance();
-    result.visible_volume = sums.visible_volume();
-    for (std::size_t k = 0; k < listeners.size(); ++k) {
-        result.listeners.push_back(sums.histogram(k, tracer.bins(), tracer.spans()));
-    }
-    return result;
+    Experiment experiment(tracer, listeners.size(), options);
+    experiment.run(executor, progress);
+    return experiment.result();
 }
 
 }  // namespace earshot::propagation

@@ -5,6 +5,7 @@
 #include "earshot/audio/energy_histogram.h"
 #include "earshot/audio/impulse_response.h"
 #include "earshot/geometry/types.h"
+#include "earshot/propagation/late_errors.h"
 
 #include <cstdint>
 #include <string_view>
@@ -42,6 +43,7 @@ struct PairResult {
     std::vector<Path> paths{};  ///< sorted by delay, order, triangles
     /// What arrives besides, past Options::specular_order or scattered; empty without rays.
     audio::EnergyHistogram late{};
+    LateErrors late_errors{};     ///< of that
     double visible_volume = 0.0;  ///< of the source, cubic metres; see LateEnergy
 };
 

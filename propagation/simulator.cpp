@@ -2,7 +2,6 @@
 #include "earshot/propagation/simulator.h"
 
 #include "earshot/base/math.h"
-#include "earshot/base/stage_progress.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/frustum/surface_points.h"
@@ -43,14 +42,14 @@ bool is_silent(const audio::EnergyHistogram& histogram) {
         });
 }
 
-/// One of several equally long parts of a stage.
+/// One of several parts of a stage, in the units of the part; parts of different sizes count alike.
 class PartProgress : public Progress {
 public:
     PartProgress(Progress* whole, std::size_t part, std::size_t parts)
         : whole_(whole), part_(part), parts_(parts) {}
 
     void report(std::string_view stage, std::size_t done, std::size_t total) override {
-        if (whole_ != nullptr) {
+        if (whole_ != nullptr && total > 0) {
             whole_->report(stage, part_ * total + done, parts_ * total);
         }
     }
@@ -116,7 +115,8 @@ struct Simulator::State {
     frustum::TraceResult trace(std::size_t source,
                                const Vec3& position,
                                const frustum::PlacedPairs& placed,
-                               Executor& executor);
+                               Executor& executor,
+                               Progress* progress);
 
     geometry::MeshView mesh() const { return {positions, triangles}; }
     void move_geometry(Executor& executor);
@@ -127,7 +127,8 @@ struct Simulator::State {
                    const RaySource& sender,
                    const frustum::PlacedPairs& placed,
                    std::span<PairResult> pairs,
-                   Executor& executor);
+                   Executor& executor,
+                   Progress* progress);
     void add_late_sound(const RaySource& sender,
                         const frustum::PlacedPairs& placed,
                         std::span<PairResult> pairs,
@@ -210,6 +211,7 @@ LateEnergy Simulator::State::late_sound(const RaySource& source,
     const RayScene rays_see = {
         .tree = tree, .mesh = mesh(), .material_of_triangle = labels, .materials = scene.materials};
     RayOptions rays = {.rays = options.rays,
+                       .max_error = options.max_error,
                        .seed = options.seed,
                        .specular_order = options.specular_order,
                        .bands = options.bands,
@@ -217,8 +219,10 @@ LateEnergy Simulator::State::late_sound(const RaySource& source,
                        .air_absorption = options.air_absorption,
                        .transmission = options.transmission,
                        .report_directions = options.late_directions};
-    rays.length = options.late_length > 0.0 ? options.late_length
-                                            : late_length(rays_see, source, rays, executor);
+    constexpr double kDecades = 6.5;  // that late_length() holds
+    const double decay_length = late_length(rays_see, source, rays, executor);
+    rays.length = options.late_length > 0.0 ? options.late_length : decay_length;
+    rays.decay_time = decay_length * 6.0 / kDecades;
     LateEnergy late = trace_late_rays(rays_see, source, to, rays, executor, progress);
     for (audio::EnergyHistogram& histogram : late.listeners) {
         histogram.full_decay = options.late_length == 0.0;
@@ -296,6 +300,9 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
 
 Simulator::Simulator(const Scene& scene, const Options& options, Executor& executor) {
     validate(options.air);
+    for (const Material& material : scene.materials) {
+        validate(material);
+    }
     state_ = std::make_unique<State>(scene, options);
     state_->move_geometry(executor);
 }
@@ -400,17 +407,18 @@ frustum::PlacedPairs Simulator::State::place(const Emitter& source,
 frustum::TraceResult Simulator::State::trace(std::size_t source,
                                              const Vec3& position,
                                              const frustum::PlacedPairs& placed,
-                                             Executor& executor) {
+                                             Executor& executor,
+                                             Progress* progress) {
     const std::vector<std::uint8_t> first = first_facets(position);
     if (placed.is_moved) {
         return finder->find(placed, first, executor);
     }
     if (!options.keep_traces) {
-        return finder->find(position, *listeners, first, executor);
+        return finder->find(position, *listeners, first, executor, progress);
     }
     std::optional<frustum::SourceBeamTree>& beams = sources[source];
     if (!beams || beams->source() != position) {
-        beams.emplace(finder->trace_source(position, first, executor));
+        beams.emplace(finder->trace_source(position, first, executor, progress));
     }
     return finder->connect(*beams, *listeners, executor);
 }
@@ -419,9 +427,11 @@ void Simulator::State::add_paths(std::size_t source,
                                  const RaySource& sender,
                                  const frustum::PlacedPairs& placed,
                                  std::span<PairResult> pairs,
-                                 Executor& executor) {
+                                 Executor& executor,
+                                 Progress* progress) {
     const Vec3& position = sender.pose.position;
-    const frustum::TraceResult traced = trace(source, position, placed, executor);
+    const frustum::TraceResult traced = trace(source, position, placed, executor, progress);
+    progress->report("tracing", 1, 1);  // also where there was no beam tree to report
     statistics.frusta += traced.statistics.frusta;
     statistics.candidates += traced.statistics.candidates;
     statistics.paths += traced.statistics.paths;
@@ -452,6 +462,7 @@ void Simulator::State::add_late_sound(const RaySource& sender,
         for (std::size_t k = 0; k < group.numbers.size(); ++k) {
             PairResult& pair = pairs[group.numbers[k]];
             pair.late = std::move(late.listeners[k]);
+            pair.late_errors = late.errors[k];
             pair.visible_volume = late.visible_volume;
         }
     }
@@ -481,14 +492,13 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     };
 
     // Early sound: exact paths.
-    StageProgress tracing(progress, "tracing", sources.size());
     state.prepare_finder(sources, listeners, executor);
     state.statistics = {.frusta = state.listeners->frusta()};
     std::vector<frustum::PlacedPairs> placed;  // per source
     for (std::size_t source = 0; source < sources.size(); ++source) {
         placed.push_back(state.place(state.scene.sources[source], sources[source], listeners));
-        state.add_paths(source, senders[source], placed[source], pairs_of(source), executor);
-        tracing.add(1);
+        PartProgress part(progress, source, sources.size());
+        state.add_paths(source, senders[source], placed[source], pairs_of(source), executor, &part);
     }
     // Late sound: rays.
     for (std::size_t source = 0; state.options.rays > 0 && source < sources.size(); ++source) {

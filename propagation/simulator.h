@@ -20,7 +20,7 @@
 namespace earshot::propagation {
 
 struct Options {
-    int specular_order = 4;  ///< most reflections and transmissions of a path, >= 0
+    int specular_order = 4;  ///< max reflections and transmissions of a path, >= 0
     frustum::Mode mode = frustum::Mode::complete;
     int resolution = 0;  ///< sub-frusta along a frustum's side; 0: the mode's default
     Air air{};
@@ -33,6 +33,7 @@ struct Options {
     double min_level_db = -std::numeric_limits<double>::infinity();
     /// For late sound; 0: none. See RayOptions.
     std::size_t rays = 0;
+    double max_error = 0.0;  ///< relative, of T30; 0: all rays. See RayOptions
     std::uint64_t seed = 1;
     double late_length = 0.0;  ///< seconds; 0: as long as the decay, see propagation::late_length
     bool late_directions = false;  ///< tell where late sound comes from
@@ -57,8 +58,8 @@ struct GeometrySummary {
 /// Simulates sound between the sources and listeners of one scene, which must outlive it.
 class Simulator {
 public:
-    /// Prepares the scene at time 0. Throws Error if an option is out of range, or if no triangle
-    /// is left after clean-up.
+    /// Prepares the scene at time 0. Throws Error if an option is out of range, a material
+    /// transmits more than it absorbs, or no triangle is left after clean-up.
     explicit Simulator(const Scene& scene,
                        const Options& options = {},
                        Executor& executor = Executor::serial());

@@ -398,6 +398,22 @@ TEST_F(Ir, RaysAddTheDecayTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(files_with("2"), one);
 }
 
+TEST_F(Ir, TracesRaysUntilTheErrorIsSmallOrSaysSo) {
+    // A box without scattering needs few; the errors are of late sound beyond order 1.
+    const RunResult result = run_earshot({"ir",
+                                          kScenes + "shoebox.gltf",
+                                          "-o",
+                                          out(),
+                                          "--order",
+                                          "1",
+                                          "--rays",
+                                          "auto",
+                                          "--rays-error",
+                                          "5"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_EQ(result.err.find("standard error"), std::string::npos) << result.err;
+}
+
 TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     const auto with = [&](std::vector<std::string> extra) {
         std::vector<std::string> arguments = {"ir", kScenes + "shoebox.gltf", "-o", out()};
@@ -409,6 +425,8 @@ TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     EXPECT_TRUE(failed_with(with({"--max-length", "-1"}), 2, "--max-length"));
     EXPECT_TRUE(failed_with(with({"--min-level", "loud"}), 2, "--min-level"));
     EXPECT_TRUE(failed_with(with({"--rays", "-1"}), 2, "--rays"));
+    EXPECT_TRUE(failed_with(with({"--rays", "many"}), 2, "neither auto nor"));
+    EXPECT_TRUE(failed_with(with({"--rays-error", "0"}), 2, "--rays-error"));
     EXPECT_TRUE(failed_with(with({"--sample-rate", "0"}), 2, "--sample-rate"));
     EXPECT_TRUE(failed_with(with({"--format", "quadro"}), 2, "ambisonic:N"));
     EXPECT_TRUE(failed_with(with({"--format", "ambisonic:6"}), 2, "0 ... 5"));

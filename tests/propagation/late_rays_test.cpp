@@ -286,6 +286,105 @@ TEST(LateRays, TheResultDoesNotDependOnTheThreads) {
     EXPECT_EQ(digest_of(8), digest_of(1));
 }
 
+/// A room in which T30 takes many rays: nothing scatters.
+LateEnergy until_certain(const BoxRoom& room,
+                         const std::vector<Vec3>& listeners,
+                         double max_error,
+                         int threads = 2) {
+    RayOptions options = options_for(1.5);
+    options.rays = 400000;
+    options.bin = 0.005;
+    options.max_error = max_error;
+    Executor executor(threads);
+    return trace_late_rays(room.scene(), source_at({1, 1, 1}), listeners, options, executor);
+}
+
+TEST(LateRays, BatchesEndWhereTheErrorsAreSmall) {
+    const BoxRoom room({5, 3, 4}, 0.2, 0.0);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}, {4.9, 2.9, 3.9}};
+    const LateEnergy loose = until_certain(room, listeners, 0.05);
+    const LateEnergy tight = until_certain(room, listeners, 0.005);
+    for (std::size_t k = 0; k < listeners.size(); ++k) {
+        EXPECT_TRUE(loose.errors[k].reached);
+        EXPECT_LE(1.3 * loose.errors[k].t30, 0.05);
+        EXPECT_LE(1.3 * loose.errors[k].level_db, 0.25);
+        EXPECT_GE(tight.errors[k].rays, loose.errors[k].rays);
+        EXPECT_EQ(loose.errors[k].rays % 2048, 0U);
+        // Of both runs the first batches are the same: the results differ by chance alone.
+        EXPECT_NEAR(decay_time(loose.listeners[k]) / decay_time(tight.listeners[k]), 1.0, 0.1);
+    }
+    EXPECT_GT(tight.errors[1].rays, 32U * 1024U);
+}
+
+TEST(LateRays, AListenersEndDependsOnNoOtherListenerAndNoThread) {
+    const BoxRoom room({5, 3, 4}, 0.2, 0.1);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}, {4.9, 2.9, 3.9}};
+    const LateEnergy together = until_certain(room, listeners, 0.02);
+    for (std::size_t k = 0; k < listeners.size(); ++k) {
+        const LateEnergy alone = until_certain(room, {listeners[k]}, 0.02, 1);
+        EXPECT_EQ(alone.errors[0].rays, together.errors[k].rays);
+        EXPECT_EQ(alone.listeners[0].energy, together.listeners[k].energy);
+        EXPECT_EQ(alone.listeners[0].reflection_growth, together.listeners[k].reflection_growth);
+    }
+}
+
+TEST(LateRays, TellsWhatTheMostRaysDidNotReach) {
+    const BoxRoom room({5, 3, 4}, 0.2, 0.0);
+    RayOptions options = options_for(1.5);
+    options.rays = 40000;
+    options.max_error = 1e-4;
+    const std::vector<Vec3> listeners = {{4.9, 2.9, 3.9}};
+    const LateErrors errors =
+        trace_late_rays(room.scene(), source_at({1, 1, 1}), listeners, options).errors[0];
+    EXPECT_FALSE(errors.reached);
+    EXPECT_EQ(errors.rays, 40000U / 2048U * 2048U);
+    EXPECT_GT(errors.t30, 1e-4);
+}
+
+// Over many seeds the deviations are as large as the errors say.
+TEST(SlowLateRays, ErrorsOfDecayAndLevelAreHonest) {
+    const BoxRoom room({5, 3, 4}, 0.2, 0.2);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}, {4.9, 2.9, 3.9}};
+    constexpr int kSeeds = 30;
+    for (std::size_t k = 0; k < listeners.size(); ++k) {
+        std::vector<double> times, levels, time_errors, level_errors;
+        for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+            RayOptions options = options_for(1.2);
+            options.seed = seed;
+            options.bin = 0.005;
+            options.rays = 16 * 2048;
+            Executor executor(2);
+            const LateEnergy late = trace_late_rays(room.scene(),
+                                                    source_at({1, 1, 1}),
+                                                    std::vector<Vec3>{listeners[k]},
+                                                    options,
+                                                    executor);
+            times.push_back(decay_time(late.listeners[0]));
+            const std::vector<double> energy = energies(late.listeners[0]);
+            levels.push_back(10.0 * std::log10(std::accumulate(energy.begin(), energy.end(), 0.0)));
+            time_errors.push_back(late.errors[0].t30);
+            level_errors.push_back(late.errors[0].level_db);
+        }
+        const auto spread = [](const std::vector<double>& values) {
+            const double mean = std::accumulate(values.begin(), values.end(), 0.0) / kSeeds;
+            double squares = 0.0;
+            for (const double value : values) {
+                squares += (value - mean) * (value - mean);
+            }
+            return std::pair(mean, std::sqrt(squares / (kSeeds - 1)));
+        };
+        const auto mean = [](const std::vector<double>& values) {
+            return std::accumulate(values.begin(), values.end(), 0.0) / kSeeds;
+        };
+        const auto [time, time_spread] = spread(times);
+        // The spread of 30 values is known to 13 %; the error told is the larger of two bands'.
+        EXPECT_GT(mean(time_errors) / (time_spread / time), 0.7) << k;
+        EXPECT_LT(mean(time_errors) / (time_spread / time), 1.5) << k;
+        EXPECT_GT(mean(level_errors) / spread(levels).second, 0.7) << k;
+        EXPECT_LT(mean(level_errors) / spread(levels).second, 1.5) << k;
+    }
+}
+
 TEST(LateRays, RefusesOptionsOutOfRange) {
     const BoxRoom room({5, 3, 4}, 0.2, 0.3);
     const auto attempt = [&](const RayOptions& options) {
@@ -295,6 +394,7 @@ TEST(LateRays, RefusesOptionsOutOfRange) {
     EXPECT_THROW(attempt({.length = -1.0}), Error);
     EXPECT_THROW(attempt({.bin = 0.0}), Error);
     EXPECT_THROW(attempt({.receiver_radius = -1.0}), Error);
+    EXPECT_THROW(attempt({.max_error = -0.01}), Error);
 }
 
 }  // namespace

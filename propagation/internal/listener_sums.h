@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/energy_histogram.h"
+#include "earshot/propagation/internal/ray_tracer.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace earshot::propagation {
+
+/// Adds up what one listener receives in batches of rays, in their order. Batches are replicates of
+/// one experiment, so their spread tells the standard errors.
+class ListenerSums {
+public:
+    /// `bins` and `spans` as in the tallies, in which the listener has number `listener`. Both
+    /// arguments must outlive the sums.
+    ListenerSums(const RayOptions& options,
+                 std::size_t listener,
+                 std::size_t bins,
+                 std::size_t spans);
+
+    void add(const RayTally& tally, std::size_t rays);
+
+    std::size_t batches() const noexcept { return batches_; }
+    /// Without EnergyHistogram::reflection_growth.
+    audio::EnergyHistogram histogram() const;
+    /// Of 500 Hz and 1 kHz, the larger error; of the late sound alone.
+    LateErrors errors() const;
+
+private:
+    /// The octave or third of 500 Hz, or that of 1 kHz, at intervals in which a decay is read.
+    static constexpr std::size_t kIntervals = 128;
+    using Decay = std::array<double, kIntervals>;
+
+    LateErrors errors_of(std::size_t watched) const;
+    double air_loss(std::size_t bin, std::size_t band) const {
+        return air_loss_[bin * options_.bands.count() + band];
+    }
+
+    const RayOptions& options_;
+    std::size_t listener_, bins_, spans_;
+    std::vector<double> air_loss_;  // of energy, per bin and band
+    std::vector<double> energy_, squares_,
+        directions_;  // as in RayTally, times the rays of a batch
+    double rays_ = 0.0;
+    std::size_t batches_ = 0;
+    std::array<std::size_t, 2> watched_bands_{};
+    std::array<std::vector<Decay>, 2> decays_;  // of the watched bands, one per batch
+};
+
+}  // namespace earshot::propagation
