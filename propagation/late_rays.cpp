@@ -57,8 +57,9 @@ public:
     explicit Batches(const RayOptions& options)
         : max_error_(options.max_error),
           rays_(options.rays),
-          count_(max_error_ > 0.0 ? std::max<std::size_t>(rays_ / kMaxBatchRays, 2)
-                                  : chunk_count(rays_, kMaxBatchRays)) {}
+          count_(max_error_ > 0.0
+                     ? std::max<std::size_t>(rays_ / kMaxBatchRays, 2)
+                     : std::max(chunk_count(rays_, kMaxBatchRays), std::min(rays_, kMinBatches))) {}
 
     std::size_t count() const { return count_; }
     std::size_t rays_of(std::size_t batch) const {
@@ -81,6 +82,8 @@ public:
     }
 
 private:
+    static constexpr std::size_t kMinBatches = 4;  // so that there are standard errors
+
     double max_error_;
     std::size_t rays_, count_;
 };

@@ -160,10 +160,14 @@ TEST(Simulator, ReportsWhileItTracesAndWhileRaysRun) {
     EXPECT_EQ(fraction, 1.0);
     EXPECT_EQ(Lines(late, reports.lines.end()),
               (Lines{{"late rays", 0, 6000},
+                     {"late rays", 750, 6000},
                      {"late rays", 1500, 6000},
+                     {"late rays", 2250, 6000},
                      {"late rays", 3000, 6000},
                      {"late rays", 3000, 6000},
+                     {"late rays", 3750, 6000},
                      {"late rays", 4500, 6000},
+                     {"late rays", 5250, 6000},
                      {"late rays", 6000, 6000}}));
     const auto untold = simulator.run();
     ASSERT_EQ(told.size(), untold.size());
