@@ -76,7 +76,7 @@ private:
 
     const PrimRef* refs_of(const Chunk& chunk) const {
         const BuildRange& range = ranges_[chunk.node];
-        return range.refs[range.side] + chunk.begin;
+        return range.refs[range.buffer] + chunk.begin;
     }
 
     void find_splits(std::uint32_t begin) {
@@ -126,7 +126,7 @@ private:
                 return;
             }
             const BuildRange& range = ranges_[chunk.node];
-            PrimRef* const target = range.refs[1 - range.side];
+            PrimRef* const target = range.refs[1 - range.buffer];
             const std::uint32_t middle = range.begin + range_split.split.left_count;
             // References before the chunk that did not go to the left went to the right.
             const std::uint32_t right = middle + (chunk.begin - left_offsets_[first]);
@@ -145,7 +145,7 @@ private:
         BuildRange left = range, right = range;
         left.depth = right.depth = range.depth + 1;
         if (range_split.split.first_right_bin == 0) {
-            PrimRef* const refs = range.refs[range.side];
+            PrimRef* const refs = range.refs[range.buffer];
             const std::size_t count =
                 split_at_median(refs + range.begin, range.end - range.begin, range.bounds.box);
             left.end = right.begin = range.begin + static_cast<std::uint32_t>(count);
@@ -153,7 +153,7 @@ private:
             right.bounds = bounds_of({refs + right.begin, right.end - right.begin});
         } else {
             left.end = right.begin = range.begin + range_split.split.left_count;
-            left.side = right.side = 1 - range.side;
+            left.buffer = right.buffer = 1 - range.buffer;
             left.bounds = {range_split.split.box[0], empty_bounds().centroids};
             right.bounds = {range_split.split.box[1], empty_bounds().centroids};
             for (std::uint32_t i = range_split.first_chunk; i < range_split.last_chunk; ++i) {

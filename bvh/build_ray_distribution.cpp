@@ -141,7 +141,7 @@ private:
     std::array<RayRange, 2> split(const RayRange& node) const {
         const BuildRange& range = node.range;
         const std::uint32_t size = range.end - range.begin;
-        PrimRef* const refs = range.refs[range.side] + range.begin;
+        PrimRef* const refs = range.refs[range.buffer] + range.begin;
         const Binning binning = choose_binning(rule_, range.bounds, size);
         Bins bins;
         fill_bins(refs, size, binning, bins);
@@ -158,8 +158,8 @@ private:
             right.bounds = bounds_of({refs + half, size - half});
         } else {
             left.end = right.begin = range.begin + best.counts[0];
-            left.side = right.side = 1 - range.side;
-            PrimRef* const target = range.refs[left.side];
+            left.buffer = right.buffer = 1 - range.buffer;
+            PrimRef* const target = range.refs[left.buffer];
             std::array<BuildBox, 2> centroids;
             Split best_split{};
             best_split.axis = best.axis;

@@ -113,7 +113,7 @@ BuildRange PrimRefs::root_range() noexcept {
     return {.refs = {arrays_[0].data(), arrays_[1].data()},
             .begin = 0,
             .end = static_cast<std::uint32_t>(boxes_.size()),
-            .side = 0,
+            .buffer = 0,
             .depth = 0,
             .bounds = bounds_};
 }

@@ -32,8 +32,9 @@ void ReinsertionOptimiser::set_parent_of_children(std::uint32_t index) {
     }
 }
 
-// Bittner, Hapala and Havran 2013, section 3.3, rank nodes by their area and how badly they fill
-// it. Area alone finds as good candidates here and costs one pass over the nodes.
+// Bittner, Hapala and Havran 2013, section 3.3, rank nodes by an inefficiency measure that combines
+// their area with the ratios of it to the areas of their children. The area alone selects equally
+// good candidates here and costs one pass over the nodes.
 std::vector<std::uint32_t> ReinsertionOptimiser::find_candidates(std::size_t count,
                                                                  Executor& executor) const {
     struct Candidate {
@@ -64,76 +65,76 @@ std::vector<std::uint32_t> ReinsertionOptimiser::find_candidates(std::size_t cou
 }
 
 // Meister and Bittner 2018, section 4.1. The search climbs from the removed node to the root; at
-// every ancestor (the pivot) it descends into the subtree on the other side:
+// every ancestor (the pivot) it descends into the pivot's other child:
 //
 //          root                     Removing `from` saves the area of its parent, whose place the
 //         /    \                    sibling takes, and shrinks the pivots above:
-//     pivot     side (2nd)              area_diff = area(parent) + sum of area(pivot) - area(rest)
-//     /    \                        where `rest` is the pivot's box without `from`. Inserting it as
-//  parent   side (1st)              the sibling of a node below `side` costs the new parent's area
-//   /  \       / \                  and what the nodes between `side` and there grow by.
-// from sibling a  b
+//     pivot     other (2nd)             area_diff = area(parent)
+//     /    \                                        + sum of (area(pivot) - area(pivot_box))
+//  parent   other (1st)             where `pivot_box` is the pivot's box without `from`. Inserting
+//   /  \       / \                  `from` as the sibling of a node below the other child costs the
+// from sibling a  b                 area of the new parent and the growth of the nodes above it.
 //
-// Subtrees that cannot gain more than the best reinsertion so far are pruned: a new parent is never
-// smaller than the node inserted.
+// Subtrees that cannot reduce the area more than the best reinsertion so far are pruned: a new
+// parent is never smaller than the node inserted.
 ReinsertionOptimiser::Reinsertion ReinsertionOptimiser::find_reinsertion(std::uint32_t from) const {
-    const double own_area = area(from);
+    const double from_area = area(from);
     const Aabb& box = nodes_[from].box;
     const std::uint32_t parent = parents_[from];
     Reinsertion best = {from, kRoot, 0.0};
     struct StackEntry {
-        double area_diff;  // if the subtree were inserted above the node for nothing
+        double area_diff;  // before the area of the new parent is subtracted
         std::uint32_t node;
     };
     std::vector<StackEntry> stack;
     std::uint32_t pivot = parent;
-    std::uint32_t side = sibling(from);
-    Aabb rest = nodes_[side].box;
+    std::uint32_t other_child = sibling(from);
+    Aabb pivot_box = nodes_[other_child].box;
     double area_diff = area(parent);
     while (true) {
-        // Descend on the other side of the pivot.
-        stack.push_back({area_diff, side});
+        // Descend into the other child of the pivot.
+        stack.push_back({area_diff, other_child});
         while (!stack.empty()) {
             const StackEntry top = stack.back();
             stack.pop_back();
-            if (!(top.area_diff - own_area > best.area_diff)) {
+            if (!(top.area_diff - from_area > best.area_diff)) {
                 continue;
             }
             const Node& node = nodes_[top.node];
-            const double diff_here = top.area_diff - united(node.box, box).half_area();
-            if (diff_here > best.area_diff) {
+            const double diff_as_sibling = top.area_diff - united(node.box, box).half_area();
+            if (diff_as_sibling > best.area_diff) {
                 best.to = top.node;
-                best.area_diff = diff_here;
+                best.area_diff = diff_as_sibling;
             }
             if (!node.is_leaf()) {
-                // Deeper, this node stays and only grows to hold the inserted one.
-                const double diff_below = diff_here + node.box.half_area();
+                // If `from` is inserted deeper, the box of this node grows to enclose it.
+                const double diff_below = diff_as_sibling + node.box.half_area();
                 stack.push_back({diff_below, node.first});
                 stack.push_back({diff_below, node.first + 1});
             }
         }
-        // The pivot shrinks to the rest, and may itself become the sibling.
+        // The pivot's box shrinks, and the pivot itself may become the new sibling.
         if (pivot != parent) {
-            rest.include(nodes_[side].box);
-            area_diff += area(pivot) - rest.half_area();
-            const double diff_here = area_diff - united(rest, box).half_area();
-            if (pivot != kRoot && diff_here > best.area_diff) {
+            pivot_box.include(nodes_[other_child].box);
+            area_diff += area(pivot) - pivot_box.half_area();
+            const double diff_as_sibling = area_diff - united(pivot_box, box).half_area();
+            if (pivot != kRoot && diff_as_sibling > best.area_diff) {
                 best.to = pivot;
-                best.area_diff = diff_here;
+                best.area_diff = diff_as_sibling;
             }
         }
         if (pivot == kRoot) {
             break;
         }
-        side = sibling(pivot);
+        other_child = sibling(pivot);
         pivot = parents_[pivot];
     }
-    const bool stays = best.to == kRoot || best.to == sibling(from) || best.to == parent;
-    return stays ? Reinsertion{from, kRoot, 0.0} : best;
+    const bool is_unchanged = best.to == kRoot || best.to == sibling(from) || best.to == parent;
+    return is_unchanged ? Reinsertion{from, kRoot, 0.0} : best;
 }
 
-/// The nodes whose links a reinsertion reads or changes: two that share one cannot be made in the
-/// same batch.
+/// The nodes whose links a reinsertion reads or changes. Two reinsertions that share such a node
+/// conflict: only one of them is made in a batch.
 std::array<std::uint32_t, 6> ReinsertionOptimiser::get_conflicts(
     const Reinsertion& reinsertion) const noexcept {
     const std::uint32_t parent = parents_[reinsertion.from];
@@ -145,9 +146,9 @@ std::array<std::uint32_t, 6> ReinsertionOptimiser::get_conflicts(
             parents_[parent]};
 }
 
-// Nodes keep their slots in the array but for three: the sibling's content moves into the slot of
-// the parent; the pair of slots that becomes free takes the inserted node and the content of `to`;
-// and the slot of `to` becomes the new parent of that pair.
+// All nodes but three keep their index: the sibling moves to the index of the parent; the pair of
+// indices that becomes free holds the inserted node and the node that was at `to`; and the node at
+// the index of `to` becomes the new parent of that pair.
 //
 //        |           |                        |           |
 //      parent       to                     sibling    new parent
@@ -157,15 +158,15 @@ std::array<std::uint32_t, 6> ReinsertionOptimiser::get_conflicts(
 //        c      d
 void ReinsertionOptimiser::reinsert_node(const Reinsertion& reinsertion) {
     const std::uint32_t parent = parents_[reinsertion.from];
-    const std::uint32_t beside = sibling(reinsertion.from);
+    const std::uint32_t sibling_index = sibling(reinsertion.from);
     const Node moved = nodes_[reinsertion.from];
-    nodes_[parent] = nodes_[beside];
+    nodes_[parent] = nodes_[sibling_index];
     set_parent_of_children(parent);
-    nodes_[beside] = nodes_[reinsertion.to];
-    set_parent_of_children(beside);
+    nodes_[sibling_index] = nodes_[reinsertion.to];
+    set_parent_of_children(sibling_index);
     nodes_[reinsertion.from] = moved;
-    nodes_[reinsertion.to] = {.box = united(nodes_[beside].box, moved.box),
-                              .first = std::min(reinsertion.from, beside)};
+    nodes_[reinsertion.to] = {.box = united(nodes_[sibling_index].box, moved.box),
+                              .first = std::min(reinsertion.from, sibling_index)};
     set_parent_of_children(reinsertion.to);
     refit_from(parents_[parent]);
     refit_from(parents_[reinsertion.to]);
@@ -189,11 +190,11 @@ void ReinsertionOptimiser::refit_from(std::uint32_t index) {
 }
 
 std::size_t ReinsertionOptimiser::reinsert_batch(std::size_t batch_size, Executor& executor) {
-    // Below five nodes every node is the root, a child of the root, or the only one below it.
+    // In a tree of fewer than five nodes every node is the root or a child of the root.
     if (nodes_.size() < 5) {
         return 0;
     }
-    // Search in parallel; the tree does not change meanwhile.
+    // Search in parallel. The tree is not changed during the search.
     const std::vector<std::uint32_t> candidates = find_candidates(batch_size, executor);
     std::vector<Reinsertion> reinsertions(candidates.size());
     constexpr std::size_t kGrain = 256;
@@ -202,7 +203,7 @@ std::size_t ReinsertionOptimiser::reinsert_batch(std::size_t batch_size, Executo
             reinsertions[i] = find_reinsertion(candidates[i]);
         }
     });
-    // Make those that gain most first, one by one.
+    // Make the reinsertions one by one, those that reduce the area most first.
     std::erase_if(reinsertions, [](const Reinsertion& found) { return found.to == kRoot; });
     std::sort(
         reinsertions.begin(), reinsertions.end(), [](const Reinsertion& a, const Reinsertion& b) {

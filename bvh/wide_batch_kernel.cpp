@@ -22,36 +22,38 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
-// A tree that is no larger stays in the processor's second cache: there the single-ray kernel is
-// faster, because interleaving has no latency to hide and mispredicts more branches.
-constexpr std::size_t kSecondCacheBytes = std::size_t{1} << 20;
+// A tree that is no larger stays in the processor's L2 cache: for such a tree the single-ray kernel
+// is faster, because there is no latency for interleaving to hide, and interleaving mispredicts
+// more branches.
+constexpr std::size_t kL2CacheBytes = std::size_t{1} << 20;
 
-// A packet of fewer rays is slower than as many single rays.
+// The packet traversal of fewer rays is slower than their interleaved traversal.
 constexpr std::size_t kMinPacketRays = 12;
 
-/// Rays of which neighbours may start from one point.
+/// The closest hits of rays of which consecutive ones may have a common origin.
 void closest_in_packets(const WideTree& tree,
                         const geometry::MeshView& mesh,
-                        const SecondaryRays& leaving,
+                        const SecondaryRays& secondary_rays,
                         std::span<std::optional<geometry::Hit>> hits,
                         ExactTestQueue& queue) {
     const double reach = tree.max_abs_coordinate();
-    const std::span<const geometry::Ray> rays = leaving.rays;
+    const std::span<const geometry::Ray> rays = secondary_rays.rays;
     RayPacket packet;
-    // After rays that form no packet, a longer run is interleaved before the next attempt; after a
-    // packet that was given up, shorter ones are tried.
-    constexpr std::size_t kFirstRun = 8;
-    constexpr std::size_t kMaxRun = 1024;
-    std::size_t run = kFirstRun;
+    // After rays that form no packet, more rays are traversed interleaved before the next attempt.
+    // After a packet whose traversal was abandoned because it visits too many leaves, smaller
+    // packets are attempted.
+    constexpr std::size_t kMinInterleavedRays = 8;
+    constexpr std::size_t kMaxInterleavedRays = 1024;
+    std::size_t interleaved_rays = kMinInterleavedRays;
     std::size_t max_rays = RayPacket::kMaxRays;
     for (std::size_t done = 0; done < rays.size();) {
         const auto next = rays.subspan(done, std::min(max_rays, rays.size() - done));
         const std::size_t count = packet.gather(next, reach);
         if (count < kMinPacketRays) {
-            const std::size_t end = std::min(done + run, rays.size());
-            closest_interleaved(tree, mesh, leaving, done, end, hits, queue);
+            const std::size_t end = std::min(done + interleaved_rays, rays.size());
+            closest_interleaved(tree, mesh, secondary_rays, done, end, hits, queue);
             done = end;
-            run = std::min(4 * run, kMaxRun);
+            interleaved_rays = std::min(4 * interleaved_rays, kMaxInterleavedRays);
             max_rays = std::max(max_rays, 2 * kMinPacketRays);
             continue;
         }
@@ -61,11 +63,11 @@ void closest_in_packets(const WideTree& tree,
                 packet.for_each_pending(
                     i, [&](std::uint32_t triangle) { queue.push(done + i, triangle); });
             }
-            run = kFirstRun;
+            interleaved_rays = kMinInterleavedRays;
             max_rays = std::min(2 * max_rays, RayPacket::kMaxRays);
         } else {
-            closest_interleaved(tree, mesh, leaving, done, done + count, hits, queue);
-            run = kMaxRun;
+            closest_interleaved(tree, mesh, secondary_rays, done, done + count, hits, queue);
+            interleaved_rays = kMaxInterleavedRays;
             max_rays = count / 2;
         }
         done += count;
@@ -74,38 +76,38 @@ void closest_in_packets(const WideTree& tree,
 
 void closest_of_many(const WideTree& tree,
                      const geometry::MeshView& mesh,
-                     const SecondaryRays& leaving,
+                     const SecondaryRays& secondary_rays,
                      std::span<std::optional<geometry::Hit>> hits) {
-    ExactTestQueue queue(mesh, leaving.rays, hits, tree.max_abs_coordinate());
+    ExactTestQueue queue(mesh, secondary_rays.rays, hits, tree.max_abs_coordinate());
     if (mesh.triangles.size() <= kMaxSmallMeshTriangles) {
-        SmallMeshClosest small_mesh(mesh, leaving.rays, hits, queue);
-        for (std::size_t i = 0; i < leaving.rays.size(); ++i) {
+        SmallMeshClosest small_mesh(mesh, secondary_rays.rays, hits, queue);
+        for (std::size_t i = 0; i < secondary_rays.rays.size(); ++i) {
             small_mesh.add(i);
         }
         small_mesh.finish();
-    } else if (leaving.origin_triangles.empty()) {
-        closest_in_packets(tree, mesh, leaving, hits, queue);
-    } else if (tree.bytes() <= kSecondCacheBytes) {
-        closest_single_ray(tree, mesh, leaving, hits, queue);
+    } else if (secondary_rays.origin_triangles.empty()) {
+        closest_in_packets(tree, mesh, secondary_rays, hits, queue);
+    } else if (tree.bytes() <= kL2CacheBytes) {
+        closest_single_ray(tree, mesh, secondary_rays, hits, queue);
     } else {
-        closest_interleaved(tree, mesh, leaving, 0, leaving.rays.size(), hits, queue);
+        closest_interleaved(tree, mesh, secondary_rays, 0, secondary_rays.rays.size(), hits, queue);
     }
     queue.finish();
 }
 
 void any_interleaved(const WideTree& tree,
                      const geometry::MeshView& mesh,
-                     const SecondarySegments& leaving,
+                     const SecondarySegments& secondary_segments,
                      std::span<std::uint8_t> blocked) {
     const double reach = tree.max_abs_coordinate();
-    const std::span<const geometry::Segment> segments = leaving.segments;
+    const std::span<const geometry::Segment> segments = secondary_segments.segments;
     AnyInFlight in_flight[kRaysInFlight];
     std::size_t next = 0;
     const auto start = [&](AnyInFlight& slot) {
         for (; next < segments.size(); ++next) {
             if (slot.start(tree, segments[next], reach)) {
-                if (!leaving.origin_triangles.empty()) {
-                    slot.exclude(mesh, leaving.origin_triangles[next]);
+                if (!secondary_segments.origin_triangles.empty()) {
+                    slot.exclude(mesh, secondary_segments.origin_triangles[next]);
                 }
                 slot.index = next++;
                 return true;
@@ -136,18 +138,18 @@ void any_interleaved(const WideTree& tree,
 
 void any_of_many(const WideTree& tree,
                  const geometry::MeshView& mesh,
-                 const SecondarySegments& leaving,
+                 const SecondarySegments& secondary_segments,
                  std::span<std::uint8_t> blocked) {
     if (mesh.triangles.size() <= kMaxSmallMeshTriangles) {
-        SmallMeshAny small_mesh(tree, mesh, leaving, blocked);
-        for (std::size_t i = 0; i < leaving.segments.size(); ++i) {
+        SmallMeshAny small_mesh(tree, mesh, secondary_segments, blocked);
+        for (std::size_t i = 0; i < secondary_segments.segments.size(); ++i) {
             small_mesh.add(i);
         }
         small_mesh.finish();
-    } else if (!leaving.origin_triangles.empty() && tree.bytes() <= kSecondCacheBytes) {
-        any_single_ray(tree, mesh, leaving, blocked);
+    } else if (!secondary_segments.origin_triangles.empty() && tree.bytes() <= kL2CacheBytes) {
+        any_single_ray(tree, mesh, secondary_segments, blocked);
     } else {
-        any_interleaved(tree, mesh, leaving, blocked);
+        any_interleaved(tree, mesh, secondary_segments, blocked);
     }
 }
 
@@ -162,16 +164,16 @@ HWY_EXPORT(any_of_many);
 
 void find_closest_of_many(const WideTree& tree,
                           const geometry::MeshView& mesh,
-                          const SecondaryRays& leaving,
+                          const SecondaryRays& secondary_rays,
                           std::span<std::optional<geometry::Hit>> hits) noexcept {
-    HWY_DYNAMIC_DISPATCH(closest_of_many)(tree, mesh, leaving, hits);
+    HWY_DYNAMIC_DISPATCH(closest_of_many)(tree, mesh, secondary_rays, hits);
 }
 
 void find_any_of_many(const WideTree& tree,
                       const geometry::MeshView& mesh,
-                      const SecondarySegments& leaving,
+                      const SecondarySegments& secondary_segments,
                       std::span<std::uint8_t> blocked) noexcept {
-    HWY_DYNAMIC_DISPATCH(any_of_many)(tree, mesh, leaving, blocked);
+    HWY_DYNAMIC_DISPATCH(any_of_many)(tree, mesh, secondary_segments, blocked);
 }
 
 }  // namespace earshot::bvh

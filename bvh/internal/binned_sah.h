@@ -30,7 +30,7 @@ struct Bounds {
     BuildBox centroids;
 };
 
-/// Boxes and numbers of the primitives whose centroids lie in a bin, for every axis.
+/// For every axis, the bounds and the number of the primitives whose centroids lie in a bin.
 struct alignas(64) Bin {
     BuildBox boxes[3];
     std::int32_t counts[8];  // three are used
@@ -54,7 +54,7 @@ struct Split {
     std::uint32_t axis;
     std::uint32_t first_right_bin;
     std::uint32_t left_count;
-    float cost;  ///< of both sides as leaves, times their half areas
+    float cost;  ///< the sum over both sides of primitive count times half area
     BuildBox box[2];
 };
 
@@ -62,15 +62,16 @@ struct Split {
 struct SplitRule {
     std::uint32_t max_leaf_size = 4;
     float traversal_cost = 1.0F;
-    bool spatial_median = false;  ///< in the middle of the longest side, not where it is cheapest
+    bool spatial_median =
+        false;  ///< split the middle of the longest side instead of minimising the SAH
 };
 
-/// A range of references and what is known of it. The references are in refs[side]; the same range
-/// of the other array is free.
+/// A range of references with its bounds. The references are in refs[buffer]; the same range of the
+/// other array is free.
 struct BuildRange {
     PrimRef* refs[2];
     std::uint32_t begin, end;
-    std::uint32_t side;
+    std::uint32_t buffer;
     std::uint32_t depth;
     Bounds bounds;
 };
@@ -87,12 +88,13 @@ Binning choose_binning(const SplitRule& rule, const Bounds& bounds, std::size_t 
 void fill_bins(const PrimRef* refs, std::size_t count, const Binning& binning, Bins& bins);
 
 /// Adds the bins of another chunk to `bins`.
-void merge_bins(const Bins& more, const Binning& binning, Bins& bins);
+void merge_bins(const Bins& other, const Binning& binning, Bins& bins);
 
 /// The cheapest split between two bins.
 Split find_split(const Bins& bins, const Binning& binning);
 
-/// Where the references of a chunk are, and where those of the left and right side go.
+/// The references of a chunk, and the arrays that those of the left and of the right side are
+/// copied to.
 struct PartitionTask {
     const PrimRef* refs;
     std::size_t count;
@@ -115,7 +117,7 @@ std::uint32_t build_subtree(const BuildRange& range,
                             RawNode* nodes,
                             std::uint32_t* primitives);
 
-/// The tree over boxes by such splits.
+/// The tree over boxes that is built by binned splits.
 Tree build_binned(std::span<const geometry::Aabb> boxes, const SplitRule& rule, Executor& executor);
 
 /// Moves the half of the references whose centroids along the longest axis of `box` are lower to

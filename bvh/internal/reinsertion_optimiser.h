@@ -12,13 +12,14 @@
 
 namespace earshot::bvh {
 
-/// The nodes of a tree while subtrees are reinserted. Siblings stay side by side, but parents may
-/// come to stand behind their children until depth_first_nodes() restores the order.
+/// The nodes of a tree while subtrees are reinserted. Siblings stay adjacent in the array, but a
+/// parent may be stored after its children until depth_first_nodes() restores the order.
 class ReinsertionOptimiser {
 public:
     explicit ReinsertionOptimiser(std::span<const Node> nodes);
 
-    /// The subtree of `from` becomes the sibling of `to`; `to` is 0 if it stays where it is.
+    /// The subtree of `from` becomes the sibling of `to`. `to` is 0 if no reinsertion reduces the
+    /// area.
     struct Reinsertion {
         std::uint32_t from = 0, to = 0;
         double area_diff = 0.0;  ///< by how much the sum of half areas shrinks
@@ -54,7 +55,7 @@ private:
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> parents_;
-    std::vector<std::uint8_t> is_touched_;  // by a reinsertion of the present batch
+    std::vector<std::uint8_t> is_touched_;  // with a reinsertion of this batch
 };
 
 }  // namespace earshot::bvh

@@ -14,13 +14,13 @@ namespace earshot::bvh {
 /// Sets hits[i] to closest_hit() of ray i.
 void find_closest_of_many(const WideTree& tree,
                           const geometry::MeshView& mesh,
-                          const SecondaryRays& leaving,
+                          const SecondaryRays& secondary_rays,
                           std::span<std::optional<geometry::Hit>> hits) noexcept;
 
 /// Sets blocked[i] to occluded() of segment i.
 void find_any_of_many(const WideTree& tree,
                       const geometry::MeshView& mesh,
-                      const SecondarySegments& leaving,
+                      const SecondarySegments& secondary_segments,
                       std::span<std::uint8_t> blocked) noexcept;
 
 }  // namespace earshot::bvh

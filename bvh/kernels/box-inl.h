@@ -33,10 +33,10 @@ HWY_INLINE void store_box(const Box& box, BuildBox& to) {
     box.store_unaligned(to.low);
 }
 /// The empty box.
-HWY_INLINE Box nothing() {
+HWY_INLINE Box empty_box() {
     return Box(-kHighest);
 }
-HWY_INLINE Box join(const Box& a, const Box& b) {
+HWY_INLINE Box merge(const Box& a, const Box& b) {
     return max(a, b);
 }
 /// The negated minima.
@@ -48,7 +48,7 @@ HWY_INLINE Float4 high(const Box& box) {
     return upper_half(box);
 }
 /// The box of a single point: twice the centre.
-HWY_INLINE Box centre_box(const Box& box) {
+HWY_INLINE Box centroid_box(const Box& box) {
     return box - swap_halves(box);
 }
 

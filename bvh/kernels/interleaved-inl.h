@@ -99,7 +99,7 @@ private:
 /// Searches for the closest hits of rays [begin, end); the queue decides the last candidates.
 HWY_INLINE void closest_interleaved(const WideTree& tree,
                                     const geometry::MeshView& mesh,
-                                    const SecondaryRays& leaving,
+                                    const SecondaryRays& secondary_rays,
                                     std::size_t begin,
                                     std::size_t end,
                                     std::span<std::optional<geometry::Hit>> hits,
@@ -109,14 +109,14 @@ HWY_INLINE void closest_interleaved(const WideTree& tree,
     std::size_t next = begin;
     const auto start = [&](ClosestInFlight& slot) {
         for (; next < end; ++next) {
-            if (slot.start(tree, mesh, leaving.rays[next], reach)) {
-                if (!leaving.origin_triangles.empty()) {
-                    slot.exclude(mesh, leaving.origin_triangles[next]);
+            if (slot.start(tree, mesh, secondary_rays.rays[next], reach)) {
+                if (!secondary_rays.origin_triangles.empty()) {
+                    slot.exclude(mesh, secondary_rays.origin_triangles[next]);
                 }
                 slot.index = next++;
                 return true;
             }
-            hits[next] = closest_hit(tree, mesh, leaving.rays[next]);
+            hits[next] = closest_hit(tree, mesh, secondary_rays.rays[next]);
         }
         return false;
     };

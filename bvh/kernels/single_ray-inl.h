@@ -51,22 +51,22 @@ HWY_INLINE void traverse_single_ray(const WideTree& tree,
 /// Searches for the closest hits; the queue decides the last candidates.
 HWY_INLINE void closest_single_ray(const WideTree& tree,
                                    const geometry::MeshView& mesh,
-                                   const SecondaryRays& leaving,
+                                   const SecondaryRays& secondary_rays,
                                    std::span<std::optional<geometry::Hit>> hits,
                                    ExactTestQueue& queue) {
     const double reach = tree.max_abs_coordinate();
-    for (std::size_t i = 0; i < leaving.rays.size(); ++i) {
+    for (std::size_t i = 0; i < secondary_rays.rays.size(); ++i) {
         FloatRay ray;
-        if (!set_ray(ray, leaving.rays[i], static_cast<float>(reach))) {
-            hits[i] = closest_hit(tree, mesh, leaving.rays[i]);
+        if (!set_ray(ray, secondary_rays.rays[i], static_cast<float>(reach))) {
+            hits[i] = closest_hit(tree, mesh, secondary_rays.rays[i]);
             continue;
         }
-        const SlabTestSkippingCoplanar slab_test(ray,
-                                                 ExcludedPlane(mesh, leaving.origin_triangles[i]));
-        ClosestHitSearch search(mesh, leaving.rays[i], reach);
+        const SlabTestSkippingCoplanar slab_test(
+            ray, ExcludedPlane(mesh, secondary_rays.origin_triangles[i]));
+        ClosestHitSearch search(mesh, secondary_rays.rays[i], reach);
         search.bound = ray.t_max;
         traverse_single_ray(tree, ray, slab_test, search.bound, [&](const LeafTriangles& leaf) {
-            visit_leaf(leaf, ray, search, leaving.origin_triangles[i]);
+            visit_leaf(leaf, ray, search, secondary_rays.origin_triangles[i]);
             return true;
         });
         hits[i] = search.best();
@@ -77,21 +77,22 @@ HWY_INLINE void closest_single_ray(const WideTree& tree,
 /// Sets whether each segment is blocked.
 HWY_INLINE void any_single_ray(const WideTree& tree,
                                const geometry::MeshView& mesh,
-                               const SecondarySegments& leaving,
+                               const SecondarySegments& secondary_segments,
                                std::span<std::uint8_t> blocked) {
     const auto reach = static_cast<float>(tree.max_abs_coordinate());
-    for (std::size_t i = 0; i < leaving.segments.size(); ++i) {
-        const geometry::Segment& segment = leaving.segments[i];
+    for (std::size_t i = 0; i < secondary_segments.segments.size(); ++i) {
+        const geometry::Segment& segment = secondary_segments.segments[i];
         FloatRay ray;
         if (!set_ray(ray, ray_along(segment), reach)) {
             blocked[i] = occluded(tree, mesh, segment) ? 1 : 0;
             continue;
         }
-        const SlabTestSkippingCoplanar slab_test(ray,
-                                                 ExcludedPlane(mesh, leaving.origin_triangles[i]));
+        const SlabTestSkippingCoplanar slab_test(
+            ray, ExcludedPlane(mesh, secondary_segments.origin_triangles[i]));
         bool is_blocked = false;
         traverse_single_ray(tree, ray, slab_test, ray.t_max, [&](const LeafTriangles& leaf) {
-            is_blocked = touches_leaf(leaf, ray, mesh, segment, leaving.origin_triangles[i]);
+            is_blocked =
+                touches_leaf(leaf, ray, mesh, segment, secondary_segments.origin_triangles[i]);
             return !is_blocked;
         });
         blocked[i] = is_blocked ? 1 : 0;

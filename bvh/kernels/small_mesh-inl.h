@@ -252,17 +252,17 @@ class SmallMeshAny {
 public:
     SmallMeshAny(const WideTree& tree,
                  const geometry::MeshView& mesh,
-                 const SecondarySegments& leaving,
+                 const SecondarySegments& secondary_segments,
                  std::span<std::uint8_t> blocked)
         : tree_(tree),
           reach_(static_cast<float>(tree.max_abs_coordinate())),
           mesh_(mesh),
           triangles_(mesh),
-          leaving_(leaving),
+          secondary_segments_(secondary_segments),
           blocked_(blocked) {}
 
     HWY_INLINE void add(std::size_t segment) {
-        const geometry::Segment& asked = leaving_.segments[segment];
+        const geometry::Segment& asked = secondary_segments_.segments[segment];
         FloatRay ray;
         if (!set_ray(ray, ray_along(asked), reach_)) {
             blocked_[segment] = occluded(tree_, mesh_, asked) ? 1 : 0;
@@ -270,8 +270,9 @@ public:
         }
         SegmentLanes& group = groups_[ray.axis[2]];
         group.add(ray,
-                  leaving_.origin_triangles.empty() ? kMaxSmallMeshTriangles
-                                                    : leaving_.origin_triangles[segment],
+                  secondary_segments_.origin_triangles.empty()
+                      ? kMaxSmallMeshTriangles
+                      : secondary_segments_.origin_triangles[segment],
                   segment);
         if (group.count == SegmentLanes::kLanes) {
             decide_all(ray.axis[2]);
@@ -340,7 +341,7 @@ private:
         for (; open != 0; open &= open - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(open));
             const geometry::Triangle& corners = mesh_.triangles[id];
-            const bool touches = geometry::touches(leaving_.segments[group.index[lane]],
+            const bool touches = geometry::touches(secondary_segments_.segments[group.index[lane]],
                                                    mesh_.positions[corners[0]],
                                                    mesh_.positions[corners[1]],
                                                    mesh_.positions[corners[2]]);
@@ -353,7 +354,7 @@ private:
     float reach_;
     const geometry::MeshView& mesh_;
     SmallMesh triangles_;
-    const SecondarySegments& leaving_;
+    const SecondarySegments& secondary_segments_;
     std::span<std::uint8_t> blocked_;
     SegmentLanes groups_[3] = {};
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// The best trees over up to four boxes, compiled once per instruction set. Two thirds of all
-// nodes belong to such trees, and for so few boxes trying everything is faster than bins.
+// Trees of minimal SAH cost over up to four boxes, compiled once per instruction set. Two thirds of
+// all nodes belong to such trees, and for so few boxes an exhaustive search is faster than binning.
 
 #include "earshot/bvh/internal/binned_sah.h"
 #include "earshot/bvh/kernels/box-inl.h"
@@ -16,7 +16,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
-constexpr std::size_t kSmallTree = 4;
+constexpr std::size_t kMaxSmallTreeRefs = 4;
 
 /// Half areas of the sets of up to three of four boxes. Lane i of `pairs` is of boxes i and i + 1,
 /// of `cross` i and i + 2, of `triples` i, i + 1 and i + 2; all counted around the end.
@@ -24,7 +24,7 @@ struct SetAreas {
     Float4 singles, pairs, cross, triples;
 };
 
-HWY_INLINE SetAreas areas_of_sets(const Box boxes[kSmallTree]) {
+HWY_INLINE SetAreas areas_of_sets(const Box boxes[kMaxSmallTreeRefs]) {
     const ThreeAxes lows = transpose(low(boxes[0]), low(boxes[1]), low(boxes[2]), low(boxes[3]));
     const ThreeAxes highs =
         transpose(high(boxes[0]), high(boxes[1]), high(boxes[2]), high(boxes[3]));
@@ -48,13 +48,13 @@ HWY_INLINE SetAreas areas_of_sets(const Box boxes[kSmallTree]) {
     return {area(single), area(pair), area(cross), area(triple)};
 }
 
-/// What the best tree over each set costs, and the sets that had best be leaves, a bit per lane.
+/// The SAH cost of the best tree over each set, and a bit per lane where that tree is a leaf.
 struct SetCosts {
     alignas(16) float singles[4], pairs[4], cross[4], triples[4];
     unsigned pair_leaves, cross_leaves, triple_leaves;
 };
 
-/// The cheaper of a split and a leaf, which wins ties.
+/// The lower of the costs of a split and of a leaf; ties become leaves.
 HWY_INLINE Float4 cheaper(Float4 split, Float4 leaf, bool may_be_leaf, unsigned& leaves) {
     if (!may_be_leaf) {
         leaves = 0;
@@ -91,7 +91,7 @@ HWY_INLINE SetCosts costs_of_sets(const SetAreas& areas, const SplitRule& rule) 
     return costs;
 }
 
-/// Where nodes and the indices of primitives go.
+/// The arrays that nodes and primitive indices are written to.
 struct Output {
     RawNode* nodes;
     std::uint32_t node_count;
@@ -105,14 +105,14 @@ struct Output {
 };
 
 /// Writes the best tree over two to four references.
-class SmallTree {
+class OptimalSmallTree {
 public:
-    HWY_INLINE SmallTree(const PrimRef* refs,
-                         std::uint32_t count,
-                         const SplitRule& rule,
-                         Output& output)
+    HWY_INLINE OptimalSmallTree(const PrimRef* refs,
+                                std::uint32_t count,
+                                const SplitRule& rule,
+                                Output& output)
         : refs_(refs), count_(count), rule_(rule), output_(output) {
-        for (std::uint32_t i = 0; i < kSmallTree; ++i) {
+        for (std::uint32_t i = 0; i < kMaxSmallTreeRefs; ++i) {
             boxes_[i] = load_box(refs[i < count ? i : count - 1]);
         }
         costs_ = costs_of_sets(areas_of_sets(boxes_), rule);
@@ -143,7 +143,7 @@ private:
     }
 
     void write_pair(std::uint32_t node, unsigned a, unsigned b, bool is_leaf) {
-        const Box box = join(boxes_[a], boxes_[b]);
+        const Box box = merge(boxes_[a], boxes_[b]);
         if (is_leaf) {
             write_leaf(node, box, {a, b});
             return;
@@ -157,7 +157,7 @@ private:
     /// Of boxes i, i + 1 and i + 2, around the end.
     void write_triple(std::uint32_t node, unsigned i) {
         const unsigned j = (i + 1) % 4, k = (i + 2) % 4;
-        const Box box = join(join(boxes_[i], boxes_[j]), boxes_[k]);
+        const Box box = merge(merge(boxes_[i], boxes_[j]), boxes_[k]);
         if ((costs_.triple_leaves >> i & 1U) != 0) {
             write_leaf(node, box, {i, j, k});
             return;
@@ -181,10 +181,11 @@ private:
 
     void write_all(std::uint32_t node, Box box) {
         const float* const one = costs_.singles;
-        const float halvings[3] = {costs_.pairs[0] + costs_.pairs[2],
-                                   costs_.pairs[1] + costs_.pairs[3],
-                                   costs_.cross[0] + costs_.cross[1]};
-        unsigned choice = 0;  // a box that stands alone, or 4 and the number of a halving
+        const float pair_splits[3] = {costs_.pairs[0] + costs_.pairs[2],
+                                      costs_.pairs[1] + costs_.pairs[3],
+                                      costs_.cross[0] + costs_.cross[1]};
+        unsigned choice =
+            0;  // below 4: the box that is a child alone; from 4: a split into two pairs
         float best = one[0] + costs_.triples[1];
         for (unsigned i = 1; i < 4; ++i) {
             const float cost = one[i] + costs_.triples[(i + 1) % 4];
@@ -192,8 +193,8 @@ private:
             best = cost < best ? cost : best;
         }
         for (unsigned i = 0; i < 3; ++i) {
-            choice = halvings[i] < best ? 4 + i : choice;
-            best = halvings[i] < best ? halvings[i] : best;
+            choice = pair_splits[i] < best ? 4 + i : choice;
+            best = pair_splits[i] < best ? pair_splits[i] : best;
         }
         const float area = half_area(box);
         if (rule_.max_leaf_size >= 4 && !(rule_.traversal_cost * area + best < 4.0F * area)) {
@@ -219,7 +220,7 @@ private:
     std::uint32_t count_;
     const SplitRule& rule_;
     Output& output_;
-    Box boxes_[kSmallTree];
+    Box boxes_[kMaxSmallTreeRefs];
     SetCosts costs_;
 };
 
