@@ -7,7 +7,7 @@ namespace earshot::collision {
 
 void BvttFront::restart_at_root(const bvh::Tree& tree,
                                 const std::function<bool(const BvttNode&)>& is_culled) {
-    // Far more sub-fronts than there are threads, so that the load is balanced.
+    // There are far more sub-fronts than threads, so that the load is balanced.
     constexpr std::size_t kMinSubfronts = 1024;
     age_ = 0;
     subfronts_.clear();
@@ -16,8 +16,8 @@ void BvttFront::restart_at_root(const bvh::Tree& tree,
     }
     std::vector<BvttNode> culled;
     std::vector<BvttNode> level{{0, 0}};
-    for (bool grows = true; grows && level.size() < kMinSubfronts;) {
-        grows = false;
+    for (bool has_inner = true; has_inner && level.size() < kMinSubfronts;) {
+        has_inner = false;
         std::vector<BvttNode> next;
         for (const BvttNode& node : level) {
             if (tree.nodes()[node.first].is_leaf() && tree.nodes()[node.second].is_leaf()) {
@@ -26,7 +26,7 @@ void BvttFront::restart_at_root(const bvh::Tree& tree,
                 culled.push_back(node);
             } else {
                 expand(tree, node, next);
-                grows = true;
+                has_inner = true;
             }
         }
         level = std::move(next);
@@ -37,23 +37,23 @@ void BvttFront::restart_at_root(const bvh::Tree& tree,
     subfronts_.push_back(std::move(culled));
 }
 
-void expand(const bvh::Tree& tree, BvttNode node, std::vector<BvttNode>& into) {
+void expand(const bvh::Tree& tree, BvttNode node, std::vector<BvttNode>& children) {
     const auto [a, b] = node;
     const bvh::Node& left = tree.nodes()[a];
     const bvh::Node& right = tree.nodes()[b];
     if (a == b) {
-        into.emplace_back(left.first, left.first);
-        into.emplace_back(left.first + 1, left.first + 1);
-        into.emplace_back(left.first, left.first + 1);
+        children.emplace_back(left.first, left.first);
+        children.emplace_back(left.first + 1, left.first + 1);
+        children.emplace_back(left.first, left.first + 1);
         return;
     }
     // The larger node is expanded, so that both boxes stay of similar size.
-    const bool expands_left =
+    const bool expand_left =
         right.is_leaf() || (!left.is_leaf() && left.box.half_area() >= right.box.half_area());
-    const std::uint32_t child = expands_left ? left.first : right.first;
-    const std::uint32_t other = expands_left ? b : a;
-    into.emplace_back(child, other);
-    into.emplace_back(child + 1, other);
+    const std::uint32_t child = expand_left ? left.first : right.first;
+    const std::uint32_t other = expand_left ? b : a;
+    children.emplace_back(child, other);
+    children.emplace_back(child + 1, other);
 }
 
 }  // namespace earshot::collision

@@ -15,8 +15,8 @@ using geometry::Vec3;
 
 namespace {
 
-// Half an ulp of 1, and a little more for the rounding of the bounds themselves.
-constexpr double kRounding = 0x1.01p-53;
+// The unit roundoff of double, increased a little to cover the rounding of the bounds themselves.
+constexpr double kUnitRoundoff = 0x1.01p-53;
 
 /// A polynomial in Bernstein form over an interval of time; each coefficient is within `error` of
 /// the true one.
@@ -37,7 +37,8 @@ private:
     int sign_of(double value) const { return value > error ? 1 : value < -error ? -1 : 0; }
 };
 
-/// Subdivision by de Casteljau's algorithm: a mean is rounded once, over at most kSize - 1 levels.
+/// Subdivides at the middle by de Casteljau's algorithm. A coefficient is the result of at most
+/// kSize - 1 means, each rounded once.
 template <std::size_t kSize>
 void subdivide(const BernsteinForm<kSize>& whole,
                BernsteinForm<kSize>& lower,
@@ -56,7 +57,7 @@ void subdivide(const BernsteinForm<kSize>& whole,
         lower.coefficients[level] = row[0];
         upper.coefficients[kSize - 1 - level] = row[kSize - 1 - level];
     }
-    lower.error = upper.error = whole.error + static_cast<double>(kSize) * kRounding * largest;
+    lower.error = upper.error = whole.error + static_cast<double>(kSize) * kUnitRoundoff * largest;
 }
 
 double magnitude(const Vec3& begin, const Vec3& end) {
@@ -70,11 +71,11 @@ double cross(const Vec3& a, const Vec3& b, int axis) {
     return a[i] * b[k] - a[k] * b[i];
 }
 
-/// A moving edge vector: the difference of two points at both ends of the step, each component
-/// rounded once.
+/// A moving edge vector: the difference of two points at both ends of the step, each
+/// component rounded once.
 struct MovingEdge {
     Vec3 begin, end;
-    double max_component;
+    double max_component;  // largest absolute value
 
     MovingEdge(const MovingPoints& points, std::size_t from, std::size_t to)
         : begin(points.begin[to] - points.begin[from]),
@@ -82,20 +83,22 @@ struct MovingEdge {
           max_component(magnitude(begin, end)) {}
 };
 
-/// Component `axis` of the cross product. Two products of factors that are rounded once each, and
-/// then at most four sums: within 16 roundings of the largest product.
+/// Component `axis` of the cross product. It is computed from two products, whose factors are
+/// rounded once each, and at most four sums, so its error is at most 16 unit roundoffs of the
+/// largest product.
 BernsteinForm<3> cross(const MovingEdge& a, const MovingEdge& b, int axis) {
     return {{cross(a.begin, b.begin, axis),
              0.5 * (cross(a.begin, b.end, axis) + cross(a.end, b.begin, axis)),
              cross(a.end, b.end, axis)},
-            16.0 * kRounding * (a.max_component * b.max_component)};
+            16.0 * kUnitRoundoff * (a.max_component * b.max_component)};
 }
 
 double determinant(const Vec3& a, const Vec3& b, const Vec3& c) {
     return glm::dot(glm::cross(a, b), c);
 }
 
-/// Six products of three such factors: within 64 roundings of the largest.
+/// The determinant is a sum of six products of three such factors, so its error is at most 64 unit
+/// roundoffs of the largest product.
 BernsteinForm<4> determinant(const MovingEdge& a, const MovingEdge& b, const MovingEdge& c) {
     constexpr double kThird = 1.0 / 3.0;
     return {{determinant(a.begin, b.begin, c.begin),
@@ -104,7 +107,7 @@ BernsteinForm<4> determinant(const MovingEdge& a, const MovingEdge& b, const Mov
              kThird * (determinant(a.begin, b.end, c.end) + determinant(a.end, b.begin, c.end) +
                        determinant(a.end, b.end, c.begin)),
              determinant(a.end, b.end, c.end)},
-            64.0 * kRounding * (a.max_component * b.max_component * c.max_component)};
+            64.0 * kUnitRoundoff * (a.max_component * b.max_component * c.max_component)};
 }
 
 BernsteinForm<3> difference(const BernsteinForm<3>& a, const BernsteinForm<3>& b) {
@@ -114,42 +117,43 @@ BernsteinForm<3> difference(const BernsteinForm<3>& a, const BernsteinForm<3>& b
         result.coefficients[i] = a.coefficients[i] - b.coefficients[i];
         largest = std::max(largest, std::abs(result.coefficients[i]));
     }
-    result.error = a.error + b.error + kRounding * largest;
+    result.error = a.error + b.error + kUnitRoundoff * largest;
     return result;
 }
 
-/// The polynomials of a query over an interval of time. There is a contact where the volume of the
-/// tetrahedron of the four points is 0 and every inside condition is 0 or has the sign of the area.
+/// The polynomials of a query over an interval of time. There is a contact at a time at which the
+/// volume of the tetrahedron of the four points is 0 and every inside condition is 0 or has the
+/// sign of the area.
 struct TimeInterval {
     BernsteinForm<4> volume;
     BernsteinForm<3> area;
-    std::array<BernsteinForm<3>, 4> conditions;
+    std::array<BernsteinForm<3>, 4> inside_conditions;
     double begin = 0.0, width = 1.0;
 };
 
-enum class Verdict { none, contact, unknown };
+enum class Decision { no_contact, contact, unknown };
 
-struct Answer {
-    Verdict verdict = Verdict::none;
+struct QueryResult {
+    Decision decision = Decision::no_contact;
     double time = 0.0;
 };
 
-bool violates_condition(const TimeInterval& interval, int area) {
+bool violates_inside_condition(const TimeInterval& interval, int area) {
     return area != 0 &&
-           std::any_of(interval.conditions.begin(),
-                       interval.conditions.end(),
+           std::any_of(interval.inside_conditions.begin(),
+                       interval.inside_conditions.end(),
                        [&](const auto& condition) { return condition.sign() == -area; });
 }
 
 bool is_certain_contact(const TimeInterval& interval, int area) {
     return area != 0 && interval.volume.sign_at_begin() * interval.volume.sign_at_end() < 0 &&
-           std::all_of(interval.conditions.begin(),
-                       interval.conditions.end(),
+           std::all_of(interval.inside_conditions.begin(),
+                       interval.inside_conditions.end(),
                        [&](const auto& condition) { return condition.sign() == area; });
 }
 
-/// The polynomial over [0, parameter] of the interval. Each step of de Casteljau's algorithm rounds
-/// three times.
+/// The polynomial over the part [0, parameter] of its interval. Each step of de Casteljau's
+/// algorithm rounds three times.
 BernsteinForm<4> restricted_to(const BernsteinForm<4>& whole, double parameter) {
     BernsteinForm<4> restricted;
     std::array<double, 4> row = whole.coefficients;
@@ -164,24 +168,25 @@ BernsteinForm<4> restricted_to(const BernsteinForm<4>& whole, double parameter) 
         }
         restricted.coefficients[level] = row[0];
     }
-    restricted.error = whole.error + 24.0 * kRounding * largest;
+    restricted.error = whole.error + 24.0 * kUnitRoundoff * largest;
     return restricted;
 }
 
-/// The largest parameter in [0, 1] for which `holds` was found true by bisection; it is true at 0.
+/// The largest parameter in [0, 1] for which bisection finds the predicate `holds` to be true.
+/// Precondition: it is true at 0.
 template <class Holds>
 double largest_parameter(const Holds& holds) {
     double low = 0.0, high = 1.0;
     constexpr double kWidth = 0x1p-48;
     while (high - low > kWidth) {
-        const double middle = 0.5 * (low + high);
-        (holds(middle) ? low : high) = middle;
+        const double midpoint = 0.5 * (low + high);
+        (holds(midpoint) ? low : high) = midpoint;
     }
     return low;
 }
 
-/// A lower bound of a simple root, by Newton's method, if the signs on both sides of it are
-/// certain; nothing if they are not.
+/// A lower bound of a simple root by Newton's method. Returns nothing if the signs of the
+/// polynomial below and above the root are not certain.
 std::optional<double> newton_root(const BernsteinForm<4>& volume, double max_error) {
     const auto& b = volume.coefficients;
     const std::array<double, 3> slopes{
@@ -189,29 +194,32 @@ std::optional<double> newton_root(const BernsteinForm<4>& volume, double max_err
     double root = b[0] / (b[0] - b[3]);
     double slope = 0.0;
     for (int step = 0; step < 6; ++step) {
-        const double rest = 1.0 - root;
-        const double value = rest * rest * (rest * b[0] + 3.0 * root * b[1]) +
-                             root * root * (3.0 * rest * b[2] + root * b[3]);
-        slope = rest * (rest * slopes[0] + 2.0 * root * slopes[1]) + root * root * slopes[2];
+        const double complement = 1.0 - root;
+        const double value = complement * complement * (complement * b[0] + 3.0 * root * b[1]) +
+                             root * root * (3.0 * complement * b[2] + root * b[3]);
+        slope = complement * (complement * slopes[0] + 2.0 * root * slopes[1]) +
+                root * root * slopes[2];
         root = std::clamp(root - value / slope, 0.0, 1.0);
     }
     const double error = std::min(max_error, 4.0 * volume.error / std::abs(slope) + 0x1p-46);
-    const double without = root - error;
-    const double until = root + error;
+    const double lower_bound = root - error;
+    const double upper_bound = root + error;
     const int sign = volume.sign_at_begin();
-    // Comparisons that are false for what is not a number.
-    if (without >= 0.0 && until <= 1.0 && restricted_to(volume, without).sign() == sign &&
-        restricted_to(volume, until).sign_at_end() == -sign) {
-        return without;
+    // These comparisons are false for NaN.
+    if (lower_bound >= 0.0 && upper_bound <= 1.0 &&
+        restricted_to(volume, lower_bound).sign() == sign &&
+        restricted_to(volume, upper_bound).sign_at_end() == -sign) {
+        return lower_bound;
     }
     return std::nullopt;
 }
 
-/// A lower bound of the first root, by 2^-40 at most too early. Nothing if rounding hides
-/// the root. Precondition: signs at the ends are certain and differ.
+/// A lower bound of the first root, at most 2^-40 below it. Returns nothing if the rounding error
+/// is too large to locate the root so closely. Precondition: the signs at both ends are certain and
+/// differ.
 std::optional<double> first_root_of(BernsteinForm<4> volume, double begin, double width) {
     constexpr double kTolerance = 0x1p-40;
-    // A few subdivisions, until the sign in the middle is not certain.
+    // Subdivide a few times, at most until the sign in the middle is not certain.
     constexpr int kMaxSubdivisions = 4;
     for (int i = 0; i < kMaxSubdivisions; ++i) {
         BernsteinForm<4> lower, upper;
@@ -226,22 +234,23 @@ std::optional<double> first_root_of(BernsteinForm<4> volume, double begin, doubl
         }
         width *= 0.5;
     }
-    if (const auto without = newton_root(volume, 0.5 * kTolerance / width)) {
-        return std::max(begin, begin + *without * width - 0x1p-52);
+    if (const auto lower_bound = newton_root(volume, 0.5 * kTolerance / width)) {
+        return std::max(begin, begin + *lower_bound * width - 0x1p-52);
     }
     const int sign = volume.sign_at_begin();
-    const double without = largest_parameter(
+    const double lower_bound = largest_parameter(
         [&](double parameter) { return restricted_to(volume, parameter).sign() == sign; });
-    const double until = largest_parameter(
+    const double upper_bound = largest_parameter(
         [&](double parameter) { return restricted_to(volume, parameter).sign_at_end() != -sign; });
-    if ((until - without) * width > kTolerance) {
+    if ((upper_bound - lower_bound) * width > kTolerance) {
         return std::nullopt;
     }
-    // The sum is rounded.
-    return std::max(begin, begin + without * width - 0x1p-52);
+    // The subtracted 2^-52 covers the rounding of the sum.
+    return std::max(begin, begin + lower_bound * width - 0x1p-52);
 }
 
-Answer decide(const TimeInterval& whole) {
+/// Decides a query by recursive subdivision of time, earlier intervals first.
+QueryResult decide_by_subdivision(const TimeInterval& whole) {
     constexpr int kMaxIntervals = 48;
     constexpr std::size_t kMaxStackSize = 16;
     std::array<TimeInterval, kMaxStackSize> stack;
@@ -253,34 +262,37 @@ Answer decide(const TimeInterval& whole) {
             continue;
         }
         const int area = interval.area.sign();
-        if (violates_condition(interval, area)) {
+        if (violates_inside_condition(interval, area)) {
             continue;
         }
         if (is_certain_contact(interval, area)) {
             const auto time = first_root_of(interval.volume, interval.begin, interval.width);
-            return time ? Answer{Verdict::contact, *time} : Answer{Verdict::unknown};
+            return time ? QueryResult{Decision::contact, *time} : QueryResult{Decision::unknown};
         }
         if (count + 2 > kMaxStackSize) {
-            return {Verdict::unknown};
+            return {Decision::unknown};
         }
         TimeInterval& upper = stack[count];
         TimeInterval& lower = stack[count + 1];
         subdivide(interval.volume, lower.volume, upper.volume);
         subdivide(interval.area, lower.area, upper.area);
-        for (std::size_t i = 0; i < interval.conditions.size(); ++i) {
-            subdivide(interval.conditions[i], lower.conditions[i], upper.conditions[i]);
+        for (std::size_t i = 0; i < interval.inside_conditions.size(); ++i) {
+            subdivide(interval.inside_conditions[i],
+                      lower.inside_conditions[i],
+                      upper.inside_conditions[i]);
         }
         lower.width = upper.width = 0.5 * interval.width;
         lower.begin = interval.begin;
         upper.begin = interval.begin + lower.width;
         count += 2;
     }
-    return {count == 0 ? Verdict::none : Verdict::unknown};
+    return {count == 0 ? Decision::no_contact : Decision::unknown};
 }
 
-/// The error bounds hold if products of three components neither underflow nor overflow.
-bool is_in_range(double volume) {
-    return volume > 1e-200 && volume < 1e200;
+/// Whether products of three components neither underflow nor overflow, so that the error bounds
+/// hold.
+bool error_bounds_hold(double largest_product) {
+    return largest_product > 1e-200 && largest_product < 1e200;
 }
 
 int largest_axis(const Vec3& v) {
@@ -288,8 +300,9 @@ int largest_axis(const Vec3& v) {
     return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
 
-/// True if at both ends, and so throughout, all of the first `count` points lie on one side of all
-/// others along an axis. No rounding: coordinates are compared.
+/// Whether along a coordinate axis all of the first `count` points lie on one side of all other
+/// points at both ends of the step, and therefore during the whole step. Coordinates are only
+/// compared, so nothing is rounded.
 bool disjoint_along_axes(const MovingPoints& points, std::size_t count) {
     for (int axis = 0; axis < 3; ++axis) {
         const auto side = [&](const std::array<Vec3, 4>& at) {
@@ -313,8 +326,8 @@ bool disjoint_along_axes(const MovingPoints& points, std::size_t count) {
     return false;
 }
 
-/// The same along any direction, with bounded rounding error: a projection is within 8 roundings of
-/// the largest product. Projections are relative to the last point.
+/// As disjoint_along_axes(), along any direction. The error of a projection is at most 8 unit
+/// roundoffs of the largest product. Projections are relative to the last point.
 bool disjoint_along(const MovingPoints& points, std::size_t count, const Vec3& direction) {
     const double length = magnitude(direction, direction);
     int side = 0;
@@ -326,37 +339,37 @@ bool disjoint_along(const MovingPoints& points, std::size_t count, const Vec3& d
             projection[i] = glm::dot(offset, direction);
             largest = std::max(largest, magnitude(offset, offset));
         }
-        // The summand covers products that underflow.
-        const double error = 8.0 * kRounding * (3.0 * largest * length) + 1e-300;
-        const auto split = projection.begin() + static_cast<std::ptrdiff_t>(count);
-        const auto [lower, upper] = std::minmax_element(projection.begin(), split);
-        const auto [other_lower, other_upper] = std::minmax_element(split, projection.end());
-        const int here = *other_lower - *upper > 2.0 * error   ? 1
-                         : *lower - *other_upper > 2.0 * error ? -1
-                                                               : 0;
-        if (here == 0 || here == -side) {
+        // The added constant covers products that underflow.
+        const double error = 8.0 * kUnitRoundoff * (3.0 * largest * length) + 1e-300;
+        const auto second_begin = projection.begin() + static_cast<std::ptrdiff_t>(count);
+        const auto [lower, upper] = std::minmax_element(projection.begin(), second_begin);
+        const auto [other_lower, other_upper] = std::minmax_element(second_begin, projection.end());
+        const int side_here = *other_lower - *upper > 2.0 * error   ? 1
+                              : *lower - *other_upper > 2.0 * error ? -1
+                                                                    : 0;
+        if (side_here == 0 || side_here == -side) {
             return false;
         }
-        side = here;
+        side = side_here;
     }
     return true;
 }
 
-/// The same along directions that separate coplanar features and parallel edges: orthogonal to the
-/// edges and along the offset of the features, half-way through the step.
-bool disjoint_across_edges(const MovingPoints& points, std::size_t count) {
+/// As disjoint_along(), along the directions that separate coplanar features and parallel edges:
+/// the normals of the edges and the offset between the features, in the middle of the step.
+bool disjoint_along_edge_normals(const MovingPoints& points, std::size_t count) {
     std::array<Vec3, 4> x;
     for (std::size_t i = 0; i < 4; ++i) {
         x[i] = 0.5 * (points.begin[i] + points.end[i]);
     }
     const Vec3 offset = x[count] - x[0];
-    const Vec3 one = count == 2 ? x[1] - x[0] : x[2] - x[1];
-    const Vec3 two = x[3] - x[2];
+    const Vec3 first_edge = count == 2 ? x[1] - x[0] : x[2] - x[1];
+    const Vec3 second_edge = x[3] - x[2];
     const std::array<Vec3, 5> directions{
         offset,
-        glm::cross(one, two),
-        glm::cross(glm::cross(one, offset), one),
-        glm::cross(glm::cross(two, offset), two),
+        glm::cross(first_edge, second_edge),
+        glm::cross(glm::cross(first_edge, offset), first_edge),
+        glm::cross(glm::cross(second_edge, offset), second_edge),
         count == 2 ? offset : glm::cross(glm::cross(x[3] - x[1], offset), x[3] - x[1])};
     return std::any_of(directions.begin(), directions.end(), [&](const Vec3& direction) {
         const double length = magnitude(direction, direction);
@@ -365,9 +378,9 @@ bool disjoint_across_edges(const MovingPoints& points, std::size_t count) {
     });
 }
 
-/// The first point against the triangle of the other three.
+/// The query of the first point against the triangle of the other three.
 struct VertexFace {
-    static constexpr std::size_t kFirstPoints = 1;
+    static constexpr std::size_t kFirstCount = 1;
     MovingEdge ab, ac, ap;
 
     explicit VertexFace(const MovingPoints& points)
@@ -376,25 +389,26 @@ struct VertexFace {
     BernsteinForm<4> volume() const { return determinant(ab, ac, ap); }
     double magnitude() const { return ab.max_component * ac.max_component * ap.max_component; }
 
-    /// Projected along the axis where the triangle is largest, the point is inside where its three
-    /// sub-areas have the sign of the area.
-    void set_conditions(TimeInterval& whole) const {
+    /// The points are projected along the axis along which the triangle's area is largest. The
+    /// first point is inside if the areas of the three triangles that it forms with the edges have
+    /// the sign of the triangle's area.
+    void set_inside_conditions(TimeInterval& whole) const {
         const int axis = largest_axis(glm::cross(ab.begin + ab.end, ac.begin + ac.end));
         whole.area = cross(ab, ac, axis);
-        whole.conditions[0] = cross(ab, ap, axis);
-        whole.conditions[1] = cross(ap, ac, axis);
-        whole.conditions[2] =
-            difference(difference(whole.area, whole.conditions[0]), whole.conditions[1]);
-        whole.conditions[3] = whole.conditions[0];
+        whole.inside_conditions[0] = cross(ab, ap, axis);
+        whole.inside_conditions[1] = cross(ap, ac, axis);
+        whole.inside_conditions[2] = difference(difference(whole.area, whole.inside_conditions[0]),
+                                                whole.inside_conditions[1]);
+        whole.inside_conditions[3] = whole.inside_conditions[0];
     }
     static std::optional<double> exact(const IntegerPoints& points) {
         return exact_vertex_face_ccd(points);
     }
 };
 
-/// The segment of the first two points against that of the last two.
+/// The query of the segment of the first two points against the segment of the last two.
 struct EdgeEdge {
-    static constexpr std::size_t kFirstPoints = 2;
+    static constexpr std::size_t kFirstCount = 2;
     MovingEdge ab, cd, ac;
 
     explicit EdgeEdge(const MovingPoints& points)
@@ -404,46 +418,47 @@ struct EdgeEdge {
     double magnitude() const { return ab.max_component * cd.max_component * ac.max_component; }
 
     /// a + u ab = c + v cd: u = ac x cd / ab x cd and v = ac x ab / ab x cd are both in 0 ... 1.
-    void set_conditions(TimeInterval& whole) const {
+    void set_inside_conditions(TimeInterval& whole) const {
         const int axis = largest_axis(glm::cross(ab.begin + ab.end, cd.begin + cd.end));
         whole.area = cross(ab, cd, axis);
-        whole.conditions[0] = cross(ac, cd, axis);
-        whole.conditions[1] = difference(whole.area, whole.conditions[0]);
-        whole.conditions[2] = cross(ac, ab, axis);
-        whole.conditions[3] = difference(whole.area, whole.conditions[2]);
+        whole.inside_conditions[0] = cross(ac, cd, axis);
+        whole.inside_conditions[1] = difference(whole.area, whole.inside_conditions[0]);
+        whole.inside_conditions[2] = cross(ac, ab, axis);
+        whole.inside_conditions[3] = difference(whole.area, whole.inside_conditions[2]);
     }
     static std::optional<double> exact(const IntegerPoints& points) {
         return exact_edge_edge_ccd(points);
     }
 };
 
-/// The stages of docs/algorithms/collision.md: each decides what it can prove.
+/// The stages of docs/algorithms/collision.md: each decides the queries that it can prove, and
+/// passes the others on.
 template <class Features>
 std::optional<double> ccd(const MovingPoints& points) {
-    // 1. Axes.
-    if (disjoint_along_axes(points, Features::kFirstPoints)) {
+    // 1. Separating coordinate axes.
+    if (disjoint_along_axes(points, Features::kFirstCount)) {
         return std::nullopt;
     }
     const Features features(points);
     TimeInterval whole;
     whole.volume = features.volume();
-    if (is_in_range(features.magnitude())) {
-        // 2. Volume.
+    if (error_bounds_hold(features.magnitude())) {
+        // 2. The sign of the volume.
         if (whole.volume.sign() != 0) {
             return std::nullopt;
         }
         // 3. Subdivision of time.
-        features.set_conditions(whole);
-        const Answer answer = decide(whole);
-        if (answer.verdict != Verdict::unknown) {
-            return answer.verdict == Verdict::contact ? std::optional(answer.time) : std::nullopt;
+        features.set_inside_conditions(whole);
+        const QueryResult result = decide_by_subdivision(whole);
+        if (result.decision != Decision::unknown) {
+            return result.decision == Decision::contact ? std::optional(result.time) : std::nullopt;
         }
     }
-    // 4. Directions that separate coplanar features.
-    if (disjoint_across_edges(points, Features::kFirstPoints)) {
+    // 4. Separating directions of coplanar features.
+    if (disjoint_along_edge_normals(points, Features::kFirstCount)) {
         return std::nullopt;
     }
-    // 5. Arbitrary-precision integers.
+    // 5. Exact decision in arbitrary-precision integers.
     return Features::exact(integers_of(points));
 }
 

@@ -16,12 +16,12 @@ struct MovingPoints {
 };
 
 /// Continuous collision detection of a vertex and a face: the time of impact of the first point and
-/// the closed triangle of the other three; nothing if there is no contact. Whether there is one is
-/// decided exactly; the time is never later than the true one, and earlier by 2^-40 at most (2^-50
-/// if the decision needed exact arithmetic). Triangles may degenerate to segments or points at any
-/// time. Signs of Bernstein coefficients and subdivision with proven error bounds decide nearly all
-/// queries (Tang et al. 2014; Wang et al. 2021 for the problem), arbitrary-precision integers the
-/// rest: see docs/algorithms/collision.md.
+/// the closed triangle of the other three, or nothing if there is no contact. Whether there is a
+/// contact is decided exactly. The time is never later than the true time of impact, and earlier by
+/// at most 2^-40 (2^-50 if the decision needed exact arithmetic). Triangles may degenerate to
+/// segments or points at any time. Signs of Bernstein coefficients and subdivision with proven
+/// error bounds decide nearly all queries (Tang et al. 2014; Wang et al. 2021 for the problem), and
+/// arbitrary-precision integers decide the rest: see docs/algorithms/collision.md.
 std::optional<double> vertex_face_ccd(const MovingPoints& points);
 
 /// The same for two edges: the closed segments of the first two points and of the last two.

@@ -35,19 +35,20 @@ using BvttNode = std::pair<std::uint32_t, std::uint32_t>;
 ///                       +- (2,3)       *
 ///                       +- (2,4)       *
 ///
-/// The nodes with a star are the front: (1,C) was culled, the others are pairs of leaves. When the
-/// meshes move a little, most of it stays valid. Where boxes overlap that did not, the front
-/// sprouts downwards: (1,C) is replaced by (1,3) and (1,4). It never moves up, so it is rebuilt
-/// from the root now and then.
+/// The nodes with a star are the front: (1,C) is culled, the others are pairs of leaves. When the
+/// meshes move a little, most of it stays valid. Where boxes of a culled node come to overlap, the
+/// front sprouts downwards: (1,C) is replaced by (1,3) and (1,4). The front never moves up, so it
+/// is rebuilt from the root every few steps.
 ///
-/// It is kept in sub-fronts, which are the tasks of a parallel traversal.
+/// The front is stored in sub-fronts, which are the tasks of a parallel traversal.
 class BvttFront {
 public:
-    /// The next traversal begins at the root: for a new tree.
+    /// Discards the front, so that the next traversal begins at the root. To be called after the
+    /// tree was replaced.
     void reset() { subfronts_.clear(); }
 
     /// To be called before each traversal: rebuilds the front from the root every kMaxAge steps, or
-    /// at once if it is not to be tracked.
+    /// at every step if `track` is false.
     template <class Traversal>
     void prepare(const bvh::Tree& tree, bool track, Traversal& traversal) {
         if (!track || subfronts_.empty() || ++age_ == kMaxAge) {
@@ -61,7 +62,7 @@ public:
 private:
     static constexpr int kMaxAge = 8;
 
-    /// Expands the root of the BVTT, but for culled nodes, until there are enough sub-fronts.
+    /// Expands the BVTT from its root, except for culled nodes, until there are enough sub-fronts.
     void restart_at_root(const bvh::Tree& tree,
                          const std::function<bool(const BvttNode&)>& is_culled);
 
@@ -70,12 +71,12 @@ private:
 };
 
 /// Appends the children of a BVTT node. Precondition: not a pair of leaves.
-void expand(const bvh::Tree& tree, BvttNode node, std::vector<BvttNode>& into);
+void expand(const bvh::Tree& tree, BvttNode node, std::vector<BvttNode>& children);
 
 /// Traverses one sub-front of a BVH against itself. `Tester` has
-///   bool accepts(mesh, mesh)          whether contacts of two meshes are asked for,
+///   bool accepts(mesh, mesh)          whether contacts of two meshes are requested,
 ///   bool is_contact_free(node)        whether no two triangles below a node are in contact,
-///   bool disjoint_leaves(node, node)  whether nothing of two leaves is in contact,
+///   bool disjoint_leaves(node, node)  whether no triangles of two leaves are in contact,
 ///   void test(slot, slot)             called for every pair of slots whose boxes overlap, once
 ///                                     per pair and traversal of the whole front.
 template <class Tester>
@@ -84,7 +85,7 @@ public:
     SelfTraversal(const SweptBvh& swept_bvh, Tester& tester)
         : swept_bvh_(swept_bvh), nodes_(swept_bvh.tree().nodes()), tester_(tester) {}
 
-    /// Whether no contact that is asked for can lie below a BVTT node.
+    /// Whether no requested contact can lie below a BVTT node.
     bool is_culled(const BvttNode& node) {
         const auto [a, b] = node;
         ++box_tests_;
@@ -112,7 +113,7 @@ public:
             while (!stack.empty()) {
                 const BvttNode node = stack.back();
                 stack.pop_back();
-                if (stops_at(node)) {
+                if (visit(node)) {
                     subfront.push_back(node);
                 } else {
                     expand(swept_bvh_.tree(), node, stack);
@@ -125,7 +126,8 @@ public:
     std::uint64_t box_tests() const noexcept { return box_tests_; }
 
 private:
-    bool stops_at(const BvttNode& node) {
+    /// Whether the traversal stops at a node. The pairs of slots of a pair of leaves are tested.
+    bool visit(const BvttNode& node) {
         if (is_culled(node)) {
             return true;
         }
