@@ -15,30 +15,32 @@ using geometry::Vec3;
 
 namespace {
 
-/// Whether a facet may be the last reflection of sound in a frustum on its way to a listener: a
-/// superset of the true ones, decided by the reflection point, which must lie in the facet's box
-/// and in the frustum; obstacles are left to the verification. `position_error`: metres, at least
-/// the rounding that PathVerifier allows for.
+/// Whether a facet may be the last reflection of sound in a frustum on its way to a listener. The
+/// test is conservative: the reflection point must lie in the facet's box and in the frustum.
+/// Obstacles are ignored, because PathVerifier tests for them. `position_error`: metres, at least
+/// the rounding error that PathVerifier allows for.
 bool may_be_last_reflection(const FacetIndex& index,
                             const Frustum& frustum,
                             FacetId facet,
                             const Vec3& listener,
                             double position_error) noexcept {
     const Plane& plane = index.plane(facet);
-    const double from = plane.distance(frustum.apex);
-    const double to = plane.distance(listener);
-    // Verification refuses an apex in the plane, and takes a listener up to its slack behind it.
-    if (std::abs(from) <= kRounding * index.extent() ||
-        (from > 0.0 ? to < -position_error : to > position_error)) {
+    const double apex_height = plane.distance(frustum.apex);
+    const double listener_height = plane.distance(listener);
+    // PathVerifier rejects an apex in the plane, and accepts a listener that lies behind the plane
+    // by at most its slack.
+    if (std::abs(apex_height) <= kRounding * index.extent() ||
+        (apex_height > 0.0 ? listener_height < -position_error
+                           : listener_height > position_error)) {
         return false;
     }
-    // Where the line from the apex to the mirrored listener meets the plane. If it grazes the plane
-    // at both ends, the point is known only as well as the heights are.
-    const double heights = std::abs(from) + std::abs(to);
-    const Vec3 point =
-        frustum.apex + (std::abs(from) / heights) * (plane.mirror(listener) - frustum.apex);
-    const double span = glm::distance(frustum.apex, listener) + heights;
-    const double slack = position_error * (4.0 + 4.0 * span / heights);
+    // The reflection point is where the line from the apex to the mirrored listener intersects the
+    // plane. If both heights are small, their errors dominate the error of the point.
+    const double height_sum = std::abs(apex_height) + std::abs(listener_height);
+    const Vec3 point = frustum.apex + (std::abs(apex_height) / height_sum) *
+                                          (plane.mirror(listener) - frustum.apex);
+    const double path_length = glm::distance(frustum.apex, listener) + height_sum;
+    const double slack = position_error * (4.0 + 4.0 * path_length / height_sum);
     const geometry::Aabb& box = index.box(facet);
     for (int k = 0; k < 3; ++k) {
         const auto axis = static_cast<std::size_t>(k);
@@ -91,14 +93,14 @@ void CandidateGenerator::generate_direct() {
     }
 }
 
-// The distance from the image source is the path's length to the last bit.
+// The distance from the image source equals the length of the verified path, bit for bit.
 void CandidateGenerator::verify_candidate(std::size_t listener) {
-    const Vec3& to = listeners_.positions[listener];
-    if (!within_limits(glm::distance(images_.back(), to))) {
+    const Vec3& position = listeners_.positions[listener];
+    if (!within_limits(glm::distance(images_.back(), position))) {
         return;
     }
     ++result_.statistics.candidates;
-    auto path = verifier_.verify(sequence_, images_, to);
+    auto path = verifier_.verify(sequence_, images_, position);
     if (path && path->triangles.size() <= static_cast<std::size_t>(options_.max_order)) {
         path->listener = listener;
         result_.paths.push_back(std::move(*path));
@@ -118,25 +120,25 @@ bool CandidateGenerator::within_limits(double length) const noexcept {
 void CandidateGenerator::generate_from(const VisibleFacets& search,
                                        std::span<const VisibleFacet> visible_facets) {
     if (listeners_.beams == nullptr) {
-        find_listeners_in_frusta(search, visible_facets);
+        verify_listeners_in_frusta(search, visible_facets);
         return;
     }
     aperture_test_ = search.aperture_test();
     const auto next_order = static_cast<int>(order()) + 1;
     for (const VisibleFacet& visible : visible_facets) {
-        join_last_reflections(search, visible);
+        connect_last_reflections(search, visible);
         if (next_order + 1 == options_.max_order) {
-            join_last_two_reflections(search, visible);
-            join_grazing_facets(search, visible);
+            connect_last_two_reflections(search, visible);
+            connect_grazing_facets(search, visible);
         }
     }
 }
 
-template <typename Item, typename Join>
+template <typename Item, typename Visit>
 void CandidateGenerator::for_each_in_aperture(const VisibleFacets& search,
                                               const VisibleFacet& visible,
                                               const PointsByFacet<Item>& stored,
-                                              Join&& join) {
+                                              Visit&& visit) {
     const auto blocks = stored.blocks(visible.facet);
     if (blocks.empty()) {
         return;
@@ -145,24 +147,25 @@ void CandidateGenerator::for_each_in_aperture(const VisibleFacets& search,
         aperture_test_.lower[k] = visible.aperture.lower[k];
         aperture_test_.upper[k] = visible.aperture.upper[k];
     }
-    inside_.resize(blocks.size());
-    find_points_inside(aperture_test_, blocks, inside_);
+    inside_masks_.resize(blocks.size());
+    find_points_inside(aperture_test_, blocks, inside_masks_);
     const auto items = stored.items(visible.facet);
     for (std::size_t block = 0; block < blocks.size(); ++block) {
-        for (std::uint32_t bits = inside_[block]; bits != 0; bits &= bits - 1) {
+        for (std::uint32_t bits = inside_masks_[block]; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
             const auto& coordinate = blocks[block].coordinate;
             const Vec3 point = {coordinate[0][lane], coordinate[1][lane], coordinate[2][lane]};
             if (search.may_pass(visible, point)) {
-                join(items[PointBlock::kWidth * block + lane]);
+                visit(items[PointBlock::kWidth * block + lane]);
             }
         }
     }
 }
 
-// The visible facet reflects last: sound goes from it straight to a listener to whom it is visible.
-void CandidateGenerator::join_last_reflections(const VisibleFacets& search,
-                                               const VisibleFacet& visible) {
+// The visible facet is the last reflection: sound travels from it directly to a listener that it is
+// visible from.
+void CandidateGenerator::connect_last_reflections(const VisibleFacets& search,
+                                                  const VisibleFacet& visible) {
     for_each_in_aperture(
         search, visible, listeners_.beams->last_reflections(), [&](const LastReflection& last) {
             if (search.may_reflect_to(visible, listeners_.positions[last.listener])) {
@@ -173,9 +176,10 @@ void CandidateGenerator::join_last_reflections(const VisibleFacets& search,
         });
 }
 
-// The visible facet reflects last but one: it is visible in a facet that is visible to a listener.
-void CandidateGenerator::join_last_two_reflections(const VisibleFacets& search,
-                                                   const VisibleFacet& visible) {
+// The visible facet is the last but one reflection: it is visible in the mirror image of a listener
+// in the last facet.
+void CandidateGenerator::connect_last_two_reflections(const VisibleFacets& search,
+                                                      const VisibleFacet& visible) {
     const ListenerBeams& beams = *listeners_.beams;
     for_each_in_aperture(
         search, visible, beams.last_two_reflections(), [&](const LastTwoReflections& reflections) {
@@ -189,9 +193,10 @@ void CandidateGenerator::join_last_two_reflections(const VisibleFacets& search,
         });
 }
 
-// The visible facet reflects last but one, and the last has the listener in its plane.
-void CandidateGenerator::join_grazing_facets(const VisibleFacets& search,
-                                             const VisibleFacet& visible) {
+// The visible facet is the last but one reflection, and the plane of the last facet contains the
+// listener.
+void CandidateGenerator::connect_grazing_facets(const VisibleFacets& search,
+                                                const VisibleFacet& visible) {
     const auto grazing_facets = listeners_.beams->grazing_facets();
     if (grazing_facets.empty()) {
         return;
@@ -214,10 +219,10 @@ void CandidateGenerator::join_grazing_facets(const VisibleFacets& search,
     }
 }
 
-// Forward-only tracing: listeners in the frustum itself and, at the last order that is traced, in
-// the frusta that its visible facets would reflect.
-void CandidateGenerator::find_listeners_in_frusta(const VisibleFacets& search,
-                                                  std::span<const VisibleFacet> visible_facets) {
+// Forward-only tracing: verifies the candidates for listeners in the frustum itself and, at the
+// last order that is traced, for those in the frusta that its visible facets reflect.
+void CandidateGenerator::verify_listeners_in_frusta(const VisibleFacets& search,
+                                                    std::span<const VisibleFacet> visible_facets) {
     const Frustum& frustum = search.frustum();
     const double position_error =
         4.0 * kRounding * (index_.extent() + max_radius_ + glm::length(frustum.apex));

@@ -37,7 +37,7 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
                                                     CoverageRaster& raster,
                                                     FacetId facet,
                                                     double position_error,
-                                                    bool only_samples,
+                                                    bool centres_only,
                                                     Projected& out) {
     const auto loops = index_.loops(facet);
     const std::uint32_t begin = loops.front().begin;
@@ -46,7 +46,7 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
         frustum.starts_at_facet
             ? position_error / std::abs(index_.plane(frustum.facet).distance(frustum.apex))
             : 0.0;
-    const double min_z = std::max(frustum.min_depth, 2.0 * kSpread * position_error);
+    const double min_z = std::max(frustum.min_depth, 2.0 * kProjectionErrorFactor * position_error);
     glm::dvec2 lower(std::numeric_limits<double>::infinity());
     glm::dvec2 upper(-std::numeric_limits<double>::infinity());
     double min_depth = std::numeric_limits<double>::infinity();
@@ -69,11 +69,11 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
     }
     const glm::dvec2 cell = raster.cell_size();
     const double slack =
-        kCellSlack + kSpread * position_error / min_depth / std::min(cell.x, cell.y);
+        kCellSlack + kProjectionErrorFactor * position_error / min_depth / std::min(cell.x, cell.y);
     out.bounds = {.lower = lower - slack * cell, .upper = upper + slack * cell};
     const CellMask near = raster.cells_overlapping({.lower = lower, .upper = upper}, slack);
     const bool overlaps_a_sample =
-        !only_samples || raster.cells_with_centre_in({.lower = lower, .upper = upper}) != 0;
+        !centres_only || raster.cells_with_centre_in({.lower = lower, .upper = upper}) != 0;
     if (near == 0 || !overlaps_a_sample) {
         return DrawResult::outside;
     }
@@ -81,7 +81,7 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
     const glm::dvec2 size = (upper - lower) / cell;
     if (std::popcount(near) <= kFewCells && (size.x < kAlmostACell || size.y < kAlmostACell)) {
         out.coverage = {.outer = near, .inner = 0, .centre_sampled = near};
-        if (!only_samples) {
+        if (!centres_only) {
             return DrawResult::done;
         }
     }
@@ -91,7 +91,7 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
         glm::any(glm::greaterThan(upper, frustum.rect.upper + far))) {
         return DrawResult::needs_clipping;
     }
-    raster.start(slack, only_samples);
+    raster.start(slack, centres_only);
     for (const FacetIndex::LoopRange& loop : loops) {
         raster.add_loop(std::span(outline_).subspan(loop.begin - begin, loop.end - loop.begin));
     }
@@ -100,15 +100,15 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
 }
 
 // Draws a facet in perspective from the frustum's apex, beyond the facet where the frustum starts.
-// Returns false if nothing of it is inside or, with `only_samples`, no centre of a cell.
+// Returns false if nothing of it is inside or, with `centres_only`, no centre of a cell.
 bool VisibleFacets::draw(const Frustum& frustum,
                          CoverageRaster& raster,
                          FacetId facet,
-                         bool only_samples,
+                         bool centres_only,
                          Projected& out) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double position_error = position_error_ + index_.flatness(facet);
-    switch (draw_whole(frustum, raster, facet, position_error, only_samples, out)) {
+    switch (draw_whole(frustum, raster, facet, position_error, centres_only, out)) {
         case DrawResult::outside:
             return false;
         case DrawResult::done:
@@ -146,16 +146,16 @@ bool VisibleFacets::draw(const Frustum& frustum,
         return false;
     }
     const glm::dvec2 cell = raster.cell_size();
-    if (min_depth < kSpread * position_error) {
+    if (min_depth < kProjectionErrorFactor * position_error) {
         // Closer to the apex than its position error: it may be visible in any direction.
         const CellMask all = raster.cells_overlapping(frustum.rect, 0.0);
         out.coverage = {.outer = all, .inner = 0, .centre_sampled = all};
         out.bounds = {.lower = frustum.rect.lower - cell, .upper = frustum.rect.upper + cell};
         return true;
     }
-    const double slack_uv = kSpread * position_error / min_depth;
+    const double slack_uv = kProjectionErrorFactor * position_error / min_depth;
     const double slack = kCellSlack + slack_uv / std::min(cell.x, cell.y);
-    raster.start(slack, only_samples);
+    raster.start(slack, centres_only);
     std::size_t begin = 0;
     for (std::size_t i = 0; i < loops.size(); ++i) {
         if (ends[i] > begin) {
@@ -174,7 +174,7 @@ bool VisibleFacets::draw(const Frustum& frustum,
 bool VisibleFacets::clip(const Frustum& frustum,
                          const CoverageRaster& raster,
                          double position_error) {
-    const double side_error = kSpread * position_error;
+    const double side_error = kProjectionErrorFactor * position_error;
     const glm::dvec2 margin = kClipMargin * raster.cell_size();
     const glm::dvec2 lower = frustum.rect.lower - margin;
     const glm::dvec2 upper = frustum.rect.upper + margin;

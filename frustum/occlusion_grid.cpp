@@ -37,7 +37,7 @@ void OcclusionGrid::add(FacetId facet, const InverseDepth& depth, CellMask cells
     });
 }
 
-CellMask OcclusionGrid::cells_owned_by(FacetId facet, CellMask cells) const noexcept {
+CellMask OcclusionGrid::cells_occluded_by(FacetId facet, CellMask cells) const noexcept {
     CellMask owned = 0;
     for_each_cell(occluded_ & cells, [&](int cell) {
         const bool is_owner = occluders_[static_cast<std::size_t>(cell)].facet == facet;
@@ -54,40 +54,40 @@ CellMask OcclusionGrid::cells_where_closer(const InverseDepth& a,
     CellMask closer = 0;
     for_each_cell(cells, [&](int cell) {
         const Occluder plane{0, a, a.at(centre_of(cell)), size_a};
-        closer |= static_cast<CellMask>(hides(plane, b, size_b, cell)) << cell;
+        closer |= static_cast<CellMask>(occludes(plane, b, size_b, cell)) << cell;
     });
     return closer;
 }
 
-CellMask OcclusionGrid::cells_hiding(FacetId facet,
-                                     const InverseDepth& depth,
-                                     CellMask cells) const noexcept {
-    CellMask hidden = 0;
+CellMask OcclusionGrid::cells_occluding(FacetId facet,
+                                        const InverseDepth& depth,
+                                        CellMask cells) const noexcept {
+    CellMask occluding = 0;
     const double size = size_of(depth);
     for_each_cell(cells & occluded_, [&](int cell) {
         const Occluder& occluder = occluders_[static_cast<std::size_t>(cell)];
-        if (occluder.facet != facet && hides(occluder, depth, size, cell)) {
-            hidden |= CellMask{1} << cell;
+        if (occluder.facet != facet && occludes(occluder, depth, size, cell)) {
+            occluding |= CellMask{1} << cell;
         }
     });
-    return hidden;
+    return occluding;
 }
 
-bool OcclusionGrid::all_hide(const InverseDepth& depth, CellMask cells) const noexcept {
+bool OcclusionGrid::all_occlude(const InverseDepth& depth, CellMask cells) const noexcept {
     if ((cells & ~occluded_) != 0) {
         return false;
     }
     const double size = size_of(depth);
     for (; cells != 0; cells &= cells - 1) {
         const int cell = std::countr_zero(cells);
-        if (!hides(occluders_[static_cast<std::size_t>(cell)], depth, size, cell)) {
+        if (!occludes(occluders_[static_cast<std::size_t>(cell)], depth, size, cell)) {
             return false;
         }
     }
     return true;
 }
 
-bool OcclusionGrid::all_centres_hide(double inverse_depth, CellMask cells) const noexcept {
+bool OcclusionGrid::all_centres_occlude(double inverse_depth, CellMask cells) const noexcept {
     if ((cells & ~occluded_) != 0) {
         return false;
     }
@@ -102,10 +102,10 @@ bool OcclusionGrid::all_centres_hide(double inverse_depth, CellMask cells) const
 
 // The difference of two inverse depths is linear in (u, v): it is positive in the whole cell if it
 // exceeds at the centre what it can lose on the way to a corner.
-bool OcclusionGrid::hides(const Occluder& occluder,
-                          const InverseDepth& depth,
-                          double size,
-                          int cell) const noexcept {
+bool OcclusionGrid::occludes(const Occluder& occluder,
+                             const InverseDepth& depth,
+                             double size,
+                             int cell) const noexcept {
     return occluder.centre - depth.at(centre_of(cell)) >
            max_change(occluder.depth, depth) + kDepthSlack * (occluder.size + size);
 }

@@ -9,13 +9,13 @@
 #include <bit>
 #include <cmath>
 
-// A frustum in (u, v), seen from its apex, and the visible part of a facet in it:
+// The cross-section of a frustum in (u, v), and the visible part of a facet in it:
 //
 //     v ^
 //       |  +----+----+----+----+   cells: sub-frusta
 //       |  |    |    |    |    |   ...    outline of a facet
-//       |  +----+----+----+----+   inner  covered wholly: the facet may occlude what is behind
-//       |  |    |.outer...|outer   outer  all cells that the facet may touch: it may be visible
+//       |  +----+----+----+----+   inner  cells that the facet covers wholly: it may occlude there
+//       |  |    |.outer...|outer   outer  cells that the facet may overlap: it may be visible there
 //       |  +----+:---+----+-:--+
 //       |  |    |:   |inner:   |   The aperture is the bounding rectangle of the outer cells in
 //       |  +----+:---+----+-:--+   which the facet is not occluded, cut to the facet's bounds. It
@@ -31,16 +31,16 @@ using geometry::Vec3;
 
 namespace {
 
-/// A facet whose relative depth error exceeds this is not used as an occluder.
+/// The largest relative depth error of a facet that is used as an occluder.
 constexpr double kMaxOccluderError = 0x1p-6;
 
 InverseDepth scaled(const InverseDepth& depth, double factor) noexcept {
     return {.constant = factor * depth.constant, .slope = factor * depth.slope};
 }
 
-/// The inverse depth of points `distance` metres (of depth) behind a plane, or less: 1 / (1/q +
-/// distance) >= q / (1 + distance q_max).
-InverseDepth pushed_back(const InverseDepth& depth, double distance, const Rect& rect) noexcept {
+/// A lower bound of the inverse depth of points that lie `distance` metres (of depth) behind a
+/// plane of inverse depth q: 1 / (1/q + distance) >= q / (1 + distance q_max).
+InverseDepth depth_behind(const InverseDepth& depth, double distance, const Rect& rect) noexcept {
     return scaled(depth, 1.0 / (1.0 + distance * std::max(0.0, depth.max(rect))));
 }
 
@@ -55,7 +55,8 @@ bool may_pass_aperture(const Frustum& frustum,
         return false;
     }
     const glm::dvec2 size = frustum.rect.upper - frustum.rect.lower;
-    const double slack = kCellSlack * std::max(size.x, size.y) + kSpread * position_error / p.z;
+    const double slack =
+        kCellSlack * std::max(size.x, size.y) + kProjectionErrorFactor * position_error / p.z;
     const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
     return uv.x >= aperture.lower.x - slack && uv.x <= aperture.upper.x + slack &&
            uv.y >= aperture.lower.y - slack && uv.y <= aperture.upper.y + slack;
@@ -79,39 +80,43 @@ void VisibleFacets::set_frustum(const Frustum& frustum) {
     occlusion_.reset(frustum.rect.lower + 0.5 * raster_.cell_size(), raster_.cell_size());
     position_error_ = kRounding * (index_.extent() + max_radius_ + glm::length(frustum.apex));
     candidates_.clear();
-    found_.clear();
+    visible_facets_.clear();
 }
 
 void VisibleFacets::filter(std::span<const std::uint8_t> mask) {
-    std::erase_if(found_, [&](const VisibleFacet& visible) { return mask[visible.facet] == 0; });
+    std::erase_if(visible_facets_,
+                  [&](const VisibleFacet& visible) { return mask[visible.facet] == 0; });
 }
 
 void VisibleFacets::search(const Frustum& frustum) {
     set_frustum(frustum);
     if (frustum.starts_at_facet) {
-        start_depth_limit_ = pushed_back(
+        start_depth_limit_ = depth_behind(
             scaled(frustum.start, 1.0 - depth_error(frustum.facet)), contact_radius_, frustum.rect);
     }
     visit_nodes();
     collect_found();
 }
 
-// From an apex in its plane a facet neither reflects (PathVerifier refuses sources within at least
-// the first of these heights) nor covers a sub-frustum. Verification does not ask how high a
-// listener or its image lies: from there a facet counts only where the height is well known.
+// A facet whose plane contains the apex neither reflects sound from it (PathVerifier rejects
+// sources within at least the first of these heights) nor covers a sub-frustum. PathVerifier has no
+// such limit for the height of a listener or its image. For an apex there, the visible part of a
+// facet is computed only if the height exceeds its own error by a margin.
 double VisibleFacets::max_grazing_height() const noexcept {
-    constexpr double kWellKnown = 64.0;
+    constexpr double kErrorMargin = 64.0;
     return grazing_facets_ == GrazingFacets::skip ? kRounding * index_.extent()
-                                                  : kWellKnown * position_error_;
+                                                  : kErrorMargin * position_error_;
 }
 
-// The height of the apex over a plane is off by its position error; the inverse depth is off by the
-// same share.
+// The height of the apex above a plane has the position error of the apex. The relative error of
+// the inverse depth is the relative error of that height.
 double VisibleFacets::depth_error(FacetId facet) const noexcept {
-    return kSpread * position_error_ / std::abs(index_.plane(facet).distance(frustum_.apex));
+    return kProjectionErrorFactor * position_error_ /
+           std::abs(index_.plane(facet).distance(frustum_.apex));
 }
 
-// Depth first, the closer child first, so that occluders are known before what they hide.
+// Traverses the tree depth first, the closer child first, so that occluders are added before the
+// facets that they occlude are tested.
 void VisibleFacets::visit_nodes() {
     const auto nodes = index_.tree().nodes();
     if (nodes.empty()) {
@@ -155,7 +160,7 @@ void VisibleFacets::visit_facet(FacetId facet) {
     const double height = index_.plane(facet).distance(frustum_.apex);
     if (std::abs(height) <= max_grazing_height()) {
         if (grazing_facets_ == GrazingFacets::keep) {
-            found_.push_back({facet, frustum_.rect, frustum_.active, true});
+            visible_facets_.push_back({facet, frustum_.rect, frustum_.active, true});
         }
         return;
     }
@@ -183,19 +188,20 @@ void VisibleFacets::add_occluder(FacetId facet, const InverseDepth& depth, CellM
     if (inner == 0) {
         return;
     }
-    // Its triangles occlude, and they may deviate from the facet's plane.
-    const double error = kSpread * (position_error_ + index_.deviation(facet)) /
+    // The facet's triangles are the occluders, and they may deviate from its plane.
+    const double error = kProjectionErrorFactor * (position_error_ + index_.deviation(facet)) /
                          std::abs(index_.plane(facet).distance(frustum_.apex));
     if (error > kMaxOccluderError) {
         return;
     }
-    // Only where it lies beyond the start of the frustum by more than the contact radius.
+    // The facet occludes only in cells where it lies beyond the start of the frustum by more than
+    // the contact radius.
     if (frustum_.starts_at_facet) {
         inner =
             occlusion_.cells_where_closer(start_depth_limit_, scaled(depth, 1.0 + error), inner);
     }
     const InverseDepth back =
-        pushed_back(scaled(depth, 1.0 - error), contact_radius_, frustum_.rect);
+        depth_behind(scaled(depth, 1.0 - error), contact_radius_, frustum_.rect);
     occlusion_.add(facet, back, inner);
 }
 
@@ -205,8 +211,7 @@ bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
     if (occlusion_.occluded() == 0 && mode_ == Mode::complete) {
         return false;
     }
-    // The box's extent along the frustum's axes; quotients of its ends bound the quotients of its
-    // points.
+    // The bounds of the box along the frustum's axes. Their quotients bound u and v of its points.
     Vec3 middle, half;
     for (int k = 0; k < 3; ++k) {
         const auto axis = static_cast<std::size_t>(k);
@@ -219,11 +224,11 @@ bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
     const Vec3 extent = {glm::dot(glm::abs(frustum_.right), half),
                          glm::dot(glm::abs(frustum_.up), half),
                          glm::dot(glm::abs(frustum_.forward), half)};
-    const double nearest = centre.z - extent.z;
-    if (!(nearest > frustum_.min_depth)) {
+    const double min_depth = centre.z - extent.z;
+    if (!(min_depth > frustum_.min_depth)) {
         return false;
     }
-    const double near_scale = 1.0 / nearest;
+    const double near_scale = 1.0 / min_depth;
     const double far_scale = 1.0 / (centre.z + extent.z);
     Rect bounds;
     for (int k = 0; k < 2; ++k) {
@@ -234,18 +239,18 @@ bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
     }
     if (mode_ == Mode::sampled) {
         const CellMask cells = raster_.cells_with_centre_in(bounds) & frustum_.active;
-        return occlusion_.all_centres_hide(1.0 / nearest, cells);
+        return occlusion_.all_centres_occlude(1.0 / min_depth, cells);
     }
-    return all_hide_depth(nearest, cells_near(bounds, nearest));
+    return all_occlude_depth(min_depth, cells_overlapping(bounds, min_depth));
 }
 
 void VisibleFacets::collect_found() {
     for (const Candidate& candidate : candidates_) {
         CellMask cells = candidate.outer;
         if (mode_ == Mode::complete) {
-            cells &= ~occlusion_.cells_hiding(candidate.facet, candidate.depth, cells);
+            cells &= ~occlusion_.cells_occluding(candidate.facet, candidate.depth, cells);
         } else if (index_.is_opaque(candidate.facet)) {
-            cells = occlusion_.cells_owned_by(candidate.facet, cells);
+            cells = occlusion_.cells_occluded_by(candidate.facet, cells);
         }
         if (cells == 0) {
             continue;
@@ -255,7 +260,7 @@ void VisibleFacets::collect_found() {
             aperture.lower = glm::max(aperture.lower, candidate.bounds.lower);
             aperture.upper = glm::min(aperture.upper, candidate.bounds.upper);
         }
-        found_.push_back({candidate.facet, aperture, cells});
+        visible_facets_.push_back({candidate.facet, aperture, cells});
     }
 }
 
@@ -273,21 +278,23 @@ Rect VisibleFacets::bounds_of_cells(CellMask cells) const noexcept {
             .upper = raster_.cell_rect(last_row, last_column).upper};
 }
 
-// The active sub-frusta that may contain points within `bounds`, `depth` metres away or more.
-CellMask VisibleFacets::cells_near(const Rect& bounds, double depth) const noexcept {
+// The active sub-frusta that may contain points within `bounds` at a depth of at least `depth`
+// metres.
+CellMask VisibleFacets::cells_overlapping(const Rect& bounds, double depth) const noexcept {
     const glm::dvec2 cell = raster_.cell_size();
-    const double slack = kCellSlack + kSpread * position_error_ / depth / std::min(cell.x, cell.y);
+    const double slack =
+        kCellSlack + kProjectionErrorFactor * position_error_ / depth / std::min(cell.x, cell.y);
     return raster_.cells_overlapping(bounds, slack) & frustum_.active;
 }
 
-// Whether every one of the cells has an occluder in front of `depth` metres.
-bool VisibleFacets::all_hide_depth(double depth, CellMask cells) const noexcept {
+// Whether every cell has an occluder at a depth of less than `depth` metres.
+bool VisibleFacets::all_occlude_depth(double depth, CellMask cells) const noexcept {
     if (!(depth > 2.0 * position_error_)) {
         return false;
     }
     const InverseDepth front = {.constant = 1.0 / (depth - position_error_),
                                 .slope = glm::dvec2(0.0)};
-    return occlusion_.all_hide(front, cells);
+    return occlusion_.all_occlude(front, cells);
 }
 
 bool VisibleFacets::may_arrive_at(const Vec3& point) const noexcept {
@@ -300,11 +307,11 @@ bool VisibleFacets::may_arrive_at(const Vec3& point) const noexcept {
         return false;
     }
     const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
-    const CellMask cells = cells_near({.lower = uv, .upper = uv}, p.z);
+    const CellMask cells = cells_overlapping({.lower = uv, .upper = uv}, p.z);
     if (cells == 0 || mode_ == Mode::sampled) {
         return cells != 0;
     }
-    return !all_hide_depth(p.z, cells);
+    return !all_occlude_depth(p.z, cells);
 }
 
 bool VisibleFacets::may_reflect_to(const VisibleFacet& visible, const Vec3& point) const noexcept {
@@ -328,7 +335,7 @@ ApertureTest VisibleFacets::aperture_test() const noexcept {
     for (int k = 0; k < 2; ++k) {
         test.margin_per_depth[k] = 0.5 * raster_.cell_size()[k];
     }
-    test.margin = kSpread * position_error_;
+    test.margin = kProjectionErrorFactor * position_error_;
     test.min_depth = frustum_.min_depth;
     return test;
 }
@@ -339,7 +346,7 @@ bool VisibleFacets::may_pass(const VisibleFacet& visible, const Vec3& unfolded) 
         return false;
     }
     const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
-    return (cells_near({.lower = uv, .upper = uv}, p.z) & visible.cells) != 0;
+    return (cells_overlapping({.lower = uv, .upper = uv}, p.z) & visible.cells) != 0;
 }
 
 Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
@@ -349,7 +356,7 @@ Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
         frustum_.max_pressure_factor * index_.max_pressure_factor(visible.facet);
     CoverageRaster raster(child.rect, child.cells);
     Projected own;
-    // The facet itself, drawn from the parent's side: (u, v) is the same for both.
+    // Draw the facet itself in the parent: (u, v) is the same in the parent and the child.
     Frustum aperture = frustum_;
     aperture.rect = child.rect;
     child.active = draw(aperture, raster, visible.facet, false, own) ? own.coverage.outer : 0;

@@ -13,7 +13,7 @@
 
 namespace earshot::frustum {
 
-/// What one task of a search found.
+/// The result of one task of a search.
 struct TaskResult {
     std::vector<SpecularPath> paths;
     TraceStatistics statistics;
@@ -21,7 +21,7 @@ struct TaskResult {
     void append(TaskResult&& other);
 };
 
-/// The listeners of a search, and by which structure they are found.
+/// The listeners of a search, and the structure that finds them.
 struct ListenerSet {
     std::span<const geometry::Vec3> positions;
     const ListenerBeams* beams = nullptr;    ///< their beam trees, if there are any
@@ -29,8 +29,8 @@ struct ListenerSet {
 };
 
 /// Generates candidate facet sequences (visibility sequences) from the nodes of the source's beam
-/// tree and has them verified. It keeps the sequence of facets and the image sources along one way
-/// down the tree; one object per thread of work.
+/// tree and passes them to a PathVerifier. An object stores the facets and the image sources on the
+/// path from the root of the tree to the current node, so every task uses its own.
 class CandidateGenerator {
 public:
     CandidateGenerator(const FacetIndex& index,
@@ -48,25 +48,26 @@ public:
     /// The direct path to every listener.
     void generate_direct();
 
-    /// Candidates that end in the current frustum of `search`, or in a facet visible in it, or one
-    /// reflection after that. Precondition: the sequence is that of the frustum.
+    /// Generates the candidates of paths that end in the current frustum of `search`, after a
+    /// reflection in a facet visible in it, or after one more reflection. Precondition: the frustum
+    /// was reflected in this sequence.
     void generate_from(const VisibleFacets& search, std::span<const VisibleFacet> visible_facets);
 
     TaskResult take_result() { return std::move(result_); }
 
 private:
-    /// Calls join(item) for the items stored under a visible facet whose point may be reached on a
-    /// straight line through the facet's aperture.
-    template <typename Item, typename Join>
+    /// Calls visit(item) for every item stored under a visible facet such that the straight line
+    /// from the apex to the item's point may pass the facet's aperture.
+    template <typename Item, typename Visit>
     void for_each_in_aperture(const VisibleFacets& search,
                               const VisibleFacet& visible,
                               const PointsByFacet<Item>& stored,
-                              Join&& join);
-    void join_last_reflections(const VisibleFacets& search, const VisibleFacet& visible);
-    void join_last_two_reflections(const VisibleFacets& search, const VisibleFacet& visible);
-    void join_grazing_facets(const VisibleFacets& search, const VisibleFacet& visible);
-    void find_listeners_in_frusta(const VisibleFacets& search,
-                                  std::span<const VisibleFacet> visible_facets);
+                              Visit&& visit);
+    void connect_last_reflections(const VisibleFacets& search, const VisibleFacet& visible);
+    void connect_last_two_reflections(const VisibleFacets& search, const VisibleFacet& visible);
+    void connect_grazing_facets(const VisibleFacets& search, const VisibleFacet& visible);
+    void verify_listeners_in_frusta(const VisibleFacets& search,
+                                    std::span<const VisibleFacet> visible_facets);
     void verify_candidate(std::size_t listener);
     bool within_limits(double length) const noexcept;
 
@@ -78,7 +79,7 @@ private:
     std::vector<geometry::FacetId> sequence_;
     std::vector<geometry::Vec3> images_;
     ApertureTest aperture_test_;  // of the current frustum
-    std::vector<std::uint8_t> inside_;
+    std::vector<std::uint8_t> inside_masks_;
     TaskResult result_;
 };
 

@@ -39,7 +39,7 @@ struct LastTwoReflections {
 ///     |  beam tree of the source  |          |   beam tree   |
 ///
 /// Where a frustum from the source and one from a listener have a visible facet in common, the two
-/// trees are joined, and neither is traced further.
+/// trees are connected, and neither is traced further.
 class ListenerBeams {
 public:
     /// `max_radius`: the largest distance of a source or listener from the origin, metres.

@@ -26,7 +26,7 @@ public:
     CellMask occluded() const noexcept { return occluded_; }
 
     /// Those of `cells` whose occluder belongs to the facet.
-    CellMask cells_owned_by(geometry::FacetId facet, CellMask cells) const noexcept;
+    CellMask cells_occluded_by(geometry::FacetId facet, CellMask cells) const noexcept;
 
     /// Those of `cells` in which plane a is closer than plane b everywhere, by more than rounding.
     CellMask cells_where_closer(const InverseDepth& a,
@@ -34,15 +34,15 @@ public:
                                 CellMask cells) const noexcept;
 
     /// Those of `cells` whose occluder, of another facet, is closer than the plane everywhere.
-    CellMask cells_hiding(geometry::FacetId facet,
-                          const InverseDepth& depth,
-                          CellMask cells) const noexcept;
+    CellMask cells_occluding(geometry::FacetId facet,
+                             const InverseDepth& depth,
+                             CellMask cells) const noexcept;
 
     /// Whether all of `cells` have an occluder that is everywhere closer than the plane.
-    bool all_hide(const InverseDepth& depth, CellMask cells) const noexcept;
+    bool all_occlude(const InverseDepth& depth, CellMask cells) const noexcept;
 
     /// Whether all of `cells` have an occluder that is closer at the centre than an inverse depth.
-    bool all_centres_hide(double inverse_depth, CellMask cells) const noexcept;
+    bool all_centres_occlude(double inverse_depth, CellMask cells) const noexcept;
 
 private:
     struct Occluder {
@@ -54,10 +54,10 @@ private:
 
     glm::dvec2 centre_of(int cell) const noexcept;
     double max_change(const InverseDepth& a, const InverseDepth& b) const noexcept;
-    bool hides(const Occluder& occluder,
-               const InverseDepth& depth,
-               double size,
-               int cell) const noexcept;
+    bool occludes(const Occluder& occluder,
+                  const InverseDepth& depth,
+                  double size,
+                  int cell) const noexcept;
 
     glm::dvec2 first_centre_{0.0};
     glm::dvec2 cell_size_{0.0};

@@ -12,41 +12,43 @@
 
 namespace earshot::frustum {
 
-/// Slack for rounding in (u, v), in cells, beyond what follows from a polygon's distance.
+/// Slack for the rounding of (u, v), in cells, in addition to the slack that depends on a polygon's
+/// depth.
 inline constexpr double kCellSlack = 0x1p-30;
 
-/// A bound of how far a point moves across (forward + u right), in metres per metre of its position
-/// error, and in u at depth 1: at most 1 + |u|, |u| <= 1 in the grid. Twice that, because outlines
-/// are moved along a coordinate axis, up to sqrt(3) times as far as their distance from the plane.
-inline constexpr double kSpread = 4.0;
+/// A bound of the error of u (or v) times depth, in metres per metre of position error. The error
+/// is at most 1 + |u|, and |u| <= 1 in the grid. The factor is twice that, because outlines are
+/// moved along a coordinate axis, by up to sqrt(3) times their distance from the plane.
+inline constexpr double kProjectionErrorFactor = 4.0;
 
 /// A facet that may be visible in a frustum.
 struct VisibleFacet {
     geometry::FacetId facet = 0;
     Rect aperture;       ///< bounds of its visible part, in (u, v)
     CellMask cells = 0;  ///< sub-frusta in which it may be visible
-    /// The apex may lie in the facet's plane, so that nothing is known of where the facet is
-    /// visible: only with GrazingFacets::keep.
+    /// The apex may lie in the facet's plane, so that the visible part of the facet is unknown and
+    /// the aperture is the whole frustum. Only with GrazingFacets::keep.
     bool grazing = false;
 };
 
 /// Whether the line from a frustum's apex to an unfolded point may pass an aperture of the frustum.
-/// `position_error`: metres by which either end may be off.
+/// `position_error`: the largest error of either end, metres.
 bool may_pass_aperture(const Frustum& frustum,
                        const Rect& aperture,
                        const geometry::Vec3& unfolded,
                        double position_error) noexcept;
 
-/// What becomes of facets in whose plane a frustum's apex lies. Nothing reflects there on the way
-/// from a source, so they are skipped; paths to a listener may end there, so they are kept.
+/// The treatment of facets whose plane contains a frustum's apex. A facet reflects no sound from a
+/// source in its plane, so such facets are skipped in beam trees of sources. The last reflection on
+/// a path to a listener may be in such a facet, so they are kept in beam trees of listeners.
 enum class GrazingFacets { skip, keep };
 
-/// Finds the facets that sound in a frustum can meet first. Holds scratch memory, so one object
-/// serves many frusta in turn, one thread at a time.
+/// Finds the facets that sound in a frustum can hit first. An object holds scratch memory and is
+/// used for many frusta in sequence, by one thread at a time.
 ///
 /// complete: the result is a superset of the facets on which a valid path through the frustum can
 /// reflect next (docs/algorithms/frustum.md has the proof). A facet is left out only where another
-/// facet, farther in front of it than `contact_radius`, covers a whole sub-frustum.
+/// facet, which lies more than `contact_radius` in front of it, covers a whole sub-frustum.
 /// sampled: the closest facet along the centre of each sub-frustum.
 class VisibleFacets {
 public:
@@ -66,8 +68,8 @@ public:
 
     const Frustum& frustum() const noexcept { return frustum_; }
 
-    /// Facets that are visible in the current frustum, roughly the closest first.
-    const std::vector<VisibleFacet>& found() const noexcept { return found_; }
+    /// The facets that are visible in the current frustum, approximately in order of depth.
+    const std::vector<VisibleFacet>& found() const noexcept { return visible_facets_; }
 
     /// Removes from found() the facets whose entry in `mask` (one per facet of the scene) is 0.
     /// They still occlude.
@@ -110,21 +112,21 @@ private:
     bool draw(const Frustum& frustum,
               CoverageRaster& raster,
               geometry::FacetId facet,
-              bool only_samples,
+              bool centres_only,
               Projected& out);
     enum class DrawResult { outside, done, needs_clipping };
     DrawResult draw_whole(const Frustum& frustum,
                           CoverageRaster& raster,
                           geometry::FacetId facet,
                           double position_error,
-                          bool only_samples,
+                          bool centres_only,
                           Projected& out);
     bool clip(const Frustum& frustum, const CoverageRaster& raster, double position_error);
     void add_occluder(geometry::FacetId facet, const InverseDepth& depth, CellMask inner);
     double max_grazing_height() const noexcept;
     double depth_error(geometry::FacetId facet) const noexcept;
-    CellMask cells_near(const Rect& bounds, double depth) const noexcept;
-    bool all_hide_depth(double depth, CellMask cells) const noexcept;
+    CellMask cells_overlapping(const Rect& bounds, double depth) const noexcept;
+    bool all_occlude_depth(double depth, CellMask cells) const noexcept;
     bool box_is_occluded(const geometry::Aabb& box) const noexcept;
     void collect_found();
     Rect bounds_of_cells(CellMask cells) const noexcept;
@@ -141,7 +143,7 @@ private:
     double position_error_ = 0.0;     // metres, of constructed points: rounding
     InverseDepth start_depth_limit_;  // an occluder must lie beyond it
     std::vector<Candidate> candidates_;
-    std::vector<VisibleFacet> found_;
+    std::vector<VisibleFacet> visible_facets_;
     std::vector<std::uint32_t> stack_;
     std::vector<geometry::Vec3> polygon_, clipped_;
     std::vector<glm::dvec2> outline_;
