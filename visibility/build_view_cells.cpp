@@ -24,7 +24,7 @@ using geometry::Vec3;
 
 namespace {
 
-// ViewCells takes trees of up to 4096 nodes from the root to a leaf.
+// ViewCells accepts trees with up to 4096 nodes between the root and a leaf.
 constexpr int kMaxDepth = 4096;
 
 void check_options(const ViewRegion& region, const CellOptions& options) {
@@ -76,7 +76,7 @@ std::vector<Viewer> viewers_of(const ViewRegion& region, const CellOptions& opti
     return viewers;
 }
 
-/// The triangles whose boxes intersect a region, but for the excluded ones.
+/// The triangles whose boxes intersect a region, except for the excluded triangles.
 std::vector<TriangleId> triangles_near(const geometry::MeshView& mesh,
                                        const ViewRegion& region,
                                        const ExclusionMask& excluded) {
@@ -99,15 +99,16 @@ class CellBuilder {
 public:
     CellBuilder(const ViewRegion& region, const CellOptions& options, Executor& executor)
         : options_(options), executor_(executor) {
-        build_.region = region;
-        build_.slack = plane_slack(region);
-        build_.viewers = viewers_of(region, options);
+        context_.region = region;
+        context_.slack = plane_slack(region);
+        context_.viewers = viewers_of(region, options);
     }
 
     BuiltCells run(std::span<const FreeSegment> segments, const Objects& objects);
 
 private:
-    /// A leaf that may be split. The largest priority goes first, of equals the lowest leaf.
+    /// A leaf that may be split. The leaf with the largest priority is split first, among equal
+    /// priorities the leaf with the lowest number.
     struct QueueEntry {
         double priority;
         LeafId leaf;
@@ -115,8 +116,8 @@ private:
             return std::pair(priority, other.leaf) < std::pair(other.priority, leaf);
         }
     };
-    /// The child of a node that names a leaf.
-    struct TreeSlot {
+    /// The link to a leaf: one of the two children of a node.
+    struct ChildLink {
         std::size_t node;
         bool is_front;
     };
@@ -132,29 +133,29 @@ private:
                               const CellNode& plane,
                               CellLeaf& back,
                               CellLeaf& front) const;
-    void measure(CellLeaf& leaf) const;
+    void compute_cost(CellLeaf& leaf) const;
     void find_splits(std::span<const LeafId> ids);
     bool may_be_split(const CellLeaf& leaf) const;
 
     CellOptions options_;
     Executor& executor_;
-    CellBuildContext build_;
+    CellBuildContext context_;
     std::vector<CellLeaf> leaves_;
-    std::vector<SplitCandidate> candidates_;  // the best split of the leaf with the same number
-    std::vector<TreeSlot> slots_;             // the child that names that leaf
+    std::vector<SplitCandidate> candidates_;  // per leaf: its best split
+    std::vector<ChildLink> links_;            // per leaf: the link to it
     std::vector<CellNode> nodes_;
     std::priority_queue<QueueEntry> queue_;
-    std::vector<std::uint8_t> sides_;  // per object, for distribute_pieces
+    std::vector<std::uint8_t> object_sides_;  // per object, for distribute_pieces
     double cost_ = 0.0;
     std::vector<CellSplit> splits_;
 };
 
 void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects& objects) {
-    build_.costs = object_costs(objects, options_.cost);
-    sides_.assign(objects.size(), 0);
-    CellLeaf root{.shape = CellShape(build_.region)};
+    context_.costs = object_costs(objects, options_.cost);
+    object_sides_.assign(objects.size(), 0);
+    CellLeaf root{.shape = CellShape(context_.region)};
     for (const FreeSegment& free : segments) {
-        const geometry::Interval inside = clip(free.segment, build_.region);
+        const geometry::Interval inside = clip(free.segment, context_.region);
         if (!free.is_valid() || inside.is_empty()) {
             continue;
         }
@@ -163,37 +164,37 @@ void CellBuilder::make_root(std::span<const FreeSegment> segments, const Objects
         for (std::size_t k = 0; k < 2; ++k) {
             if (ends[k] != kNoTriangle) {
                 sample.objects[k] = objects.of(ends[k]);
-                sides_[sample.objects[k]] = 1;
+                object_sides_[sample.objects[k]] = 1;
             }
         }
         root.pieces.push_back(
-            {static_cast<std::uint32_t>(build_.samples.size()), inside.min, inside.max});
-        build_.samples.push_back(sample);
+            {static_cast<std::uint32_t>(context_.samples.size()), inside.min, inside.max});
+        context_.samples.push_back(sample);
     }
     for (ObjectId object = 0; object < objects.size(); ++object) {
-        if (std::exchange(sides_[object], 0) != 0) {
+        if (std::exchange(object_sides_[object], 0) != 0) {
             root.set.push_back(object);
         }
     }
     if (options_.rule == CellRule::cost && options_.max_triangle_planes > 0) {
-        root.triangles = triangles_near(options_.mesh, build_.region, options_.excluded);
+        root.triangles = triangles_near(options_.mesh, context_.region, options_.excluded);
     }
-    root.viewers.resize(build_.viewers.size());
+    root.viewers.resize(context_.viewers.size());
     for (std::size_t i = 0; i < root.viewers.size(); ++i) {
         root.viewers[i] = static_cast<std::uint32_t>(i);
     }
-    measure(root);
+    compute_cost(root);
     cost_ = root.viewer_fraction * root.set_cost;
     leaves_.push_back(std::move(root));
 }
 
-/// Computes volume, viewer fraction and cost of a leaf whose shape, set and viewers are known.
-void CellBuilder::measure(CellLeaf& leaf) const {
+/// Computes the volume, the viewer fraction and the cost of a leaf from its shape, set and viewers.
+void CellBuilder::compute_cost(CellLeaf& leaf) const {
     leaf.volume = leaf.shape.volume();
-    leaf.set_cost = set_cost(leaf.set, build_.costs);
-    leaf.viewer_fraction = build_.viewers.empty() ? leaf.volume / build_.region.volume() : 0.0;
+    leaf.set_cost = set_cost(leaf.set, context_.costs);
+    leaf.viewer_fraction = context_.viewers.empty() ? leaf.volume / context_.region.volume() : 0.0;
     for (const std::uint32_t viewer : leaf.viewers) {
-        leaf.viewer_fraction += build_.viewers[viewer].fraction;
+        leaf.viewer_fraction += context_.viewers[viewer].fraction;
     }
 }
 
@@ -221,7 +222,7 @@ void CellBuilder::find_splits(std::span<const LeafId> ids) {
         }
         return;
     }
-    const auto best = best_split_planes(build_, options_, leaves, executor_);
+    const auto best = best_split_planes(context_, options_, leaves, executor_);
     for (std::size_t i = 0; i < ids_to_split.size(); ++i) {
         if (best[i]) {
             candidates_[ids_to_split[i]] = *best[i];
@@ -230,8 +231,8 @@ void CellBuilder::find_splits(std::span<const LeafId> ids) {
     }
 }
 
-/// Distributes the pieces to the sides that they reach, clipped where they cross the plane, and
-/// with them the objects.
+/// Distributes the pieces of a leaf to the sides of the plane that they reach, clipped where they
+/// cross the plane, and distributes the objects accordingly.
 void CellBuilder::distribute_pieces(const CellLeaf& leaf,
                                     const CellNode& plane,
                                     CellLeaf& back,
@@ -239,34 +240,34 @@ void CellBuilder::distribute_pieces(const CellLeaf& leaf,
     constexpr int kBack = 1;
     constexpr int kFront = 2;
     for (const SamplePiece& piece : leaf.pieces) {
-        const VisibilitySample& sample = build_.samples[piece.sample];
-        const Extent extent(sample, piece, plane.normal, build_.slack);
+        const VisibilitySample& sample = context_.samples[piece.sample];
+        const Extent extent(sample, piece, plane.normal, context_.slack);
         const int sides =
             (extent.first <= plane.offset ? kBack : 0) | (extent.last >= plane.offset ? kFront : 0);
-        SamplePiece behind = piece;
-        SamplePiece before = piece;
+        SamplePiece back_piece = piece;
+        SamplePiece front_piece = piece;
         if (sides == (kBack | kFront) && extent.low < plane.offset && extent.high > plane.offset) {
-            const double part =
+            const double fraction_at_plane =
                 (plane.offset - extent.at_begin) / (extent.at_end - extent.at_begin);
-            const double crossing = piece.begin + part * (piece.end - piece.begin);
+            const double crossing = piece.begin + fraction_at_plane * (piece.end - piece.begin);
             const bool is_forward = extent.at_begin < extent.at_end;
-            (is_forward ? behind.end : behind.begin) = crossing;
-            (is_forward ? before.begin : before.end) = crossing;
+            (is_forward ? back_piece.end : back_piece.begin) = crossing;
+            (is_forward ? front_piece.begin : front_piece.end) = crossing;
         }
         if ((sides & kBack) != 0) {
-            back.pieces.push_back(behind);
+            back.pieces.push_back(back_piece);
         }
         if ((sides & kFront) != 0) {
-            front.pieces.push_back(before);
+            front.pieces.push_back(front_piece);
         }
         for (const ObjectId object : sample.objects) {
             if (object != kNoObject) {
-                sides_[object] |= static_cast<std::uint8_t>(sides);
+                object_sides_[object] |= static_cast<std::uint8_t>(sides);
             }
         }
     }
     for (const ObjectId object : leaf.set) {
-        const int sides = std::exchange(sides_[object], 0);
+        const int sides = std::exchange(object_sides_[object], 0);
         if ((sides & kBack) != 0) {
             back.set.push_back(object);
         }
@@ -289,29 +290,30 @@ void CellBuilder::distribute_triangles(const CellLeaf& leaf,
             lowest = std::min(lowest, height);
             highest = std::max(highest, height);
         }
-        // Triangles in the plane itself are used up.
-        if (lowest < -build_.slack) {
+        // The planes of triangles that lie in the split plane are no further candidates.
+        if (lowest < -context_.slack) {
             back.triangles.push_back(triangle);
         }
-        if (highest > build_.slack) {
+        if (highest > context_.slack) {
             front.triangles.push_back(triangle);
         }
     }
 }
 
-/// Replaces a leaf in the tree by a node with that leaf and a new one, whose number is returned.
+/// Replaces a leaf in the tree by a node with two children: that leaf and a new leaf. Returns the
+/// number of the new leaf.
 LeafId CellBuilder::grow_tree(LeafId id, CellNode plane) {
     const auto node = static_cast<std::uint32_t>(nodes_.size());
     const auto added = static_cast<LeafId>(leaves_.size());
     plane.back = kCellLeaf + id;
     plane.front = kCellLeaf + added;
     if (node > 0) {
-        CellNode& parent = nodes_[slots_[id].node];
-        (slots_[id].is_front ? parent.front : parent.back) = node;
+        CellNode& parent = nodes_[links_[id].node];
+        (links_[id].is_front ? parent.front : parent.back) = node;
     }
     nodes_.push_back(plane);
-    slots_[id] = {node, false};
-    slots_.push_back({node, true});
+    links_[id] = {node, false};
+    links_.push_back({node, true});
     return added;
 }
 
@@ -319,34 +321,35 @@ void CellBuilder::split(LeafId id) {
     CellLeaf& leaf = leaves_[id];
     const CellNode plane = candidates_[id].plane;
     const auto node = static_cast<std::uint32_t>(nodes_.size());
-    auto halves = leaf.shape.split(plane, node, build_.slack);
-    if (!halves) {
-        return;  // thinner than the slack
+    auto children = leaf.shape.split(plane, node, context_.slack);
+    if (!children) {
+        return;  // the leaf is thinner than the slack
     }
-    CellLeaf back{.shape = std::move(halves->back)};
-    CellLeaf front{.shape = std::move(halves->front)};
+    CellLeaf back{.shape = std::move(children->back)};
+    CellLeaf front{.shape = std::move(children->front)};
     distribute_pieces(leaf, plane, back, front);
     distribute_triangles(leaf, plane, back, front);
     for (const std::uint32_t viewer : leaf.viewers) {
-        const Vec3& place = build_.viewers[viewer].position;
-        (glm::dot(plane.normal, place) < plane.offset ? back : front).viewers.push_back(viewer);
+        const Vec3& position = context_.viewers[viewer].position;
+        (glm::dot(plane.normal, position) < plane.offset ? back : front).viewers.push_back(viewer);
     }
-    measure(back);
-    measure(front);
-    // Sets only shrink, so that an increase would be rounding.
-    const double saved =
+    compute_cost(back);
+    compute_cost(front);
+    // The sets of the children are subsets of the leaf's, so that an increase would be a rounding
+    // error.
+    const double saving =
         std::max(0.0,
                  leaf.viewer_fraction * leaf.set_cost - back.viewer_fraction * back.set_cost -
                      front.viewer_fraction * front.set_cost);
-    const bool is_poor = saved < options_.min_saving * cost_;
-    for (CellLeaf* half : {&back, &front}) {
-        half->depth = leaf.depth + 1;
-        half->poor_splits = is_poor ? leaf.poor_splits + 1 : 0;
-        half->key = 2 * std::uint64_t{node} + (half == &front ? 2 : 1);
+    const bool is_poor_split = saving < options_.min_saving * cost_;
+    for (CellLeaf* child : {&back, &front}) {
+        child->depth = leaf.depth + 1;
+        child->poor_splits = is_poor_split ? leaf.poor_splits + 1 : 0;
+        child->key = 2 * std::uint64_t{node} + (child == &front ? 2 : 1);
     }
-    cost_ -= saved;
+    cost_ -= saving;
     splits_.push_back(
-        {id, options_.rule == CellRule::cost ? candidates_[id].saving : saved, cost_});
+        {id, options_.rule == CellRule::cost ? candidates_[id].saving : saving, cost_});
     const LeafId added = grow_tree(id, plane);
     leaf = std::move(back);
     leaves_.push_back(std::move(front));
@@ -355,7 +358,7 @@ void CellBuilder::split(LeafId id) {
 
 BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects& objects) {
     make_root(segments, objects);
-    slots_.push_back({0, false});
+    links_.push_back({0, false});
     const double region_cost = cost_;
     find_splits(std::array{LeafId{0}});
     while (!queue_.empty() && leaves_.size() < options_.max_cells &&
@@ -371,7 +374,7 @@ BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects
         options_.progress->report("view cells", options_.max_cells, options_.max_cells);
     }
     std::vector<double> volumes;
-    BuiltCells built{.cells = ViewCells(build_.region),
+    BuiltCells built{.cells = ViewCells(context_.region),
                      .sets = {},
                      .viewer_fractions = {},
                      .region_cost = region_cost,
@@ -381,7 +384,7 @@ BuiltCells CellBuilder::run(std::span<const FreeSegment> segments, const Objects
         built.sets.push_back(std::move(leaf.set));
         built.viewer_fractions.push_back(leaf.viewer_fraction);
     }
-    built.cells = ViewCells(build_.region, std::move(nodes_), std::move(volumes));
+    built.cells = ViewCells(context_.region, std::move(nodes_), std::move(volumes));
     return built;
 }
 

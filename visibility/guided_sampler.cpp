@@ -21,25 +21,28 @@ using geometry::Vec3;
 
 namespace {
 
-// Enough seeds for ray packets and interleaved rays, few enough for their hits to guide the next.
+// A batch has enough seeds for ray packets and interleaved rays, and few enough that its hits guide
+// the next batch.
 constexpr std::size_t kSeedsPerBatch = 1024;
 
-// The first batch of random rays is small; later ones grow with all rays so far, because small
-// triangles are hit one by one.
+// The first batch of random rays is small. Later batches grow in proportion to all rays so far,
+// because small triangles are then hit one by one.
 constexpr std::uint64_t kMinRandomRays = 64;
 constexpr std::uint64_t kMaxRandomRays = 1U << 14U;
 constexpr std::uint64_t kRaysPerRandomRay = 8;
 
-// One known triangle is sampled again per so many random rays; its border takes a dozen or two.
+// The number of random rays per known triangle that is sampled again. Sampling the border of that
+// triangle takes one or two dozen rays.
 constexpr std::uint64_t kRandomRaysPerReseed = 16;
 
-// Streams of random numbers.
-constexpr std::uint64_t kReseed = 40;
+// The first of the random streams of reseeding.
+constexpr std::uint64_t kReseedStream = 40;
 
-// An interval of a border is bisected so many times: to a 128th of a side.
+// The number of bisections of a border interval: down to 1/128 of a side.
 constexpr int kMaxSubdivisions = 7;
 
-// An expected hit farther away than this, in diagonals of the scene, is no sign of an occluder.
+// The largest distance of an expected hit, in diagonals of the scene, at which a closer hit counts
+// as an occluder.
 constexpr double kMaxPlaneDistance = 4.0;
 
 }  // namespace
@@ -71,7 +74,7 @@ GuidedSampler::GuidedSampler(const bvh::WideTree& tree,
         face_areas_[static_cast<std::size_t>(face)] = sum;
     }
     if (sum == 0.0) {
-        // Of a line or a point every face sends out as many rays.
+        // If the region is a line or a point, all faces emit the same number of rays.
         for (std::size_t face = 0; face < 6; ++face) {
             face_areas_[face] = static_cast<double>(face + 1);
         }
@@ -111,8 +114,9 @@ bool GuidedSampler::is_finished() const {
     const auto before = std::partition_point(curve_.begin(), curve_.end(), [&](const auto& point) {
         return point.rays + options_.window <= rays_;
     });
-    const std::uint64_t then = before == curve_.begin() ? 0 : std::prev(before)->triangles;
-    return witnesses_.size() - then < options_.min_new_triangles;
+    const std::uint64_t triangles_before =
+        before == curve_.begin() ? 0 : std::prev(before)->triangles;
+    return witnesses_.size() - triangles_before < options_.min_new_triangles;
 }
 
 std::size_t GuidedSampler::rays_allowed(std::size_t rays) const {
@@ -150,24 +154,24 @@ void GuidedSampler::record(const Ray& ray, const std::optional<Hit>& hit) {
     queue_.push_back({ray.origin, ray.origin + hit->t * ray.direction, hit->triangle});
 }
 
-// From a point uniform on the boundary of the region in a direction uniform on the outer
-// hemisphere.
+// The origin is distributed uniformly on the boundary of the region, the direction uniformly on the
+// hemisphere that points outwards.
 Ray GuidedSampler::random_ray(std::uint64_t index) const {
-    const auto number = [&](std::uint32_t base) {
+    const auto random_number = [&](std::uint32_t base) {
         return shifted_radical_inverse(index + 1, base, random(options_.seed, base, 0));
     };
-    const auto place =
-        std::upper_bound(face_areas_.begin(), face_areas_.end() - 1, number(2) * face_areas_[5]);
-    const auto face = static_cast<int>(place - face_areas_.begin());
+    const auto position = std::upper_bound(
+        face_areas_.begin(), face_areas_.end() - 1, random_number(2) * face_areas_[5]);
+    const auto face = static_cast<int>(position - face_areas_.begin());
     const int axis = face / 2;
     const int across = (axis + 1) % 3;
     const int along = (axis + 2) % 3;
     Ray ray;
     ray.origin[axis] = face % 2 == 0 ? region_.lower[axis] : region_.upper[axis];
-    ray.origin[across] = region_.lower[across] + number(3) * region_.size()[across];
-    ray.origin[along] = region_.lower[along] + number(5) * region_.size()[along];
-    // The height of the direction is never 0.
-    const Vec3 outward = on_sphere(1.0 - number(7), 2.0 * math::kPi * number(11));
+    ray.origin[across] = region_.lower[across] + random_number(3) * region_.size()[across];
+    ray.origin[along] = region_.lower[along] + random_number(5) * region_.size()[along];
+    // The component along the face's normal is never 0.
+    const Vec3 outward = on_sphere(1.0 - random_number(7), 2.0 * math::kPi * random_number(11));
     ray.direction[axis] = face % 2 == 0 ? -outward.z : outward.z;
     ray.direction[across] = outward.x;
     ray.direction[along] = outward.y;
@@ -187,36 +191,39 @@ void GuidedSampler::cast_random() {
     random_rays_ += cast(rays);
 }
 
-// Samples the borders of known triangles again, in turn, as seen from other points of the region:
-// other triangles may be visible past them from there. The triangles that are hardest to find are
-// mostly visible from a corner or an edge of the region, so half of the points lie there.
+// Samples the borders of known triangles again, one after another, from other points of the region,
+// from which other triangles may be visible past those borders. The triangles that are hardest to
+// find are mostly visible from a corner or an edge of the region, so half of the points lie there.
 void GuidedSampler::reseed_known_triangles() {
     const std::size_t count =
         witnesses_.empty() ? 0 : rays_allowed(batch_size() / kRandomRaysPerReseed);
     std::vector<Ray> rays(count);
     for (Ray& ray : rays) {
         const std::uint64_t index = reseeds_++;
-        const auto number = [&](std::uint64_t k) {
-            return random(options_.seed, kReseed + k, index);
+        const auto random_number = [&](std::uint64_t k) {
+            return random(options_.seed, kReseedStream + k, index);
         };
-        // Two coordinates are moved to the boundary for an edge, all three for a corner.
-        const std::uint64_t borders = index % 4 < 2 ? 1 : index % 4;
-        const auto first = static_cast<std::uint64_t>(3.0 * number(0));
+        // One coordinate is moved to the boundary for a face, two for an edge, three for a corner.
+        const std::uint64_t boundary_axes = index % 4 < 2 ? 1 : index % 4;
+        const auto first = static_cast<std::uint64_t>(3.0 * random_number(0));
         for (std::uint64_t k = 0; k < 3; ++k) {
             const auto axis = static_cast<int>((first + k) % 3);
-            const double place = number(1 + k);
-            ray.origin[axis] = region_.lower[axis] +
-                               (k < borders ? std::round(place) : place) * region_.size()[axis];
+            const double position = random_number(1 + k);
+            ray.origin[axis] =
+                region_.lower[axis] +
+                (k < boundary_axes ? std::round(position) : position) * region_.size()[axis];
         }
         const Corners corners = geometry::corners(mesh_, found_[index % found_.size()]);
-        const double u = std::sqrt(number(4));
-        const double v = number(5);
+        const double u = std::sqrt(random_number(4));
+        const double v = random_number(5);
         ray.direction = corners[0] + (u * (1.0 - v)) * (corners[1] - corners[0]) +
                         (u * v) * (corners[2] - corners[0]) - ray.origin;
     }
-    const std::size_t known = queue_.size();
+    // Every hit becomes a seed, whether its triangle is new or known. This replaces the seeds of
+    // new triangles that cast() adds.
+    const std::size_t previous_size = queue_.size();
     rays.resize(cast(rays));
-    queue_.resize(known);  // replaced by seeds for every hit, new or not
+    queue_.resize(previous_size);
     for (std::size_t i = 0; i < rays.size(); ++i) {
         if (hits_[i]) {
             queue_.push_back({rays[i].origin,
@@ -226,8 +233,9 @@ void GuidedSampler::reseed_known_triangles() {
     }
 }
 
-// Adaptive border sampling (Wonka et al. 2006, section 4.1): rays through the vertices of an
-// enlarged polygon around every triangle, and between two neighbours whose hits are discontinuous.
+// Adaptive border sampling (Wonka et al. 2006, section 4.1): casts rays through the vertices of an
+// enlarged polygon around every triangle, and through points between two neighbouring vertices
+// whose hits are discontinuous.
 void GuidedSampler::sample_borders(std::span<const Seed> seeds) {
     std::vector<BorderSample> samples;
     samples.reserve(kPolygonVertices * seeds.size());
@@ -252,9 +260,9 @@ void GuidedSampler::sample_borders(std::span<const Seed> seeds) {
     for (int level = 0; level < kMaxSubdivisions && !intervals.empty(); ++level) {
         intervals = subdivide(seeds, intervals);
     }
-    const std::vector<Ray> past = std::move(reverse_rays_);
+    const std::vector<Ray> rays = std::move(reverse_rays_);
     reverse_rays_.clear();
-    cast(past);
+    cast(rays);
 }
 
 void GuidedSampler::cast_samples(std::span<const Seed> seeds, std::vector<BorderSample>& samples) {
@@ -277,19 +285,19 @@ void GuidedSampler::cast_samples(std::span<const Seed> seeds, std::vector<Border
 
 std::vector<GuidedSampler::BorderInterval> GuidedSampler::subdivide(
     std::span<const Seed> seeds, const std::vector<BorderInterval>& intervals) {
-    std::vector<BorderSample> middles(intervals.size());
+    std::vector<BorderSample> midpoints(intervals.size());
     for (std::size_t i = 0; i < intervals.size(); ++i) {
-        middles[i].seed = intervals[i].left.seed;
-        middles[i].target = 0.5 * (intervals[i].left.target + intervals[i].right.target);
+        midpoints[i].seed = intervals[i].left.seed;
+        midpoints[i].target = 0.5 * (intervals[i].left.target + intervals[i].right.target);
     }
-    cast_samples(seeds, middles);
+    cast_samples(seeds, midpoints);
     std::vector<BorderInterval> subintervals;
-    for (std::size_t i = 0; i < middles.size(); ++i) {
-        if (is_discontinuous(intervals[i].left, middles[i])) {
-            subintervals.push_back({intervals[i].left, middles[i]});
+    for (std::size_t i = 0; i < midpoints.size(); ++i) {
+        if (is_discontinuous(intervals[i].left, midpoints[i])) {
+            subintervals.push_back({intervals[i].left, midpoints[i]});
         }
-        if (is_discontinuous(middles[i], intervals[i].right)) {
-            subintervals.push_back({middles[i], intervals[i].right});
+        if (is_discontinuous(midpoints[i], intervals[i].right)) {
+            subintervals.push_back({midpoints[i], intervals[i].right});
         }
     }
     return subintervals;
@@ -303,8 +311,9 @@ bool GuidedSampler::is_discontinuous(const BorderSample& a, const BorderSample& 
            glm::distance(a.hit_point, b.hit_point) >= options_.threshold * diagonal_;
 }
 
-// Reverse sampling (Wonka et al. 2006, section 4.2): where the hit lies clearly before the plane of
-// the seed's triangle, a ray past the occluder from another point of the region.
+// Reverse sampling (Wonka et al. 2006, section 4.2): if the hit lies clearly in front of the plane
+// of the seed's triangle, the hit triangle is an occluder, and a ray past it is cast from another
+// point of the region.
 void GuidedSampler::sample_reverse(const Seed& seed, const BorderSample& sample) {
     if (!sample.hit || sample.hit->triangle == seed.triangle) {
         return;
@@ -318,14 +327,14 @@ void GuidedSampler::sample_reverse(const Seed& seed, const BorderSample& sample)
         return;
     }
     const double gap = options_.border_angle * diagonal_;
-    if (const auto past = reverse_ray({ray,
-                                       sample.hit_point,
-                                       geometry::corners(mesh_, sample.hit->triangle),
-                                       seed.hit_point,
-                                       *expected},
-                                      region_,
-                                      gap)) {
-        reverse_rays_.push_back(*past);
+    if (const auto reverse = reverse_ray({ray,
+                                          sample.hit_point,
+                                          geometry::corners(mesh_, sample.hit->triangle),
+                                          seed.hit_point,
+                                          *expected},
+                                         region_,
+                                         gap)) {
+        reverse_rays_.push_back(*reverse);
     }
 }
 

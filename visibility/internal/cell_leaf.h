@@ -43,8 +43,8 @@ struct CellLeaf {
     std::vector<SamplePiece> pieces{};
     std::vector<ObjectId> set{};  ///< the objects at the ends of the samples, ascending
     double set_cost = 0.0;
-    std::vector<geometry::TriangleId> triangles{};  ///< inside, perhaps; only with a mesh
-    std::vector<std::uint32_t> viewers{};           ///< inside; only with a density
+    std::vector<geometry::TriangleId> triangles{};  ///< near the leaf; empty without a mesh
+    std::vector<std::uint32_t> viewers{};           ///< in the leaf; empty without a density
     std::uint64_t key = 0;                          ///< random stream of its triangles
     int poor_splits = 0;
     int depth = 0;
@@ -54,8 +54,10 @@ struct CellLeaf {
 /// and a piece that lies within the slack of a plane as a whole is on both sides.
 struct Extent {
     double at_begin = 0.0, at_end = 0.0;
-    double low = 0.0, high = 0.0;    ///< the same in order
-    double first = 0.0, last = 0.0;  ///< behind planes of offset >= first, before those <= last
+    double low = 0.0, high = 0.0;  ///< the minimum and the maximum of both
+    /// The piece reaches the back of planes of offset >= first, and the front of planes of offset
+    /// <= last.
+    double first = 0.0, last = 0.0;
 
     Extent(const VisibilitySample& sample,
            const SamplePiece& piece,

@@ -15,7 +15,8 @@
 
 namespace earshot::visibility {
 
-/// Casts rays in batches; the hits of a batch, in order, decide the rays of the next.
+/// Casts rays in batches. The hits of a batch, in their order, determine the rays of the next
+/// batch.
 class GuidedSampler {
 public:
     GuidedSampler(const bvh::WideTree& tree,
@@ -24,10 +25,11 @@ public:
                   const GuidedSamplingOptions& options,
                   Executor& executor);
 
-    /// Samples until the options say enough. The result lacks its triangles and witnesses.
+    /// Samples until a limit of the options is reached. The result lacks its triangles and
+    /// witnesses.
     RegionPvs run();
 
-    /// The excluded triangles, with those without area.
+    /// The excluded triangles, including those without area.
     const ExclusionMask& excluded() const noexcept { return excluded_; }
 
     bool is_known(geometry::TriangleId triangle) const noexcept {
@@ -59,9 +61,9 @@ private:
     };
 
     bool is_finished() const;
-    /// As many of `rays` as `max_rays` leaves.
+    /// The number of rays, at most `rays`, that may be cast without exceeding `max_rays`.
     std::size_t rays_allowed(std::size_t rays) const;
-    /// Casts as many rays as are allowed and records their hits; returns how many.
+    /// Casts as many of the rays as are allowed, records their hits, and returns their number.
     std::size_t cast(std::span<const geometry::Ray> rays);
     void record(const geometry::Ray& ray, const std::optional<geometry::Hit>& hit);
     geometry::Ray random_ray(std::uint64_t index) const;
@@ -81,7 +83,7 @@ private:
     ViewRegion region_;
     const GuidedSamplingOptions& options_;
     Executor& executor_;
-    ExclusionMask excluded_;  // triangles without area, too
+    ExclusionMask excluded_;  // includes the triangles without area
     double diagonal_ = 0.0;
     std::array<double, 6> face_areas_{};  // of the region's faces, cumulative
 
