@@ -46,10 +46,10 @@ std::string rounded_ms(double time) {
 DecayCurve::DecayCurve(std::span<const double> squared,
                        std::size_t onset,
                        double sample_rate,
-                       double beyond)
+                       double tail_energy)
     : sample_rate_(sample_rate), remaining_(squared.size() - onset) {
     EARSHOT_ASSERT(onset < squared.size());
-    double sum = beyond;
+    double sum = tail_energy;
     for (std::size_t n = squared.size(); n-- > 0;) {
         sum += squared[n];
         if (n >= onset) {
@@ -59,8 +59,8 @@ DecayCurve::DecayCurve(std::span<const double> squared,
     energy_ = sum;
     EARSHOT_ASSERT(energy_ > 0.0);
 
-    known_db_ =
-        beyond > 0.0 ? static_cast<int>(-10.0 * math::log10(beyond / energy_)) : kMaxDepthDb;
+    known_db_ = tail_energy > 0.0 ? static_cast<int>(-10.0 * math::log10(tail_energy / energy_))
+                                  : kMaxDepthDb;
     const double min_energy = energy_ * math::pow10(-kMaxDepthDb / 10.0);
     for (const double remaining : remaining_) {
         if (remaining < min_energy) {

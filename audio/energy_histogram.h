@@ -9,7 +9,8 @@
 
 namespace earshot::audio {
 
-/// The sphere of directions in parts of one size: the quarters of the faces of a cube.
+/// The number of parts that the sphere of directions is divided into, of equal solid angle: the
+/// quarters of the faces of a cube, projected on the sphere.
 inline constexpr std::size_t kDirectionParts = 24;
 
 /// The part that a direction of any length but 0 lies in.
@@ -22,23 +23,23 @@ std::array<double, 3> middle_of_part(std::size_t part) noexcept;
 /// free field's at 1 m: a path of pressure p (Arrival) brings p squared.
 struct EnergyHistogram {
     double bin = 1e-3;  ///< seconds
-    /// Of the interval from k * bin on.
+    /// Entry k: of the interval that begins at k * bin.
     std::vector<Spectrum> energy{};
-    /// Standard error of each, as the rays tell it.
+    /// Standard error of each entry of `energy`, estimated from the rays.
     std::vector<Spectrum> error{};
-    /// At time t, t squared times this many reflections arrive in a second; 0: too many at any time
-    /// to be told apart.
+    /// The reflection density at time t is reflection_growth * t squared, per second. 0: the
+    /// density is too high at any time for reflections to be resolved.
     double reflection_growth = 0.0;
-    /// It reaches to where the energy has decayed by some 60 dB in every band.
+    /// Whether the histogram extends until the energy has decayed by about 60 dB in every band.
     bool full_decay = false;
-    /// Where the energy comes from, part by part, in intervals of kBinsPerSpan bins; empty where
-    /// nobody asked.
+    /// The energy that arrives from each part of the sphere, in intervals of kBinsPerSpan bins;
+    /// empty if directions are not requested.
     std::vector<std::array<Spectrum, kDirectionParts>> directions{};
 };
 
 inline constexpr std::size_t kBinsPerSpan = 20;
 
-/// What of the energy comes from one part of the sphere, without errors and directions.
+/// The energy that arrives from one part of the sphere, without errors and directions.
 /// Precondition: the histogram has directions.
 EnergyHistogram energy_from(const EnergyHistogram& histogram, std::size_t part);
 

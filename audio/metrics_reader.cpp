@@ -60,9 +60,9 @@ void MetricsReader::read_times(const DecayCurve& curve,
     bool ends_early = false;
     const auto time = [&](const DecayRange& range) -> std::optional<double> {
         constexpr int kRoomDb = 10;
-        if (decay.noise.energy > 0.0 && decay.noise.depth_db < range.to_db + kRoomDb) {
+        if (decay.noise.energy > 0.0 && decay.noise.peak_to_noise_db < range.to_db + kRoomDb) {
             notes_.push_back(std::string(range.name) + " at " + name + ": noise " +
-                             std::to_string(std::lround(decay.noise.depth_db)) +
+                             std::to_string(std::lround(decay.noise.peak_to_noise_db)) +
                              " dB below the decay's start, " +
                              std::to_string(range.to_db + kRoomDb) + " dB needed");
             return std::nullopt;
@@ -95,7 +95,7 @@ std::optional<double> MetricsReader::clarity_db(const DecayCurve& curve,
 }
 
 BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
-    const DecayCurve curve(decay.squared, decay.onset, decay.sample_rate, decay.noise.beyond);
+    const DecayCurve curve(decay.squared, decay.onset, decay.sample_rate, decay.noise.tail_energy);
     const std::string at_band = " at " + band_name(bands_, band);
     BandMetrics out;
     read_times(curve, decay, band, out);

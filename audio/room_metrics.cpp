@@ -43,7 +43,7 @@ RoomMetrics room_metrics(const Bands& bands,
             const std::span<const double> signal(squared.data(),
                                                  energy.lead() + response.samples.size());
             noise = find_noise_floor(signal, begin, response.sample_rate);
-            squared.resize(noise.energy > 0.0 ? noise.end : squared.size());
+            squared.resize(noise.energy > 0.0 ? noise.cross_point : squared.size());
         }
         metrics.bands[band] =
             reader.read(band,

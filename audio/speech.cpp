@@ -62,14 +62,14 @@ double modulation_transfer(const Envelope& envelope, double frequency_hz) {
     return std::sqrt(in_phase * in_phase + in_quadrature * in_quadrature) / energy;
 }
 
-/// Cuts a band off where its decay sinks into noise.
+/// Truncates a band at the cross point of its decay with the noise.
 void cut_noise(std::vector<double>& squared, std::size_t lead, const ImpulseResponse& response) {
     const std::span<const double> signal(squared.data(), lead + response.samples.size());
     const auto loudest = std::max_element(signal.begin(), signal.end()) - signal.begin();
     const NoiseFloor floor =
         find_noise_floor(signal, static_cast<std::size_t>(loudest), response.sample_rate);
     if (floor.energy > 0.0) {
-        squared.resize(floor.end);
+        squared.resize(floor.cross_point);
     }
 }
 

@@ -25,12 +25,12 @@ inline constexpr DecayRange kT30{"t30", 5, 35};
 class DecayCurve {
 public:
     /// The curve begins at sample `onset`; its 0 dB is the energy of all samples, those before the
-    /// onset included, and `beyond`, that of the decay after the last sample. Precondition: a
+    /// onset included, and `tail_energy`, that of the decay after the last sample. Precondition: a
     /// sample is positive, onset < squared.size().
     DecayCurve(std::span<const double> squared,
                std::size_t onset,
                double sample_rate,
-               double beyond = 0.0);
+               double tail_energy = 0.0);
 
     double energy() const noexcept { return energy_; }
     /// Energy from `time` seconds after the onset on.
