@@ -19,11 +19,11 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr double kMinExtent = 1.5;       // metres: a booth
-constexpr double kMaxExtent = 200.0;     // metres: an arena
-constexpr double kMinHeight = 1.8;       // metres: people stand in rooms
-constexpr double kMaxHeight = 40.0;      // metres: a cathedral
-constexpr double kMinSide = 0.8;         // metres, of what is proposed: a corridor
+constexpr double kMinExtent = 1.5;       // metres: of a booth
+constexpr double kMaxExtent = 200.0;     // metres: of an arena
+constexpr double kMinHeight = 1.8;       // metres: of a person
+constexpr double kMaxHeight = 40.0;      // metres: of a cathedral
+constexpr double kMinSide = 0.8;         // metres: the width of a corridor, for proposed sizes
 constexpr double kMaxVolume = 200000.0;  // cubic metres
 constexpr double kUsualHeight = 3.0;     // metres
 
@@ -31,7 +31,7 @@ double largest_side(const Vec3& size) {
     return std::max({size.x, size.y, size.z});
 }
 
-/// What keeps a scene from being a room; empty if nothing does.
+/// The property of a scene that is implausible for a room; empty if there is none.
 std::string implausible(const Vec3& size, double volume) {
     const double extent = largest_side(size);
     if (extent < kMinExtent || extent > kMaxExtent) {
@@ -43,16 +43,18 @@ std::string implausible(const Vec3& size, double volume) {
     return volume > kMaxVolume ? "a volume of " + short_text(volume) + " m3" : "";
 }
 
-/// A room that is read right side up is likelier than one that is not, if sizes tell nothing else.
+/// The score of a changed up axis: the up axis of the file is kept unless the size of the scene
+/// clearly contradicts it.
 constexpr double kTurnPenalty = 0.1;
 
-/// 0 for a room of the usual height; larger the higher or lower, and if it is a tower.
+/// A score that is 0 for a room of the usual height. It increases with the deviation from that
+/// height, and for a scene that is higher than wide.
 double improbability(const Vec3& size) {
     return std::abs(math::log(size.y / kUsualHeight)) +
            std::max(0.0, math::log(size.y / std::min(size.x, size.z)));
 }
 
-/// One source or listener.
+/// A source or a listener with its position.
 struct Placed {
     const Emitter* emitter = nullptr;
     bool is_source = false;
@@ -81,10 +83,11 @@ bool is_beyond(const SceneExtent& extent, const Vec3& point, double tolerance) {
            glm::any(glm::greaterThan(point, extent.upper + tolerance));
 }
 
-/// A point on the surface is taken from the side of the pair's other point, whichever that is.
+/// The side of a closed surface that a point lies on. A point on the surface counts as on the same
+/// side as every other point.
 enum class Side { inside, outside, on_surface };
 
-/// Whether a surface holds some of the sources and listeners but not those they belong with.
+/// Whether a source and a listener lie on different sides of a closed surface.
 bool parts_a_pair(const std::vector<Placed>& placed, const std::vector<Side>& sides) {
     for (std::size_t i = 0; i < placed.size(); ++i) {
         for (std::size_t k = 0; k < placed.size(); ++k) {
@@ -196,7 +199,8 @@ Warnings misplaced_emitters(const Scene& scene, double time) {
         if (!parts_a_pair(placed, sides)) {
             continue;
         }
-        // A surface half as large as the scene is taken for the room, a smaller one for a solid.
+        // A surface at least half as large as the scene is assumed to be the boundary of the room,
+        // a smaller one that of a solid.
         const bool is_room =
             2.0 * glm::length(surface.upper - surface.lower) >= glm::length(extent.size());
         for (std::size_t i = 0; i < placed.size(); ++i) {
