@@ -3,6 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/bvh/quality.h"
+#include "earshot/cli/output.h"
 
 #include <nlohmann/json.hpp>
 
@@ -102,7 +103,7 @@ std::string hierarchy_text(const HierarchyReport& report) {
             "%s%.2f MiB (%.1f bytes per triangle)\n", what, size / 1048576.0, size / triangles);
     };
     std::string text;
-    text += "scene      " + report.scene + "\n";
+    text += "scene      " + on_one_line(report.scene) + "\n";
     text += formatted("triangles  %zu\n", report.triangles);
     text += formatted("nodes      %zu (%zu leaves)\n", report.quality.nodes, report.quality.leaves);
     text += formatted("depth      %zu\n", report.quality.depth);

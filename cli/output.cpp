@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/output.h"
 
+#include "earshot/io/escape.h"
+
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -33,7 +35,9 @@ void prepare_standard_streams() {
     std::signal(SIGPIPE, SIG_IGN);
 }
 
-void write_output(std::string_view text) {
+void write_output(std::string_view output) {
+    const std::string escaped = io::escape_controls(output, true);
+    std::string_view text = escaped;
     while (!text.empty()) {
         const ssize_t written = write(STDOUT_FILENO, text.data(), text.size());
         if (written > 0) {
@@ -58,14 +62,8 @@ void print_warnings(const Warnings& warnings) {
     }
 }
 
-std::string on_one_line(std::string text) {
-    for (char& character : text) {
-        const auto code = static_cast<unsigned char>(character);
-        if (code < 0x20 || code == 0x7f) {
-            character = '?';
-        }
-    }
-    return text;
+std::string on_one_line(std::string_view text) {
+    return io::escape_controls(text);
 }
 
 }  // namespace earshot::cli

@@ -12,9 +12,10 @@ namespace earshot::cli {
 /// number go to the next file that is opened, and turns a vanished reader into a failed write.
 void prepare_standard_streams();
 
-/// Writes all of `text` to standard output. A reader that has gone away (`earshot ... | head`) has
-/// what it wanted: that is no failure. Throws Error if the text cannot be written otherwise.
-void write_output(std::string_view text);
+/// Writes all of `output` to standard output, control characters but line feeds as escapes. A
+/// reader that has gone away (`earshot ... | head`) has what it wanted: that is no failure. Throws
+/// Error if the text cannot be written otherwise.
+void write_output(std::string_view output);
 
 /// Prints `earshot: error: MESSAGE` to standard error.
 void print_error(const std::string& message);
@@ -22,7 +23,7 @@ void print_error(const std::string& message);
 /// Prints one line `earshot: warning: SUBJECT: WHAT` for each to standard error.
 void print_warnings(const Warnings& warnings);
 
-/// The text on one line: control characters, which names of files may hold, become `?`.
-std::string on_one_line(std::string text);
+/// The text on one line: control characters, which names may hold, become escapes.
+std::string on_one_line(std::string_view text);
 
 }  // namespace earshot::cli

@@ -2,6 +2,7 @@
 #include "earshot/io/internal/json_lines.h"
 
 #include "earshot/base/assert.h"
+#include "earshot/io/escape.h"
 
 #include <utility>
 
@@ -10,7 +11,7 @@ namespace earshot::io {
 using Json = nlohmann::ordered_json;
 
 std::string json_text(const Json& value) {
-    return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return escape_controls(value.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 std::string json_number(double value) {

@@ -13,6 +13,7 @@
 namespace earshot::io {
 
 /// Compact JSON text. Names come from files and may not be UTF-8: bytes that are not become U+FFFD.
+/// Control characters are escaped, those too that JSON lets pass.
 std::string json_text(const nlohmann::ordered_json& value);
 
 /// A number with the fewest digits that read back as the same double.

@@ -90,8 +90,9 @@ TEST(Program, RefusesValuesThatAreNotWhatTheOptionTakes) {
 }
 
 TEST(Program, PutsErrorsOnOneLineWhateverTheArgumentsHold) {
-    EXPECT_TRUE(failed_with(run_earshot({"two\nlines"}), 2, "two?lines"));
-    EXPECT_TRUE(failed_with(run_earshot({"materials", "\x1b[31mred\r"}), 2, "?[31mred?"));
+    EXPECT_TRUE(failed_with(run_earshot({"two\nlines"}), 2, R"(two\u000alines)"));
+    EXPECT_TRUE(
+        failed_with(run_earshot({"materials", "\x1b[31mred\r"}), 2, R"(\u001b[31mred\u000d)"));
 }
 
 TEST(Program, FailsIfItsOutputCannotBeWritten) {
