@@ -67,6 +67,9 @@ public:
         if (!plot_file_.empty() && !report.frames.empty()) {
             io::write_whole_file(plot_file_, hierarchy_plot(report));
         }
+        if (!common().quiet) {
+            print_warnings(loaded.warnings);
+        }
         if (common().json) {
             write_output(hierarchy_json(report));
         } else if (!common().quiet) {

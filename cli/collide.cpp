@@ -5,6 +5,7 @@
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
+#include "earshot/cli/scene_choice.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/contacts.h"
 #include "earshot/io/scene_file.h"
@@ -55,6 +56,7 @@ public:
                          "in a second");
         app().add_option(
             "--animation", animation_, "name or number of the animation; default: the first");
+        add_allow_outside(app(), allow_outside_);
         app().add_flag("--discrete",
                        discrete_,
                        "pairs of triangles that intersect at each instant, instead of contacts "
@@ -136,10 +138,14 @@ private:
         }
     }
 
+    io::SceneOptions scene_options() const {
+        return {.animation = animation_, .allow_outside = allow_outside_};
+    }
+
     CollideMotion load(Warnings& warnings) {
         std::vector<geometry::AnimatedMesh> meshes;
         for (const std::string& file : files_) {
-            io::LoadedScene loaded = io::load_scene(file, {.animation = animation_});
+            io::LoadedScene loaded = io::load_scene(file, scene_options());
             warnings.insert(warnings.end(), loaded.warnings.begin(), loaded.warnings.end());
             meshes.push_back(std::move(loaded.scene.mesh));
         }
@@ -241,7 +247,7 @@ private:
     std::vector<std::string> files_;
     std::string output_, frames_, animation_;
     bool within_ = false, discrete_ = false, rigid_ = false, distance_ = false;
-    bool keep_split_ = false;
+    bool keep_split_ = false, allow_outside_ = false;
     CollideSummaryOptions summary_;
     collision::ContactOptions options_;
 };

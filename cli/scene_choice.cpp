@@ -39,10 +39,12 @@ void SceneChoice::add_to(CLI::App& app, const std::string& of_each_frame) {
         ->check(CLI::IsMember(unit_names()));
     app.add_option("--up", up_axis_, "axis of a mesh file that points up: y or z (default: y)")
         ->check(CLI::IsMember({"y", "z"}));
+    add_allow_outside(app, allow_outside_);
 }
 
 io::LoadedScene SceneChoice::load() const {
-    return io::load_scene(file_, {.animation = animation_, .frame = frame()});
+    return io::load_scene(
+        file_, {.animation = animation_, .frame = frame(), .allow_outside = allow_outside_});
 }
 
 io::FileFrame SceneChoice::frame() const {
@@ -70,6 +72,12 @@ std::string SceneChoice::file_of_frame(const std::string& output, std::size_t fr
     return (path.parent_path() /
             (path.stem().string() + frame_suffix(frame) + path.extension().string()))
         .string();
+}
+
+void add_allow_outside(CLI::App& app, bool& allow_outside) {
+    app.add_flag("--allow-outside",
+                 allow_outside,
+                 "let a glTF scene name buffers and images outside of its folder");
 }
 
 std::string frame_suffix(std::size_t frame) {

@@ -43,10 +43,14 @@ private:
     std::string file_, frames_, animation_;
     std::string unit_ = "m", up_axis_ = "y";
     double time_ = 0.0;
+    bool allow_outside_ = false;
 };
 
 /// "__0000", "__0001", ...
 std::string frame_suffix(std::size_t frame);
+
+/// Adds the flag that lets a scene name files outside of its folder.
+void add_allow_outside(CLI::App& app, bool& allow_outside);
 
 /// The index of a scene's material. Throws Error, with the nearest name, if there is none.
 std::uint32_t material_named(const propagation::Scene& scene, const std::string& name);

@@ -46,7 +46,7 @@ struct Rows {
 Rows read_rows(const std::filesystem::path& file) {
     const std::string text = read_whole_file(file);
     Rows rows;
-    Lines lines(text);
+    Lines lines(decoded_text(text, file.string()));
     while (const auto line = lines.next()) {
         if (trimmed(*line).empty()) {
             continue;

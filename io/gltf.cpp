@@ -2,6 +2,7 @@
 #include "earshot/io/directivity_file.h"
 #include "earshot/io/internal/acoustics_extras.h"
 #include "earshot/io/internal/gltf_scene.h"
+#include "earshot/io/internal/scene_folder.h"
 #include "earshot/io/internal/scene_parts.h"
 
 #include <algorithm>
@@ -60,9 +61,25 @@ int audio_emitter_of(const GltfFile& file, const Json& node, const std::string& 
     return emitter.get<int>();
 }
 
+/// A named pattern, or a table in the scene's folder.
+propagation::Directivity directivity_of(const std::string& name,
+                                        const SceneFolder& folder,
+                                        const std::string& subject) {
+    if (std::filesystem::path(name).extension() != ".csv") {
+        return directivity_named(name, {}, subject);
+    }
+    const auto file = folder.find(name, subject);
+    if (!file) {
+        throw Error(subject,
+                    "its directivity file " + condensed(name) + " is missing",
+                    "copy it beside the scene");
+    }
+    return read_directivity(*file);
+}
+
 void add_emitters(const GltfFile& file,
                   const GltfNodes& nodes,
-                  const std::filesystem::path& folder,
+                  const SceneFolder& folder,
                   LoadedScene& loaded) {
     for (std::size_t i = 0; i < file.model.nodes.size(); ++i) {
         if (!nodes.in_scene[i]) {
@@ -75,7 +92,7 @@ void add_emitters(const GltfFile& file,
         const NodeAcoustics acoustics =
             read_node_acoustics(json, emitter.name, file.name, loaded.acoustic_warnings);
         if (!acoustics.directivity.empty()) {
-            emitter.directivity = directivity_named(
+            emitter.directivity = directivity_of(
                 acoustics.directivity, folder, file.name + ": node \"" + emitter.name + "\"");
         }
         const bool has_audio_emitter = audio_emitter_of(file, json, emitter.name) >= 0;
@@ -105,13 +122,16 @@ void refuse_equal_names(const std::vector<Emitter>& emitters,
 }  // namespace
 
 LoadedScene load_gltf(const std::filesystem::path& path, const SceneOptions& options) {
-    const GltfFile file = read_gltf_file(path);
+    const SceneFolder folder(path, options.allow_outside);
+    const GltfFile file = read_gltf_file(path, folder);
     LoadedScene loaded;
+    loaded.warnings = file.warnings;
     GltfNodes nodes = read_nodes(file);
+    read_instances(file, nodes, loaded.warnings);
     read_animation(file, options.animation, nodes, loaded.warnings);
     GltfGeometry geometry = read_geometry(file, nodes, loaded.warnings);
     add_materials(file, geometry, loaded);
-    add_emitters(file, nodes, path.parent_path(), loaded);
+    add_emitters(file, nodes, folder, loaded);
     refuse_equal_names(loaded.scene.sources, "sources", file.name);
     refuse_equal_names(loaded.scene.listeners, "listeners", file.name);
     loaded.scene.mesh = geometry::AnimatedMesh(std::move(nodes.nodes),

@@ -173,9 +173,15 @@ void for_each_element(const GltfFile& file, int index, std::size_t components, c
     }
 }
 
-}  // namespace
+[[noreturn]] void fail_not_finite(const GltfFile& file, int index, std::size_t element) {
+    file.fail(name_of(index), "element " + std::to_string(element) + " is not a finite number");
+}
 
-std::vector<double> accessor_numbers(const GltfFile& file, int index, std::size_t components) {
+/// The numbers of an accessor; with `require_finite` one that is not finite is an error.
+std::vector<double> read_numbers(const GltfFile& file,
+                                 int index,
+                                 std::size_t components,
+                                 bool require_finite) {
     const tinygltf::Accessor& accessor = checked(file, index, components);
     const int type = accessor.componentType;
     const std::size_t size = component_size(type);
@@ -189,15 +195,20 @@ std::vector<double> accessor_numbers(const GltfFile& file, int index, std::size_
         reserve_once();
         for (std::size_t i = 0; i < components; ++i) {
             const double value = component(bytes + i * size, type, accessor.normalized);
-            if (!std::isfinite(value)) {
-                file.fail(name_of(index),
-                          "element " + std::to_string(at) + " is not a finite number");
+            if (require_finite && !std::isfinite(value)) {
+                fail_not_finite(file, index, at);
             }
             numbers[at * components + i] = value;
         }
     });
     reserve_once();
     return numbers;
+}
+
+}  // namespace
+
+std::vector<double> accessor_numbers(const GltfFile& file, int index, std::size_t components) {
+    return read_numbers(file, index, components, true);
 }
 
 std::vector<std::uint32_t> accessor_indices(const GltfFile& file,
@@ -227,17 +238,30 @@ std::vector<std::uint32_t> accessor_indices(const GltfFile& file,
 }
 
 std::vector<geometry::Vec3> accessor_points(const GltfFile& file, int index) {
-    const std::vector<double> numbers = accessor_numbers(file, index, 3);
+    const std::vector<double> numbers = read_numbers(file, index, 3, false);
     std::vector<geometry::Vec3> points(numbers.size() / 3);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        if (std::abs(numbers[i]) > kMaxCoordinate) {
-            file.fail(name_of(index),
-                      "element " + std::to_string(i / 3) + " lies beyond 1e12 m",
-                      "check the units of the export");
-        }
-        points[i / 3][static_cast<glm::length_t>(i % 3)] = numbers[i];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i] = {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
     }
     return points;
+}
+
+void check_used_points(const GltfFile& file,
+                       int index,
+                       const std::vector<geometry::Vec3>& points,
+                       const std::vector<bool>& is_used) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (int axis = 0; is_used[i] && axis < 3; ++axis) {
+            if (!std::isfinite(points[i][axis])) {
+                fail_not_finite(file, index, i);
+            }
+            if (std::abs(points[i][axis]) > kMaxCoordinate) {
+                file.fail(name_of(index),
+                          "element " + std::to_string(i) + " lies beyond 1e12 m",
+                          "check the units of the export");
+            }
+        }
+    }
 }
 
 }  // namespace earshot::io

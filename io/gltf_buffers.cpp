@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/error.h"
 #include "earshot/io/internal/gltf_file.h"
+#include "earshot/io/internal/scene_folder.h"
+#include "earshot/io/internal/text.h"
 #include "earshot/io/whole_file.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 
@@ -10,6 +13,7 @@ namespace earshot::io {
 namespace {
 
 using Bytes = std::vector<unsigned char>;
+using Json = nlohmann::json;
 
 Bytes to_bytes(std::string_view text) {
     return {text.begin(), text.end()};
@@ -69,10 +73,14 @@ std::optional<Bytes> base64_decoded(std::string_view text) {
     return bytes;
 }
 
+bool is_data_uri(std::string_view uri) {
+    return lower_case(uri.substr(0, 5)) == "data:";
+}
+
 /// The media type of a data URI does not matter for a buffer.
 Bytes data_uri_bytes(const GltfFile& file, const std::string& element, std::string_view uri) {
     const std::size_t comma = uri.find(',');
-    if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64")) {
+    if (comma == std::string_view::npos || !lower_case(uri.substr(0, comma)).ends_with(";base64")) {
         file.fail(element, "its data URI is not base64");
     }
     std::optional<Bytes> bytes = base64_decoded(uri.substr(comma + 1));
@@ -82,35 +90,132 @@ Bytes data_uri_bytes(const GltfFile& file, const std::string& element, std::stri
     return std::move(*bytes);
 }
 
+/// The file that a URI names. Exporters differ in what they escape, so the name is tried as RFC
+/// 3986 has it, as it stands, and with a slash for each backslash.
+std::optional<std::filesystem::path> file_of_uri(const GltfFile& file,
+                                                 const std::string& element,
+                                                 const SceneFolder& folder,
+                                                 const std::string& uri) {
+    if (uri.find("://") != std::string::npos || lower_case(uri).starts_with("file:")) {
+        file.fail(element, condensed(uri) + " is not a file", "store it beside the scene");
+    }
+    std::string with_slashes = percent_decoded(uri);
+    std::replace(with_slashes.begin(), with_slashes.end(), '\\', '/');
+    for (const std::string& name : {percent_decoded(uri), uri, with_slashes}) {
+        if (name.empty()) {
+            continue;
+        }
+        if (auto found = folder.find(name, element)) {
+            return found;
+        }
+    }
+    return std::nullopt;
+}
+
 Bytes external_bytes(const GltfFile& file,
                      const std::string& element,
-                     const std::filesystem::path& folder,
+                     const SceneFolder& folder,
                      const std::string& uri) {
-    if (uri.find("://") != std::string::npos) {
-        file.fail(element, condensed(uri) + " is not a file", "store the buffer beside the scene");
+    const auto path = file_of_uri(file, element, folder, uri);
+    if (!path) {
+        file.fail(
+            element, "its file " + condensed(uri) + " is missing", "copy it beside the scene");
     }
-    const std::filesystem::path path = folder / percent_decoded(uri);
-    std::error_code ignored;
-    if (uri.empty() || !std::filesystem::is_regular_file(path, ignored)) {
-        file.fail(element,
-                  "its file " + condensed(path.string()) + " is missing",
-                  "copy it beside the scene");
+    return to_bytes(read_whole_file(*path));
+}
+
+/// Per buffer whether an accessor needs it: through its view, through the compressed data of its
+/// view, or through Draco data.
+class NeededBuffers {
+public:
+    explicit NeededBuffers(const GltfFile& file)
+        : file_(file), needed_(count_of("buffers"), false) {
+        for (const Json& accessor : items_of(file.json, "accessors")) {
+            need_view_of(accessor);
+            if (accessor.contains("sparse")) {
+                need_view_of(accessor["sparse"]["indices"]);
+                need_view_of(accessor["sparse"]["values"]);
+            }
+        }
+        for (const Json& mesh : items_of(file.json, "meshes")) {
+            for (const Json& primitive : items_of(mesh, "primitives")) {
+                if (const Json* draco = file.extension(primitive, kDracoExtension, "a primitive")) {
+                    need_view_of(*draco);
+                }
+            }
+        }
     }
-    return to_bytes(read_whole_file(path));
+
+    bool contains(std::size_t buffer) const { return needed_[buffer]; }
+
+private:
+    static const Json& items_of(const Json& object, const char* key) {
+        static const Json none = Json::array();
+        const auto found = object.find(key);
+        return found == object.end() ? none : *found;
+    }
+
+    std::size_t count_of(const char* array) const { return items_of(file_.json, array).size(); }
+
+    void need_view_of(const Json& object) {
+        const auto view = object.find("bufferView");
+        if (view == object.end() || !view->is_number_unsigned() ||
+            view->get<std::size_t>() >= count_of("bufferViews")) {
+            return;
+        }
+        const Json& found = file_.json["bufferViews"][view->get<std::size_t>()];
+        const Json* compressed = file_.extension(found, kMeshoptExtension, "a bufferView");
+        const std::size_t buffer =
+            file_.whole_number(compressed != nullptr ? *compressed : found, "buffer", "bufferView");
+        if (buffer < needed_.size()) {
+            needed_[buffer] = true;
+        }
+    }
+
+    const GltfFile& file_;
+    std::vector<bool> needed_;
+};
+
+/// Images are not read, but a scene that names files elsewhere is refused as a whole.
+void check_images(const GltfFile& file, const SceneFolder& folder) {
+    const auto images = file.json.find("images");
+    if (images == file.json.end() || !images->is_array()) {
+        return;
+    }
+    for (std::size_t i = 0; i < images->size(); ++i) {
+        const Json& image = (*images)[i];
+        if (image.is_object() && image.contains("uri") && image["uri"].is_string() &&
+            !is_data_uri(image["uri"].get_ref<const std::string&>())) {
+            file_of_uri(file, "image " + std::to_string(i), folder, image["uri"]);
+        }
+    }
 }
 
 }  // namespace
 
-void load_gltf_buffers(GltfFile& file,
-                       const std::filesystem::path& folder,
-                       std::string_view binary) {
+int append_buffer_view(tinygltf::Model& model, Bytes bytes) {
+    tinygltf::BufferView view;
+    view.buffer = static_cast<int>(model.buffers.size());
+    view.byteLength = bytes.size();
+    model.buffers.emplace_back();
+    model.buffers.back().data = std::move(bytes);
+    model.bufferViews.push_back(std::move(view));
+    return static_cast<int>(model.bufferViews.size()) - 1;
+}
+
+void load_gltf_buffers(GltfFile& file, const SceneFolder& folder, std::string_view binary) {
+    check_images(file, folder);
     const auto found = file.json.find("buffers");
     const std::size_t count = found == file.json.end() ? 0 : found->size();
     file.model.buffers.resize(count);
+    const NeededBuffers needed(file);
     for (std::size_t i = 0; i < count; ++i) {
-        const nlohmann::json& buffer = (*found)[i];
+        const Json& buffer = (*found)[i];
         const std::string element = "buffer " + std::to_string(i);
         Bytes& data = file.model.buffers[i].data;
+        if (!needed.contains(i)) {
+            continue;
+        }
         if (!buffer.contains("uri")) {
             if (i != 0) {
                 file.fail(element, "it has no uri, which only the first buffer of a GLB may lack");
@@ -118,8 +223,8 @@ void load_gltf_buffers(GltfFile& file,
             data = to_bytes(binary);
         } else {
             const auto& uri = buffer["uri"].get_ref<const std::string&>();
-            data = uri.starts_with("data:") ? data_uri_bytes(file, element, uri)
-                                            : external_bytes(file, element, folder, uri);
+            data = is_data_uri(uri) ? data_uri_bytes(file, element, uri)
+                                    : external_bytes(file, element, folder, uri);
         }
         const std::size_t length = buffer["byteLength"].get<std::size_t>();
         if (data.size() < length) {

@@ -2,9 +2,6 @@
 #include "earshot/base/error.h"
 #include "earshot/io/internal/gltf_file.h"
 
-#include <algorithm>
-#include <array>
-
 namespace earshot::io {
 namespace {
 
@@ -119,38 +116,6 @@ private:
     const Json& value_;
     std::string name_;
 };
-
-/// Whether a file that requires this extension can be heard without understanding it: it concerns
-/// appearance, or earshot reads it.
-bool is_understood(std::string_view extension) {
-    constexpr std::array<std::string_view, 12> kUnderstood{"KHR_materials_",
-                                                           "KHR_texture_",
-                                                           "EXT_texture_",
-                                                           "MSFT_texture_",
-                                                           "KHR_lights_",
-                                                           "EXT_lights_",
-                                                           "KHR_xmp",
-                                                           "KHR_audio",
-                                                           "ADOBE_materials_",
-                                                           "AGI_stk_metadata",
-                                                           "KHR_mesh_quantization",
-                                                           "MSFT_packing_"};
-    return std::any_of(kUnderstood.begin(), kUnderstood.end(), [=](std::string_view prefix) {
-        return extension.starts_with(prefix);
-    });
-}
-
-void check_required_extensions(const GltfFile& file, const Element& root) {
-    for (const Json& item : root.items("extensionsRequired")) {
-        const std::string extension = item.is_string() ? item.get<std::string>() : item.dump();
-        if (!is_understood(extension)) {
-            throw Error(
-                file.name,
-                "requires the extension " + condensed(extension) + ", which earshot does not read",
-                "export without it (no mesh compression, plain accessors)");
-        }
-    }
-}
 
 void check_asset(const GltfFile& file, const Element& root) {
     const Element asset = root.child("asset", "asset");
@@ -278,7 +243,6 @@ void check_gltf_structure(const GltfFile& file) {
     }
     const Element root(file, file.json, "");
     check_asset(file, root);
-    check_required_extensions(file, root);
     root.each("buffers", "buffer", [](const Element& buffer) {
         buffer.need("byteLength");
         buffer.count("byteLength");

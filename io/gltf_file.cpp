@@ -2,9 +2,11 @@
 #include "earshot/io/internal/gltf_file.h"
 
 #include "earshot/base/error.h"
+#include "earshot/io/internal/text.h"
 #include "earshot/io/whole_file.h"
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -79,6 +81,43 @@ Json parse_json(std::string_view text, const std::string& name) {
     }
 }
 
+/// JSON has one kind of number: 6.0 is the whole number 6. Extras are the user's own and stay.
+void write_whole_numbers_whole(Json& json) {
+    if (json.is_number_float()) {
+        constexpr double kMaxExact = 9007199254740992.0;  // 2^53
+        const double value = json.get<double>();
+        const bool is_whole = value == std::trunc(value) && std::abs(value) < kMaxExact;
+        if (is_whole && value >= 0.0 && !std::signbit(value)) {
+            json = static_cast<std::uint64_t>(value);
+        } else if (is_whole && value < 0.0) {
+            json = static_cast<std::int64_t>(value);
+        }
+    } else if (json.is_array()) {
+        for (Json& item : json) {
+            write_whole_numbers_whole(item);
+        }
+    } else if (json.is_object()) {
+        for (const auto& [key, item] : json.items()) {
+            if (key != "extras") {
+                write_whole_numbers_whole(item);
+            }
+        }
+    }
+}
+
+void drop_members(Json& json, std::initializer_list<const char*> names) {
+    if (json.is_object()) {
+        for (const char* name : names) {
+            json.erase(name);
+        }
+    }
+    if (json.is_structured()) {
+        for (Json& item : json) {
+            drop_members(item, names);
+        }
+    }
+}
+
 /// What concerns geometry and motion. Images may be absent and cameras do not sound; buffers are
 /// read by load_gltf_buffers, materials by acoustics_extras.
 std::string structure_text(const Json& json) {
@@ -96,7 +135,28 @@ std::string structure_text(const Json& json) {
             kept[key] = json[key];
         }
     }
+    drop_members(kept, {"extensions", "extras"});
+    // tinygltf refuses indices without a bufferView, which are all zeros but for sparse values.
+    if (kept.contains("meshes")) {
+        for (Json& mesh : kept["meshes"]) {
+            if (mesh.contains("primitives")) {
+                for (Json& primitive : mesh["primitives"]) {
+                    primitive.erase("indices");
+                }
+            }
+        }
+    }
     return kept.dump();
+}
+
+/// Puts back what structure_text() holds back.
+void restore_indices(GltfFile& file) {
+    for (std::size_t mesh = 0; mesh < file.model.meshes.size(); ++mesh) {
+        std::vector<tinygltf::Primitive>& primitives = file.model.meshes[mesh].primitives;
+        for (std::size_t i = 0; i < primitives.size(); ++i) {
+            primitives[i].indices = file.json["meshes"][mesh]["primitives"][i].value("indices", -1);
+        }
+    }
 }
 
 }  // namespace
@@ -125,13 +185,21 @@ void GltfFile::fail(const std::string& element,
     throw Error(name, element.empty() ? what : element + ": " + what, remedy);
 }
 
+namespace {
+
+std::string_view decoded_json(std::string_view bytes, const std::string& name) {
+    try {
+        return decoded_text(bytes, name);
+    } catch (const Error& error) {
+        throw Error(name, std::string("JSON cannot be read: it ") + error.what(), error.remedy());
+    }
+}
+
+}  // namespace
+
 GltfChunks split_gltf(std::string_view bytes, const std::string& name) {
     if (!bytes.starts_with(kMagic)) {
-        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-        if (bytes.starts_with(kByteOrderMark)) {
-            bytes.remove_prefix(kByteOrderMark.size());
-        }
-        return {bytes, {}};
+        return {decoded_json(bytes, name), {}};
     }
     if (bytes.size() < 12) {
         throw Error(name, "is truncated: the GLB header is incomplete", kTruncated);
@@ -161,13 +229,15 @@ GltfChunks split_gltf(std::string_view bytes, const std::string& name) {
     return chunks;
 }
 
-GltfFile read_gltf_file(const std::filesystem::path& path) {
+GltfFile read_gltf_file(const std::filesystem::path& path, const SceneFolder& folder) {
     const std::string bytes = read_whole_file(path);
     GltfFile file;
     file.name = path.string();
     const GltfChunks chunks = split_gltf(bytes, file.name);
     file.json = parse_json(chunks.json, file.name);
+    write_whole_numbers_whole(file.json);
     check_gltf_structure(file);
+    check_gltf_extensions(file);
 
     tinygltf::TinyGLTF reader;
     std::string error;
@@ -181,7 +251,10 @@ GltfFile read_gltf_file(const std::filesystem::path& path) {
     if (!is_read) {
         throw Error(file.name, condensed(error), "export the file again");
     }
-    load_gltf_buffers(file, path.parent_path(), chunks.binary);
+    restore_indices(file);
+    load_gltf_buffers(file, folder, chunks.binary);
+    decode_meshopt_views(file);
+    decode_draco_primitives(file);
     return file;
 }
 

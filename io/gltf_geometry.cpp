@@ -3,6 +3,7 @@
 #include "earshot/io/internal/gltf_primitive.h"
 #include "earshot/io/internal/gltf_scene.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace earshot::io {
@@ -54,33 +55,67 @@ public:
         Warnings repeated;  // a mesh under several nodes is warned about once
         Warnings& warnings = is_seen_[mesh_index] ? repeated : warnings_;
         is_seen_[mesh_index] = true;
-        for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
-            const std::string element =
-                "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(i);
-            const std::size_t joint_count =
-                node.skin < 0
-                    ? 0
-                    : file_.model.skins[static_cast<std::size_t>(node.skin)].joints.size();
-            auto primitive =
-                read_primitive(file_, mesh.primitives[i], element, joint_count, warnings);
-            if (!primitive) {
-                continue;
+        std::vector<GltfPrimitive> primitives = read_primitives(node, mesh, warnings);
+        check_instances(node_index, primitives);
+        for (const int mesh_node : nodes_.mesh_nodes[node_index]) {
+            for (GltfPrimitive& primitive : primitives) {
+                place(node_index, mesh_node, mesh, primitive);
+                append(primitive);
             }
-            place(node_index, mesh, element, *primitive);
-            append(std::move(*primitive), mesh.primitives[i].material, element);
         }
     }
 
     GltfGeometry take() { return std::move(geometry_); }
 
 private:
+    std::vector<GltfPrimitive> read_primitives(const tinygltf::Node& node,
+                                               const tinygltf::Mesh& mesh,
+                                               Warnings& warnings) const {
+        std::vector<GltfPrimitive> primitives;
+        for (std::size_t i = 0; i < mesh.primitives.size(); ++i) {
+            const std::size_t joint_count =
+                node.skin < 0
+                    ? 0
+                    : file_.model.skins[static_cast<std::size_t>(node.skin)].joints.size();
+            auto primitive = read_primitive(
+                file_,
+                mesh.primitives[i],
+                "mesh " + std::to_string(node.mesh) + " primitive " + std::to_string(i),
+                joint_count,
+                warnings);
+            if (primitive) {
+                primitives.push_back(std::move(*primitive));
+            }
+        }
+        return primitives;
+    }
+
+    /// A few bytes can ask for many instances of a large mesh.
+    void check_instances(std::size_t node_index,
+                         const std::vector<GltfPrimitive>& primitives) const {
+        constexpr std::size_t kMaxInstancedVertices = std::size_t{1} << 28U;
+        const std::size_t instances = nodes_.mesh_nodes[node_index].size();
+        std::size_t vertices = 0;
+        for (const GltfPrimitive& primitive : primitives) {
+            vertices += std::max(primitive.part.positions.size(), primitive.triangles.size());
+        }
+        if (instances > 1 && vertices > kMaxInstancedVertices / instances) {
+            file_.fail("node " + std::to_string(node_index),
+                       std::to_string(instances) + " instances of " + std::to_string(vertices) +
+                           " vertices are more than 2^28",
+                       "split the scene");
+        }
+    }
+
+    /// Puts a part under its node and gives it its skin and morph weights.
     void place(std::size_t node_index,
+               int mesh_node,
                const tinygltf::Mesh& mesh,
-               const std::string& element,
                GltfPrimitive& primitive) {
+        const std::string& element = primitive.element;
         const tinygltf::Node& node = file_.model.nodes[node_index];
         geometry::Part& part = primitive.part;
-        part.node = nodes_.index_of[node_index];
+        part.node = mesh_node;
         part.skin = node.skin < 0 ? -1 : skin(node.skin);
         const std::vector<double>& weights = node.weights.empty() ? mesh.weights : node.weights;
         if (!weights.empty()) {
@@ -97,22 +132,24 @@ private:
         }
     }
 
-    void append(GltfPrimitive primitive, int material, const std::string& element) {
+    void append(const GltfPrimitive& primitive) {
         const std::size_t total = vertex_count_ + primitive.part.positions.size();
         constexpr std::size_t kMaxCount = std::numeric_limits<std::uint32_t>::max();
         if (total > kMaxCount ||
             geometry_.triangles.size() + primitive.triangles.size() > kMaxCount) {
-            file_.fail(element, "the scene has more than 2^32 vertices or triangles", "split it");
+            file_.fail(primitive.element,
+                       "the scene has more than 2^32 vertices or triangles",
+                       "split it");
         }
         for (geometry::Triangle triangle : primitive.triangles) {
             for (geometry::VertexId& vertex : triangle) {
                 vertex += static_cast<geometry::VertexId>(vertex_count_);
             }
             geometry_.triangles.push_back(triangle);
-            geometry_.material_of_triangle.push_back(material);
+            geometry_.material_of_triangle.push_back(primitive.material);
         }
         vertex_count_ = total;
-        geometry_.parts.push_back(std::move(primitive.part));
+        geometry_.parts.push_back(primitive.part);
     }
 
     int skin(int index) {

@@ -107,6 +107,7 @@ GltfNodes read_nodes(const GltfFile& file) {
     read.index_of.assign(count, -1);
     read.in_scene.assign(count, false);
     read.weight_track.resize(count);
+    read.mesh_nodes.resize(count);
     for (const int at : order) {
         const auto index = static_cast<std::size_t>(at);
         const int parent = parents[index];
@@ -119,6 +120,7 @@ GltfNodes read_nodes(const GltfFile& file) {
             node.matrix = matrix_of(file, index);
         }
         read.index_of[index] = static_cast<int>(read.nodes.size());
+        read.mesh_nodes[index] = {read.index_of[index]};
         read.nodes.push_back(std::move(node));
     }
     for (std::size_t i = 0; i < count; ++i) {

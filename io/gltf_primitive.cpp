@@ -27,13 +27,17 @@ std::vector<VertexId> vertex_order(const GltfFile& file,
 std::vector<Triangle> assemble(const GltfFile& file,
                                const std::string& element,
                                int mode,
-                               const std::vector<VertexId>& v) {
+                               const std::vector<VertexId>& v,
+                               Warnings& warnings) {
     std::vector<Triangle> triangles;
     if (mode == TINYGLTF_MODE_TRIANGLES) {
         if (v.size() % 3 != 0) {
-            file.fail(element, std::to_string(v.size()) + " indices are not whole triangles");
+            warnings.push_back({file.name,
+                                element + ": " + std::to_string(v.size()) +
+                                    " indices are not whole triangles; the last " +
+                                    std::to_string(v.size() % 3) + " are left out"});
         }
-        for (std::size_t i = 0; i < v.size(); i += 3) {
+        for (std::size_t i = 0; i + 2 < v.size(); i += 3) {
             triangles.push_back({v[i], v[i + 1], v[i + 2]});
         }
         return triangles;
@@ -51,7 +55,8 @@ std::vector<Triangle> assemble(const GltfFile& file,
 std::vector<geometry::MorphTarget> read_targets(const GltfFile& file,
                                                 const tinygltf::Primitive& primitive,
                                                 const std::string& element,
-                                                std::size_t vertex_count) {
+                                                const std::vector<bool>& is_used) {
+    const std::size_t vertex_count = is_used.size();
     std::vector<geometry::MorphTarget> targets;
     for (std::size_t i = 0; i < primitive.targets.size(); ++i) {
         geometry::MorphTarget target;
@@ -66,6 +71,9 @@ std::vector<geometry::MorphTarget> read_targets(const GltfFile& file,
                       "target " + std::to_string(i) + " has " +
                           std::to_string(target.displacement.size()) + " displacements for " +
                           std::to_string(vertex_count) + " vertices");
+        }
+        if (found != primitive.targets[i].end()) {
+            check_used_points(file, found->second, target.displacement, is_used);
         }
         targets.push_back(std::move(target));
     }
@@ -84,15 +92,19 @@ void keep_used(const std::vector<bool>& is_used, std::size_t width, std::vector<
     elements.resize(kept);
 }
 
-/// Primitives often share one large vertex buffer; each keeps what it uses.
-void drop_unused_vertices(GltfPrimitive& primitive) {
-    geometry::Part& part = primitive.part;
-    std::vector<bool> is_used(part.positions.size(), false);
-    for (const Triangle& triangle : primitive.triangles) {
+std::vector<bool> used_vertices(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
+    std::vector<bool> is_used(vertex_count, false);
+    for (const Triangle& triangle : triangles) {
         for (const VertexId vertex : triangle) {
             is_used[vertex] = true;
         }
     }
+    return is_used;
+}
+
+/// Primitives often share one large vertex buffer; each keeps what it uses.
+void drop_unused_vertices(const std::vector<bool>& is_used, GltfPrimitive& primitive) {
+    geometry::Part& part = primitive.part;
     std::vector<VertexId> renumbered(is_used.size());
     VertexId next = 0;
     for (std::size_t i = 0; i < is_used.size(); ++i) {
@@ -133,16 +145,20 @@ std::optional<GltfPrimitive> read_primitive(const GltfFile& file,
         return std::nullopt;
     }
     GltfPrimitive read;
+    read.material = primitive.material;
+    read.element = element;
     read.part.positions = accessor_points(file, position->second);
     const std::size_t vertex_count = read.part.positions.size();
-    read.triangles =
-        assemble(file, element, primitive.mode, vertex_order(file, primitive, vertex_count));
-    read.part.targets = read_targets(file, primitive, element, vertex_count);
+    read.triangles = assemble(
+        file, element, primitive.mode, vertex_order(file, primitive, vertex_count), warnings);
+    const std::vector<bool> is_used = used_vertices(read.triangles, vertex_count);
+    check_used_points(file, position->second, read.part.positions, is_used);
+    read.part.targets = read_targets(file, primitive, element, is_used);
     read.part.rest_weights.assign(read.part.targets.size(), 0.0);
     if (joint_count > 0) {
         read_influences(file, primitive, element, joint_count, read.part, warnings);
     }
-    drop_unused_vertices(read);
+    drop_unused_vertices(is_used, read);
     return read;
 }
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/geometry/predicates.h"
 #include "earshot/io/internal/acoustics_extras.h"
 #include "earshot/io/internal/polygons.h"
 #include "earshot/io/internal/scene_parts.h"
@@ -11,6 +10,10 @@
 
 namespace earshot::io {
 namespace {
+
+using geometry::Triangle;
+using geometry::Vec3;
+using geometry::VertexId;
 
 PolygonMesh parse(std::string_view bytes, MeshFormat format, const std::string& file) {
     switch (format) {
@@ -26,23 +29,59 @@ PolygonMesh parse(std::string_view bytes, MeshFormat format, const std::string& 
     return parse_off(bytes, file);
 }
 
-/// Also takes coordinates that are too small for exact predicates for 0.
-void check_positions(geometry::Mesh& mesh, const std::string& file) {
+void check_counts(const geometry::Mesh& mesh, const std::string& file) {
     constexpr std::size_t kMaxCount = std::numeric_limits<std::uint32_t>::max();
     if (mesh.positions.size() > kMaxCount || mesh.triangles.size() > kMaxCount) {
         throw Error(file, "has more than 2^32 vertices or triangles", "split it");
     }
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
-        geometry::Vec3& p = mesh.positions[i];
-        const double largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-        const bool is_number = !std::isnan(p.x) && !std::isnan(p.y) && !std::isnan(p.z);
-        if (!is_number || largest > kMaxCoordinate) {
-            throw Error(file,
-                        "vertex " + std::to_string(i) +
-                            (is_number ? " lies beyond 1e12 m" : " is not a number"),
-                        "check the units of the export");
+}
+
+/// Keeps the vertices that a triangle uses, in their order. Organised scans mark the points they
+/// lack by NaN, and no face uses those.
+void drop_unused_vertices(geometry::Mesh& mesh, const std::vector<bool>& is_used) {
+    if (std::find(is_used.begin(), is_used.end(), false) == is_used.end()) {
+        return;
+    }
+    std::vector<VertexId> renumbered(is_used.size());
+    VertexId next = 0;
+    for (std::size_t i = 0; i < is_used.size(); ++i) {
+        renumbered[i] = next;
+        mesh.positions[next] = mesh.positions[i];
+        next += is_used[i] ? 1 : 0;
+    }
+    mesh.positions.resize(next);
+    for (Triangle& triangle : mesh.triangles) {
+        for (VertexId& vertex : triangle) {
+            vertex = renumbered[vertex];
         }
-        p = geometry::without_tiny_coordinates(p);
+    }
+}
+
+void clean_vertices(geometry::Mesh& mesh, const std::string& file) {
+    std::vector<bool> is_used(mesh.positions.size(), false);
+    for (const Triangle& triangle : mesh.triangles) {
+        for (const VertexId vertex : triangle) {
+            is_used[vertex] = true;
+        }
+    }
+    for (std::size_t i = 0; i < is_used.size(); ++i) {
+        if (is_used[i]) {
+            clean_position(mesh.positions[i], i, file);
+        }
+    }
+    drop_unused_vertices(mesh, is_used);
+}
+
+/// The unit in a comment is a hint: it is told where no unit was given.
+void warn_of_stated_unit(const PolygonMesh& read,
+                         const FileFrame& frame,
+                         const std::string& file,
+                         Warnings& warnings) {
+    if (read.stated_unit && read.stated_unit->unit != "m" && frame.metres_per_unit == 1.0) {
+        warnings.push_back({file,
+                            "it states \"" + read.stated_unit->words +
+                                "\", but its coordinates are taken as metres; --units " +
+                                read.stated_unit->unit + " takes them so"});
     }
 }
 
@@ -58,8 +97,11 @@ LoadedScene load_mesh_file(const std::filesystem::path& path,
             position = frame.to_scene(position);
         }
     }
-    check_positions(read.mesh, file);
+    check_counts(read.mesh, file);
+    clean_vertices(read.mesh, file);
     LoadedScene loaded;
+    loaded.warnings = std::move(read.warnings);
+    warn_of_stated_unit(read, frame, file, loaded.warnings);
     if (read.material_names.empty()) {
         read.material_names.emplace_back("default");
         read.material_of_triangle.assign(read.mesh.triangles.size(), 0);

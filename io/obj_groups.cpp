@@ -21,15 +21,18 @@ void ObjGroups::begin_group(std::string_view name) {
     group_ = name;
 }
 
-void ObjGroups::add_face(std::span<const std::int64_t> corners) {
+void ObjGroups::add_face() {
     const auto next = static_cast<std::uint32_t>(groups_.size());
     const auto [entry, is_new] = group_of_name_.emplace(group_, next);
     if (is_new) {
         const std::string& name = object_.empty() ? group_ : object_;
         groups_.push_back({name, next});
     }
-    const std::uint32_t group = entry->second;
-    group_of_face_.push_back(group);
+    group_of_face_.push_back(entry->second);
+}
+
+void ObjGroups::join_at_vertices(std::size_t face, std::span<const std::int64_t> corners) {
+    const std::uint32_t group = group_of_face_[face];
     for (const std::int64_t corner : corners) {
         const auto vertex = static_cast<std::size_t>(corner);
         if (vertex >= group_of_vertex_.size()) {

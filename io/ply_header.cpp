@@ -4,6 +4,7 @@
 #include "earshot/base/error.h"
 #include "earshot/io/internal/text.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -126,6 +127,10 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& file) {
     if (trimmed(lines.next().value_or("")) != "ply") {
         throw Error(file, "does not begin with ply", "export it as PLY");
     }
+    // Where lines end in a carriage return alone, a line feed after the last belongs to the body.
+    const std::string_view first_end =
+        bytes.substr(std::min(bytes.find_first_of("\r\n"), bytes.size()));
+    const bool ends_in_return = first_end.starts_with('\r') && !first_end.starts_with("\r\n");
     while (const auto line = lines.next()) {
         std::string_view rest = *line;
         const std::string_view keyword = take_word(rest);
@@ -137,12 +142,16 @@ PlyHeader parse_ply_header(std::string_view bytes, const std::string& file) {
         } else if (keyword == "property" && !header.elements.empty()) {
             header.elements.back().properties.push_back(parse_property(rest, file));
         } else if (keyword == "end_header" && has_format) {
-            header.size = static_cast<std::size_t>(line->data() + line->size() - bytes.data());
-            header.size += header.size < bytes.size() && bytes[header.size] == '\r' ? 1 : 0;
-            header.size += header.size < bytes.size() && bytes[header.size] == '\n' ? 1 : 0;
+            const auto line_end =
+                static_cast<std::size_t>(line->data() + line->size() - bytes.data());
+            const bool has_both = !ends_in_return && bytes.substr(line_end).starts_with("\r\n");
+            header.size = std::min(line_end + (has_both ? 2U : 1U), bytes.size());
+            header.lines = lines.number();
             check_counts(header, bytes.size(), file);
             return header;
-        } else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
+        } else if (keyword == "comment" || keyword == "obj_info") {
+            header.stated_unit = header.stated_unit ? header.stated_unit : unit_in_comment(rest);
+        } else if (!keyword.empty()) {
             throw Error(file,
                         "its header has a line that PLY does not know: " + lines.name(),
                         "correct the header");

@@ -34,7 +34,7 @@ template <class Row>
 void for_each_row(const std::filesystem::path& file, std::size_t columns, const Row& row) {
     const std::string text = read_whole_file(file);
     const std::string form = columns == 3 ? "X,Y,Z" : "NAME,X,Y,Z";
-    Lines lines(text);
+    Lines lines(decoded_text(text, file.string()));
     bool is_empty = true;
     while (const auto line = lines.next()) {
         const Cells cells = cells_of(*line);

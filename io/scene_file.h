@@ -31,6 +31,8 @@ struct SceneOptions {
     /// How the coordinates of a mesh file are meant; the scene is in metres, +Y up. Of a glTF file
     /// only the default is right, anything else an Error.
     FileFrame frame{};
+    /// Whether a glTF scene may name files outside of the folder of its real path.
+    bool allow_outside = false;
 };
 
 /// Reads .gltf, .glb, .obj, .ply, .stl or .off (by suffix, any case); docs/files.md says what is

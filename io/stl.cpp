@@ -3,6 +3,8 @@
 #include "earshot/io/internal/polygons.h"
 #include "earshot/io/internal/text.h"
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace earshot::io {
@@ -26,6 +28,7 @@ std::size_t claimed_triangles(std::string_view bytes) {
 
 PolygonMesh parse_binary(std::string_view bytes, std::size_t count) {
     PolygonMesh mesh;
+    mesh.stated_unit = unit_in_comment(bytes.substr(0, bytes.substr(0, 80).find('\0')));
     mesh.mesh.positions.reserve(count * 3);
     mesh.mesh.triangles.reserve(count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -40,42 +43,185 @@ PolygonMesh parse_binary(std::string_view bytes, std::size_t count) {
     return mesh;
 }
 
-PolygonMesh parse_ascii(std::string_view text, const std::string& file) {
-    PolygonMesh mesh;
-    std::array<geometry::Vec3, 3> corners;
-    std::size_t corner_count = 0;
-    bool is_ended = false;
-    Lines lines(text);
-    while (const auto line = lines.next()) {
-        std::string_view rest = *line;
-        const std::string_view keyword = take_word(rest);
-        if (keyword == "vertex") {
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto number = to_number(take_word(rest));
-                if (!number || corner_count == 3) {
-                    throw Error(file,
-                                lines.name() + ": a facet needs three vertices of three numbers",
-                                "mend the line");
-                }
-                corners[corner_count][axis] = *number;
+/// Reads ASCII STL word by word, in any case of letters: writers put a facet on seven lines, on
+/// one, or a whole file on one. Names of solids run to the end of their line.
+class AsciiReader {
+public:
+    AsciiReader(std::string_view text, const std::string& file) : file_(file), lines_(text) {}
+
+    PolygonMesh read() {
+        while (advance()) {
+            const std::string keyword = next_keyword();
+            if (!is_known(keyword)) {
+                leave_out_line(keyword);
+                continue;
             }
-            ++corner_count;
-        } else if (keyword == "endloop") {
-            if (corner_count != 3) {
-                throw Error(file,
-                            lines.name() + ": a facet has " + std::to_string(corner_count) +
-                                " vertices, not three",
-                            "export the file again");
+            is_ended_ = keyword == "endsolid";
+            if (keyword == "vertex") {
+                add_vertex();
+            } else if (keyword == "endloop") {
+                end_loop();
+            } else if (keyword == "solid" || keyword == "endsolid") {
+                skip_name(keyword);
+            } else if (keyword == "normal") {
+                skip_normal();
             }
-            add_triangle(mesh, corners);
-            corner_count = 0;
         }
-        is_ended = keyword == "endsolid" || (is_ended && keyword.empty());
+        if (!is_ended_) {
+            throw Error(
+                file_,
+                "is truncated: it does not end with endsolid, " + lines_.name() + " is the last",
+                "copy or export the file again");
+        }
+        warn_of_lines_left_out();
+        return std::move(mesh_);
     }
-    if (!is_ended) {
-        throw Error(file, "is truncated: it does not end with endsolid", "copy the file again");
+
+private:
+    static bool is_known(std::string_view keyword) noexcept {
+        constexpr std::array<std::string_view, 9> kKeywords{"solid",
+                                                            "facet",
+                                                            "normal",
+                                                            "outer",
+                                                            "loop",
+                                                            "vertex",
+                                                            "endloop",
+                                                            "endfacet",
+                                                            "endsolid"};
+        return std::find(kKeywords.begin(), kKeywords.end(), keyword) != kKeywords.end();
     }
-    return mesh;
+
+    /// Goes to the next line that is not blank if this one is used up; false at the end.
+    bool advance() {
+        while (trimmed(line_).empty()) {
+            const auto next = lines_.next();
+            if (!next) {
+                return false;
+            }
+            line_ = *next;
+        }
+        return true;
+    }
+
+    std::string_view next_word() { return advance() ? take_word(line_) : std::string_view(); }
+
+    /// `end loop` and `end solid` count as one word.
+    std::string next_keyword() {
+        std::string keyword = lower_case(next_word());
+        if (keyword == "end") {
+            keyword += lower_case(next_word());
+        }
+        return keyword;
+    }
+
+    /// A name may hold any word: it ends with its line, or where a facet begins on that line.
+    void skip_name(const std::string& keyword) {
+        const std::string lower = lower_case(line_);
+        const std::size_t facet = lower.find(" facet normal ");
+        const std::size_t solid = keyword == "endsolid" ? lower.find(" solid ") : std::string::npos;
+        const std::string_view name = line_.substr(0, std::min(facet, solid));
+        if (keyword == "solid" && !mesh_.stated_unit) {
+            mesh_.stated_unit = unit_in_comment(name);
+        }
+        line_ = facet == std::string::npos ? std::string_view() : line_.substr(name.size());
+    }
+
+    /// What the numbers are does not matter; some writers leave them out or write no numbers.
+    void skip_normal() {
+        for (int axis = 0; axis < 3; ++axis) {
+            std::string_view ahead = line_;
+            if (lower_case(take_word(ahead)) == "outer") {
+                return;
+            }
+            take_word(line_);
+        }
+    }
+
+    void add_vertex() {
+        if (corner_count_ == corners_.size()) {
+            throw Error(file_,
+                        lines_.name() + ": a facet needs three vertices, this is the fourth",
+                        "export it as triangles");
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto number = to_number(take_word(line_));
+            if (!number) {
+                throw Error(file_,
+                            lines_.name() + ": a facet needs three vertices of three numbers",
+                            "correct the line");
+            }
+            corners_[corner_count_][axis] = *number;
+        }
+        ++corner_count_;
+    }
+
+    void end_loop() {
+        if (corner_count_ != corners_.size()) {
+            throw Error(file_,
+                        lines_.name() + ": a facet has " + std::to_string(corner_count_) +
+                            " vertices, not three",
+                        "export the file again");
+        }
+        add_triangle(mesh_, corners_);
+        corner_count_ = 0;
+    }
+
+    /// Such as the colour that some writers put between facets.
+    void leave_out_line(const std::string& keyword) {
+        if (corner_count_ > 0) {
+            throw Error(file_,
+                        lines_.name() + ": \"" + shortened(keyword) + "\" stands within a facet",
+                        "export the file again");
+        }
+        first_left_out_ = lines_left_out_++ == 0 ? lines_.name() : first_left_out_;
+        line_ = {};
+    }
+
+    void warn_of_lines_left_out() {
+        if (lines_left_out_ > 0) {
+            mesh_.warnings.push_back({file_,
+                                      std::to_string(lines_left_out_) +
+                                          " lines that STL does not know are left out, the first "
+                                          "is " +
+                                          first_left_out_});
+        }
+    }
+
+    const std::string& file_;
+    Lines lines_;
+    std::string_view line_;  // what is left of the current line
+    PolygonMesh mesh_;
+    std::array<geometry::Vec3, 3> corners_{};
+    std::size_t corner_count_ = 0;
+    bool is_ended_ = false;  // by endsolid
+    std::size_t lines_left_out_ = 0;
+    std::string first_left_out_;
+};
+
+/// Whether a byte-order mark or the first letter of `solid` in UTF-16 tells a text.
+bool begins_with_mark(std::string_view bytes) {
+    constexpr std::string_view kLittleEndian("s\0o", 3), kBigEndian("\0s\0o", 4);
+    return bytes.starts_with("\xEF\xBB\xBF") || bytes.starts_with("\xFF\xFE") ||
+           bytes.starts_with("\xFE\xFF") || bytes.starts_with(kLittleEndian) ||
+           bytes.starts_with(kBigEndian);
+}
+
+/// Whether bytes are ASCII STL: the first word is `solid`, and no byte is zero.
+bool begins_with_solid(std::string_view bytes) {
+    Lines lines(bytes);
+    auto line = lines.next();
+    while (line && trimmed(*line).empty()) {
+        line = lines.next();
+    }
+    return line && lower_case(take_word(*line)) == "solid" &&
+           bytes.find('\0') == std::string_view::npos;
+}
+
+bool is_ascii_text(std::string_view bytes) {
+    return std::all_of(bytes.begin(), bytes.end(), [](char c) {
+        const auto code = static_cast<unsigned char>(c);
+        return (code >= 0x20 && code < 0x7f) || (code >= 0x09 && code <= 0x0d);
+    });
 }
 
 }  // namespace
@@ -88,9 +234,12 @@ PolygonMesh parse_stl(std::string_view bytes, const std::string& file) {
     if (has_count && claimed_triangles(bytes) * kFacetBytes + kHeaderBytes == bytes.size()) {
         return parse_binary(bytes, capacity);
     }
-    std::string_view start = bytes.substr(0, kHeaderBytes);
-    if (take_word(start) == "solid" && bytes.find('\0') == std::string_view::npos) {
-        return parse_ascii(bytes, file);
+    const std::string_view text = begins_with_mark(bytes) ? decoded_text(bytes, file) : bytes;
+    if (begins_with_solid(text)) {
+        return AsciiReader(text, file).read();
+    }
+    if (has_count && is_ascii_text(bytes.substr(0, kHeaderBytes))) {
+        throw Error(file, "is text that does not begin with solid", "export it as STL");
     }
     if (!has_count || claimed_triangles(bytes) > capacity) {
         throw Error(file,

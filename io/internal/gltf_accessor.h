@@ -27,7 +27,14 @@ std::vector<std::uint32_t> accessor_indices(const GltfFile& file,
                                             std::size_t bound,
                                             const std::string& what);
 
-/// VEC3 numbers within kMaxCoordinate.
+/// VEC3 numbers as they are: a vertex that no triangle uses may hold anything.
 std::vector<geometry::Vec3> accessor_points(const GltfFile& file, int accessor);
+
+/// Throws Error if one of these points of the accessor that is used is not finite or lies beyond
+/// kMaxCoordinate.
+void check_used_points(const GltfFile& file,
+                       int accessor,
+                       const std::vector<geometry::Vec3>& points,
+                       const std::vector<bool>& is_used);
 
 }  // namespace earshot::io

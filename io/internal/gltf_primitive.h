@@ -16,6 +16,8 @@ namespace earshot::io {
 struct GltfPrimitive {
     geometry::Part part;
     std::vector<geometry::Triangle> triangles;
+    int material = -1;    ///< index into the file's materials; -1: none
+    std::string element;  ///< how errors name it
 };
 
 /// Nothing, and a warning, for points and lines. `joint_count` 0: not skinned.

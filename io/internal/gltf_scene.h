@@ -16,10 +16,18 @@ struct GltfNodes {
     std::vector<int> index_of;                  ///< per node of the file: its index in `nodes`
     std::vector<bool> in_scene;                 ///< per node of the file
     std::vector<geometry::Track> weight_track;  ///< per node of the file: its morph weights
+
+    /// Per node of the file: the indices in `nodes` under which its mesh stands, one per instance
+    /// of EXT_mesh_gpu_instancing; its own index where it has no instances.
+    std::vector<std::vector<int>> mesh_nodes;
 };
 
 /// Throws Error if a node has two parents or is its own ancestor.
 GltfNodes read_nodes(const GltfFile& file);
+
+/// Appends the nodes of instances (EXT_mesh_gpu_instancing) as children of the nodes that have
+/// them.
+void read_instances(const GltfFile& file, GltfNodes& nodes, Warnings& warnings);
 
 /// Puts the tracks of one animation (by name or index; empty: the first) onto the nodes.
 void read_animation(const GltfFile& file,

@@ -20,8 +20,12 @@ public:
     void begin_object(std::string_view name);
     void begin_group(std::string_view name);
 
-    /// Puts a face into the current group; its corners count vertices from 0.
-    void add_face(std::span<const std::int64_t> corners);
+    /// Puts the next face into the current group.
+    void add_face();
+
+    /// Makes the group of a face one mesh with the groups of earlier faces at its corners. These
+    /// count vertices from 0. To be called for every face, once all vertices are known.
+    void join_at_vertices(std::size_t face, std::span<const std::int64_t> corners);
 
     /// Meshes in the order of their first faces, named like their first groups.
     std::vector<std::string> names() const;

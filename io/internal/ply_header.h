@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/io/internal/stated_unit.h"
+
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,7 +30,9 @@ struct PlyElement {
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;
-    std::size_t size = 0;  ///< bytes up to the first element
+    std::size_t size = 0;   ///< bytes up to the first element
+    std::size_t lines = 0;  ///< up to the first element
+    std::optional<StatedUnit> stated_unit;
 };
 
 std::size_t ply_size(PlyType type) noexcept;  ///< bytes
