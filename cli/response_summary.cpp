@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/response_summary.h"
 
+#include "earshot/cli/output.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <nlohmann/json.hpp>
@@ -26,7 +27,7 @@ std::string names_of(const std::vector<propagation::Emitter>& emitters) {
     constexpr std::size_t kMaxNames = 8;
     std::string text = std::to_string(emitters.size());
     for (std::size_t i = 0; i < emitters.size() && i < kMaxNames; ++i) {
-        text += (i == 0 ? " (" : ", ") + emitters[i].name;
+        text += (i == 0 ? " (" : ", ") + on_one_line(emitters[i].name);
     }
     return text + (emitters.size() > kMaxNames ? ", ...)" : ")");
 }
@@ -81,8 +82,8 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
     const auto& geometry = summary.geometry;
     std::string text;
     text += line("scene",
-                 job.scene.name + ": " + std::to_string(geometry.triangles) + " triangles, " +
-                     std::to_string(geometry.facets) + " facets, " +
+                 on_one_line(job.scene.name) + ": " + std::to_string(geometry.triangles) +
+                     " triangles, " + std::to_string(geometry.facets) + " facets, " +
                      std::to_string(job.scene.materials.size()) + " materials");
     text += line("extent",
                  propagation::size_text(summary.size) + ", " + volume_text(summary.visible_volume));
