@@ -45,7 +45,7 @@ std::string implausible(const Vec3& size, double volume) {
 
 /// The score of a changed up axis: the up axis of the file is kept unless the size of the scene
 /// clearly contradicts it.
-constexpr double kTurnPenalty = 0.1;
+constexpr double kSwapPenalty = 0.1;
 
 /// A score that is 0 for a room of the usual height. It increases with the deviation from that
 /// height, and for a scene that is higher than wide.
@@ -55,7 +55,7 @@ double improbability(const Vec3& size) {
 }
 
 /// A source or a listener with its position.
-struct Placed {
+struct PlacedEmitter {
     const Emitter* emitter = nullptr;
     bool is_source = false;
     Vec3 position{0.0};
@@ -67,8 +67,8 @@ struct Placed {
     }
 };
 
-std::vector<Placed> placed_emitters(const Scene& scene, double time) {
-    std::vector<Placed> placed;
+std::vector<PlacedEmitter> placed_emitters(const Scene& scene, double time) {
+    std::vector<PlacedEmitter> placed;
     for (const Emitter& source : scene.sources) {
         placed.push_back({&source, true, scene.position_at(source, time)});
     }
@@ -88,7 +88,7 @@ bool is_beyond(const SceneExtent& extent, const Vec3& point, double tolerance) {
 enum class Side { inside, outside, on_surface };
 
 /// Whether a source and a listener lie on different sides of a closed surface.
-bool parts_a_pair(const std::vector<Placed>& placed, const std::vector<Side>& sides) {
+bool separates_a_pair(const std::vector<PlacedEmitter>& placed, const std::vector<Side>& sides) {
     for (std::size_t i = 0; i < placed.size(); ++i) {
         for (std::size_t k = 0; k < placed.size(); ++k) {
             if (placed[i].is_source && !placed[k].is_source && sides[i] != sides[k] &&
@@ -137,16 +137,16 @@ std::optional<UnitProposal> propose_unit(const Vec3& size, double volume, const 
     double best_score = 0.0;
     for (const auto& [name, metres] : kUnits) {
         const double scale = metres / read_as.metres_per_unit;
-        for (const bool is_turned : {false, true}) {
-            const Vec3 scaled = (is_turned ? Vec3(size.x, size.z, size.y) : size) * scale;
+        for (const bool swap_up_axis : {false, true}) {
+            const Vec3 scaled = (swap_up_axis ? Vec3(size.x, size.z, size.y) : size) * scale;
             if (std::min(scaled.x, scaled.z) < kMinSide ||
                 !implausible(scaled, volume * scale * scale * scale).empty()) {
                 continue;
             }
-            const double score = improbability(scaled) + (is_turned ? kTurnPenalty : 0.0);
+            const double score = improbability(scaled) + (swap_up_axis ? kSwapPenalty : 0.0);
             if (best.unit.empty() || score < best_score) {
                 best.unit = name;
-                best.up = is_turned ? (read_as.z_is_up ? "y" : "z") : "";
+                best.up = swap_up_axis ? (read_as.z_is_up ? "y" : "z") : "";
                 best.size = scaled;
                 best_score = score;
             }
@@ -165,27 +165,27 @@ std::string unit_warning(const UnitProposal& proposal, const Vec3& size, bool ha
     }
     const std::string unit(proposal.unit);
     const std::string up(proposal.up);
-    const std::string cure =
+    const std::string remedy =
         has_unit_option
             ? "--units " + unit + (up.empty() ? "" : " --up " + up) + " makes it "
             : "coordinates in " + unit + (up.empty() ? "" : " with +" + up + " up") + " would be ";
-    return found + "; " + cure + size_text(proposal.size);
+    return found + "; " + remedy + size_text(proposal.size);
 }
 
 Warnings misplaced_emitters(const Scene& scene, double time) {
-    const std::vector<Placed> placed = placed_emitters(scene, time);
+    const std::vector<PlacedEmitter> placed = placed_emitters(scene, time);
     const SceneExtent extent = scene_extent(scene, time);
     const std::vector<Vec3> positions = scene.mesh.positions_at(time);
     const auto triangles = scene.mesh.triangles();
     const double tolerance = geometry::coplanar_tolerance({positions, triangles});
     Warnings warnings;
-    std::vector<bool> is_told(placed.size(), false);
+    std::vector<bool> is_reported(placed.size(), false);
     for (std::size_t i = 0; i < placed.size(); ++i) {
         if (is_beyond(extent, placed[i].position, tolerance)) {
             warnings.push_back({scene.name,
                                 placed[i].name() + " lies outside of the scene, which measures " +
                                     size_text(extent.size())});
-            is_told[i] = true;
+            is_reported[i] = true;
         }
     }
     for (const ClosedSurface& surface : closed_surfaces(positions, triangles)) {
@@ -196,7 +196,7 @@ Warnings misplaced_emitters(const Scene& scene, double time) {
                             : is_inside(surface, positions, triangles, position) ? Side::inside
                                                                                  : Side::outside);
         }
-        if (!parts_a_pair(placed, sides)) {
+        if (!separates_a_pair(placed, sides)) {
             continue;
         }
         // A surface at least half as large as the scene is assumed to be the boundary of the room,
@@ -204,7 +204,7 @@ Warnings misplaced_emitters(const Scene& scene, double time) {
         const bool is_room =
             2.0 * glm::length(surface.upper - surface.lower) >= glm::length(extent.size());
         for (std::size_t i = 0; i < placed.size(); ++i) {
-            if (sides[i] != (is_room ? Side::outside : Side::inside) || is_told[i]) {
+            if (sides[i] != (is_room ? Side::outside : Side::inside) || is_reported[i]) {
                 continue;
             }
             warnings.push_back(
@@ -215,7 +215,7 @@ Warnings misplaced_emitters(const Scene& scene, double time) {
                      std::to_string(surface.triangles.size()) + " triangles that measures " +
                      size_text(surface.upper - surface.lower) +
                      (is_room ? ", which holds the others" : ", a solid or a room of its own")});
-            is_told[i] = true;
+            is_reported[i] = true;
         }
     }
     return warnings;
