@@ -49,18 +49,20 @@ MovingCorners MovingScene::corners_of(const Triangle& t) const noexcept {
     return {geometry::corners(begin, t), geometry::corners(end, t)};
 }
 
-MovingPoints MovingScene::points_of(const std::array<VertexId, 4>& vertices,
-                                    std::uint32_t mesh) const noexcept {
-    MovingPoints points;
-    for (std::size_t i = 0; i < 4; ++i) {
-        points.begin[i] = begin[vertices[i]];
-        points.end[i] = screws[mesh] ? points.begin[i] : end[vertices[i]];
+MovingPoints MovingScene::points_of(const std::array<VertexId, 4>& vertices) const noexcept {
+    const auto [a, b, c, d] = vertices;
+    return {{begin[a], begin[b], begin[c], begin[d]}, {end[a], end[b], end[c], end[d]}};
+}
+
+void MovingScene::rest_if_on_screw(std::uint32_t mesh, MovingPoints& points) const noexcept {
+    if (screws[mesh]) {
+        points.end = points.begin;
     }
-    return points;
 }
 
 double MovingScene::deviation_of(const Triangle& t) const noexcept {
-    return std::max({deviation[t[0]], deviation[t[1]], deviation[t[2]]});
+    return meshes_on_screws == 0 ? 0.0
+                                 : std::max({deviation[t[0]], deviation[t[1]], deviation[t[2]]});
 }
 
 bool MovingScene::on_screws(std::uint32_t mesh_a, std::uint32_t mesh_b) const noexcept {

@@ -47,6 +47,7 @@ void World::State::set_begin(std::uint32_t mesh, std::span<const Vec3> positions
                    geometry::without_tiny_coordinates);
     if (scene.screws[mesh]) {
         scene.screws[mesh].reset();
+        --scene.meshes_on_screws;
         std::fill_n(scene.deviation.begin() + first, positions.size(), 0.0);
     }
     at_begin[mesh].is_shape_current = false;
@@ -68,6 +69,7 @@ void World::State::move(std::uint32_t mesh,
 void World::State::move(std::uint32_t mesh, std::span<const Vec3> begin, const Screw& screw) {
     set_begin(mesh, begin);
     scene.screws[mesh] = screw;
+    ++scene.meshes_on_screws;
     const VertexId first = scene.first_vertex[mesh];
     const VertexId last = scene.first_vertex[mesh + 1];
     for (VertexId vertex = first; vertex < last; ++vertex) {
@@ -109,8 +111,9 @@ void World::State::update_broad_phase(const ContactOptions& options, Executor& e
         leaf_slabs.build(scene, swept_bvh);
     }
     const double deviation =
-        scene.deviation.empty() ? 0.0
-                                : *std::max_element(scene.deviation.begin(), scene.deviation.end());
+        scene.meshes_on_screws == 0
+            ? 0.0
+            : *std::max_element(scene.deviation.begin(), scene.deviation.end());
     leaf_slabs.update(scene, swept_bvh, options.margin() + deviation, executor);
 }
 

@@ -26,6 +26,7 @@ struct MovingScene {
 
     std::vector<std::optional<Screw>> screws;  ///< of meshes that do not move on chords
     std::vector<double> deviation;             ///< by vertex, bound from its chord, metres
+    std::uint32_t meshes_on_screws = 0;
 
     std::uint32_t meshes() const noexcept {
         return static_cast<std::uint32_t>(first_vertex.size() - 1);
@@ -36,10 +37,11 @@ struct MovingScene {
 
     std::span<const geometry::Triangle> triangles_of(std::uint32_t mesh) const noexcept;
     MovingCorners corners_of(const geometry::Triangle& triangle) const noexcept;
-    /// Points of meshes that move alike, as `mesh` does: on chords, and at rest if it is on a
-    /// screw.
-    MovingPoints points_of(const std::array<geometry::VertexId, 4>& vertices,
-                           std::uint32_t mesh) const noexcept;
+    /// The points on their chords.
+    MovingPoints points_of(const std::array<geometry::VertexId, 4>& vertices) const noexcept;
+    /// Points of meshes that move alike are at rest relative to each other if on a screw.
+    void rest_if_on_screw(std::uint32_t mesh, MovingPoints& points) const noexcept;
+
     /// Bound of how far a triangle's points deviate from their chords, metres.
     double deviation_of(const geometry::Triangle& triangle) const noexcept;
 

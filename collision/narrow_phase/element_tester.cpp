@@ -67,7 +67,7 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
         // Ascending, so that the time does not depend on how the triangle is written.
         std::array<VertexId, 4> vertices{vertex, corners[0], corners[1], corners[2]};
         std::sort(vertices.begin() + 1, vertices.end());
-        const auto time = vertex_face_time(vertices, mesh_of(of), mesh_of(face));
+        const auto time = vertex_face_time(vertices, of, face);
         if (time) {
             Contact contact{.kind = ContactKind::vertex_face,
                             .a = scene_.element(mesh_of(of), std::span(vertices).first(1)),
@@ -80,25 +80,32 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
 }
 
 std::optional<double> ElementTester::vertex_face_time(const std::array<VertexId, 4>& vertices,
-                                                      std::uint32_t mesh_a,
-                                                      std::uint32_t mesh_b) const {
-    if (scene_.on_screws(mesh_a, mesh_b)) {
-        return vertex_face_screw_ccd(scene_.screw_points_of(vertices, mesh_a, mesh_b),
-                                     options_.min_separation);
+                                                      std::uint32_t of,
+                                                      std::uint32_t face) const {
+    MovingPoints points = scene_.points_of(vertices);
+    if (scene_.meshes_on_screws != 0) {
+        if (scene_.on_screws(mesh_of(of), mesh_of(face))) {
+            return vertex_face_screw_ccd(
+                scene_.screw_points_of(vertices, mesh_of(of), mesh_of(face)),
+                options_.min_separation);
+        }
+        scene_.rest_if_on_screw(mesh_of(of), points);
     }
-    const MovingPoints points = scene_.points_of(vertices, mesh_a);
     return options_.min_separation > 0.0 ? vertex_face_min_separation_ccd(points, separation())
                                          : vertex_face_ccd(points);
 }
 
 std::optional<double> ElementTester::edge_edge_time(const std::array<VertexId, 4>& vertices,
-                                                    std::uint32_t mesh_a,
-                                                    std::uint32_t mesh_b) const {
-    if (scene_.on_screws(mesh_a, mesh_b)) {
-        return edge_edge_screw_ccd(scene_.screw_points_of(vertices, mesh_a, mesh_b),
-                                   options_.min_separation);
+                                                    std::uint32_t a,
+                                                    std::uint32_t b) const {
+    MovingPoints points = scene_.points_of(vertices);
+    if (scene_.meshes_on_screws != 0) {
+        if (scene_.on_screws(mesh_of(a), mesh_of(b))) {
+            return edge_edge_screw_ccd(scene_.screw_points_of(vertices, mesh_of(a), mesh_of(b)),
+                                       options_.min_separation);
+        }
+        scene_.rest_if_on_screw(mesh_of(a), points);
     }
-    const MovingPoints points = scene_.points_of(vertices, mesh_a);
     return options_.min_separation > 0.0 ? edge_edge_min_separation_ccd(points, separation())
                                          : edge_edge_ccd(points);
 }
@@ -120,7 +127,7 @@ void ElementTester::test_edges(std::uint32_t a, unsigned i, std::uint32_t b, uns
         std::rotate(vertices.begin(), vertices.begin() + 2, vertices.end());
         std::swap(a, b);
     }
-    const auto time = edge_edge_time(vertices, mesh_of(a), mesh_of(b));
+    const auto time = edge_edge_time(vertices, a, b);
     if (time) {
         Contact contact{.kind = ContactKind::edge_edge,
                         .a = scene_.element(mesh_of(a), std::span(vertices).first(2)),

@@ -54,13 +54,13 @@ private:
     void test_corners(std::uint32_t of, std::uint32_t face);
     void test_edges(std::uint32_t a, unsigned i, std::uint32_t b, unsigned k);
 
-    // Times of impact of features of two meshes, on chords or screws.
+    // Times of impact of features of two triangles, on chords or screws.
     std::optional<double> vertex_face_time(const std::array<geometry::VertexId, 4>& vertices,
-                                           std::uint32_t mesh_a,
-                                           std::uint32_t mesh_b) const;
+                                           std::uint32_t of,
+                                           std::uint32_t face) const;
     std::optional<double> edge_edge_time(const std::array<geometry::VertexId, 4>& vertices,
-                                         std::uint32_t mesh_a,
-                                         std::uint32_t mesh_b) const;
+                                         std::uint32_t a,
+                                         std::uint32_t b) const;
 
     std::uint32_t mesh_of(std::uint32_t triangle) const noexcept {
         return scene_.mesh_of_triangle[triangle];
