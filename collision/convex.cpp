@@ -2,13 +2,13 @@
 #include "earshot/collision/convex.h"
 
 #include "earshot/collision/weld.h"
+#include "earshot/geometry/disjoint_sets.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -63,25 +63,17 @@ std::vector<HalfEdge> opposite_pairs(std::span<const Triangle> triangles) {
     return edges;
 }
 
-/// Union-find: for each triangle the first of its component.
+/// For each triangle the first of its component.
 std::vector<std::uint32_t> components_of(std::size_t triangles, std::span<const HalfEdge> edges) {
-    std::vector<std::uint32_t> parent(triangles);
-    std::iota(parent.begin(), parent.end(), 0U);
-    const auto root_of = [&](std::uint32_t i) {
-        while (parent[i] != i) {
-            i = parent[i] = parent[parent[i]];
-        }
-        return i;
-    };
+    geometry::DisjointSets sets(triangles);
     for (std::size_t i = 0; i < edges.size(); i += 2) {
-        const std::uint32_t a = root_of(edges[i].triangle);
-        const std::uint32_t b = root_of(edges[i + 1].triangle);
-        parent[std::max(a, b)] = std::min(a, b);
+        sets.unite(edges[i].triangle, edges[i + 1].triangle);
     }
+    std::vector<std::uint32_t> components(triangles);
     for (std::uint32_t i = 0; i < triangles; ++i) {
-        parent[i] = root_of(i);
+        components[i] = sets.find(i);
     }
-    return parent;
+    return components;
 }
 
 /// Makes a part of the triangles of one component.

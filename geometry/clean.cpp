@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/clean.h"
 
+#include "earshot/geometry/disjoint_sets.h"
 #include "earshot/geometry/internal/point_tree.h"
 #include "earshot/geometry/predicates.h"
 #include "earshot/geometry/tolerance.h"
@@ -177,15 +178,7 @@ using Edge = std::pair<VertexId, VertexId>;
 
 /// Connected components of the graph that the edges make.
 std::size_t count_components(std::span<const Edge> edges, std::size_t vertex_count) {
-    std::vector<VertexId> parent(vertex_count);
-    std::iota(parent.begin(), parent.end(), VertexId{0});
-    const auto root_of = [&parent](VertexId v) {
-        while (parent[v] != v) {
-            parent[v] = parent[parent[v]];
-            v = parent[v];
-        }
-        return v;
-    };
+    DisjointSets sets(vertex_count);
     std::size_t joined = 0;
     std::vector<bool> seen(vertex_count, false);
     std::size_t vertices = 0;
@@ -194,10 +187,7 @@ std::size_t count_components(std::span<const Edge> edges, std::size_t vertex_cou
             vertices += seen[v] ? 0 : 1;
             seen[v] = true;
         }
-        const VertexId root_a = root_of(a);
-        const VertexId root_b = root_of(b);
-        joined += root_a == root_b ? 0 : 1;
-        parent[std::max(root_a, root_b)] = std::min(root_a, root_b);
+        joined += sets.unite(a, b) ? 1 : 0;
     }
     return vertices - joined;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/internal/obj_groups.h"
 
-#include <algorithm>
 #include <limits>
 
 namespace earshot::io {
@@ -22,11 +21,12 @@ void ObjGroups::begin_group(std::string_view name) {
 }
 
 void ObjGroups::add_face() {
-    const auto next = static_cast<std::uint32_t>(groups_.size());
+    const auto next = static_cast<std::uint32_t>(names_.size());
     const auto [entry, is_new] = group_of_name_.emplace(group_, next);
     if (is_new) {
         const std::string& name = object_.empty() ? group_ : object_;
-        groups_.push_back({name, next});
+        names_.push_back(name);
+        sets_.add();
     }
     group_of_face_.push_back(entry->second);
 }
@@ -42,44 +42,28 @@ void ObjGroups::join_at_vertices(std::size_t face, std::span<const std::int64_t>
         if (known == kNoGroup) {
             known = group;
         } else if (known != group) {
-            unite(known, group);
+            sets_.unite(known, group);
         }
     }
 }
 
-std::uint32_t ObjGroups::root_of(std::uint32_t group) const {
-    while (groups_[group].parent != group) {
-        group = groups_[group].parent;
-    }
-    return group;
-}
-
-void ObjGroups::unite(std::uint32_t a, std::uint32_t b) {
-    // The earlier group is the root, so a mesh takes its name. Paths stay short: both groups point
-    // to the root afterwards.
-    const std::uint32_t root_a = root_of(a);
-    const std::uint32_t root_b = root_of(b);
-    const std::uint32_t root = std::min(root_a, root_b);
-    for (const std::uint32_t group : {a, b, root_a, root_b}) {
-        groups_[group].parent = root;
-    }
-}
-
 std::vector<std::uint32_t> ObjGroups::mesh_of_group() const {
-    std::vector<std::uint32_t> meshes(groups_.size());
+    std::vector<std::uint32_t> meshes(names_.size());
+    geometry::DisjointSets sets = sets_;  // which finding shortens
     std::uint32_t count = 0;
-    for (std::uint32_t group = 0; group < groups_.size(); ++group) {
-        const std::uint32_t root = root_of(group);
+    for (std::uint32_t group = 0; group < names_.size(); ++group) {
+        const std::uint32_t root = sets.find(group);
         meshes[group] = root == group ? count++ : meshes[root];
     }
     return meshes;
 }
 
 std::vector<std::string> ObjGroups::names() const {
+    geometry::DisjointSets sets = sets_;
     std::vector<std::string> names;
-    for (std::uint32_t group = 0; group < groups_.size(); ++group) {
-        if (groups_[group].parent == group) {
-            names.push_back(groups_[group].name);
+    for (std::uint32_t group = 0; group < names_.size(); ++group) {
+        if (sets.find(group) == group) {
+            names.push_back(names_[group]);
         }
     }
     return names;

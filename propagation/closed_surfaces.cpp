@@ -3,6 +3,8 @@
 
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/closest_point.h"
+#include "earshot/geometry/disjoint_sets.h"
+#include "earshot/geometry/intersect.h"
 #include "earshot/geometry/topology.h"
 
 #include <glm/common.hpp>
@@ -11,7 +13,7 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <limits>
 
 namespace earshot::propagation {
 namespace {
@@ -19,32 +21,6 @@ namespace {
 using geometry::Triangle;
 using geometry::TriangleId;
 using geometry::Vec3;
-
-/// Disjoint sets of triangles (Tarjan 1975, path halving).
-class TriangleSets {
-public:
-    explicit TriangleSets(std::size_t count) : parent_(count) {
-        std::iota(parent_.begin(), parent_.end(), TriangleId{0});
-    }
-
-    TriangleId find(TriangleId t) noexcept {
-        while (parent_[t] != t) {
-            parent_[t] = parent_[parent_[t]];
-            t = parent_[t];
-        }
-        return t;
-    }
-
-    /// The smaller index stands for both.
-    void unite(TriangleId a, TriangleId b) noexcept {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<TriangleId> parent_;
-};
 
 /// The triangles with three different vertices, by welded vertices.
 struct WeldedTriangles {
@@ -78,22 +54,6 @@ void enclose(ClosedSurface& surface,
     }
 }
 
-/// Whether the half-line from `origin` crosses the triangle (Moeller and Trumbore 1997).
-bool crosses(const Vec3& origin, const Vec3& direction, const std::array<Vec3, 3>& corners) {
-    const Vec3 edge1 = corners[1] - corners[0];
-    const Vec3 edge2 = corners[2] - corners[0];
-    const Vec3 p = glm::cross(direction, edge2);
-    const double determinant = glm::dot(edge1, p);
-    if (determinant == 0.0) {
-        return false;
-    }
-    const Vec3 s = origin - corners[0];
-    const double u = glm::dot(s, p) / determinant;
-    const Vec3 q = glm::cross(s, edge1);
-    const double v = glm::dot(direction, q) / determinant;
-    return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && glm::dot(edge2, q) / determinant > 0.0;
-}
-
 }  // namespace
 
 std::vector<ClosedSurface> closed_surfaces(std::span<const Vec3> positions,
@@ -101,7 +61,7 @@ std::vector<ClosedSurface> closed_surfaces(std::span<const Vec3> positions,
     const WeldedTriangles mesh = welded(positions, triangles);
     const geometry::EdgeTable edges(mesh.triangles, positions.size());
     // Connect the triangles of each edge.
-    TriangleSets sets(mesh.triangles.size());
+    geometry::DisjointSets sets(mesh.triangles.size());
     for (std::size_t e = 0; e < edges.size(); ++e) {
         const auto uses = edges.uses(e);
         for (const geometry::HalfEdgeId h : uses) {
@@ -147,14 +107,17 @@ bool is_inside(const ClosedSurface& surface,
     // Directions without a relation to the axes, in which models have their edges.
     constexpr std::array<std::array<double, 3>, 3> kDirections{
         {{0.5377, 0.3219, 0.7793}, {-0.2861, 0.9127, -0.2919}, {-0.7341, -0.4513, 0.5073}}};
+    const Vec3 farthest = glm::max(glm::abs(surface.lower), glm::abs(surface.upper));
+    const double max_abs_coordinate = std::max({farthest.x, farthest.y, farthest.z});
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     int votes = 0;
     for (const auto& [x, y, z] : kDirections) {
+        const geometry::PreparedRay ray({.origin = point, .direction = {x, y, z}},
+                                        max_abs_coordinate);
         bool odd = false;
         for (const TriangleId t : surface.triangles) {
-            const Triangle& corner = triangles[t];
-            odd ^= crosses(point,
-                           Vec3(x, y, z),
-                           {positions[corner[0]], positions[corner[1]], positions[corner[2]]});
+            const auto [a, b, c] = geometry::corners(positions, triangles[t]);
+            odd ^= ray.hit(a, b, c, kInfinity).has_value();
         }
         votes += odd ? 1 : 0;
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/geometry/disjoint_sets.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -32,15 +34,10 @@ public:
     std::vector<std::uint32_t> mesh_of_face() const;
 
 private:
-    std::uint32_t root_of(std::uint32_t group) const;
-    void unite(std::uint32_t a, std::uint32_t b);
     std::vector<std::uint32_t> mesh_of_group() const;
 
-    struct Group {
-        std::string name;
-        std::uint32_t parent;  // union-find; a root is its own
-    };
-    std::vector<Group> groups_;  // in the order of their first faces
+    std::vector<std::string> names_;  // of the groups, in the order of their first faces
+    geometry::DisjointSets sets_;     // of the groups: a mesh takes the name of its first
     std::vector<std::uint32_t> group_of_face_, group_of_vertex_;
     // Groups of the object that have faces.
     std::map<std::string, std::uint32_t, std::less<>> group_of_name_;
