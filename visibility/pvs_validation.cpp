@@ -2,10 +2,8 @@
 #include "earshot/visibility/pvs_validation.h"
 
 #include "earshot/base/assert.h"
-#include "earshot/base/math.h"
-#include "earshot/base/random.h"
-#include "earshot/visibility/internal/directions.h"
 #include "earshot/visibility/internal/masked_hits.h"
+#include "earshot/visibility/internal/random_ray.h"
 
 #include <algorithm>
 #include <optional>
@@ -14,31 +12,15 @@ namespace earshot::visibility {
 
 using geometry::Hit;
 using geometry::Ray;
-using geometry::Vec3;
 
 namespace {
 
 constexpr std::size_t kRaysPerBatch = std::size_t{1} << 16U;
 constexpr std::size_t kRaysPerChunk = 4096;
 
-// Streams of random numbers, none of which any sampling uses: the rays are independent of the sets.
-constexpr std::uint64_t kOrigin = 200;  // and the next two
-constexpr std::uint64_t kHeight = 203;
-constexpr std::uint64_t kTurn = 204;
-
-Ray validation_ray(const ViewRegion& region, std::uint64_t seed, std::uint64_t index) {
-    Ray ray;
-    for (int axis = 0; axis < 3; ++axis) {
-        ray.origin[axis] = random_between(seed,
-                                          kOrigin + static_cast<std::uint64_t>(axis),
-                                          index,
-                                          region.lower[axis],
-                                          region.upper[axis]);
-    }
-    ray.direction = on_sphere(random_between(seed, kHeight, index, -1.0, 1.0),
-                              2.0 * math::kPi * random(seed, kTurn, index));
-    return ray;
-}
+// The first of the streams of random numbers, none of which any sampling uses: the rays are
+// independent of the sets.
+constexpr std::uint64_t kFirstStream = 200;
 
 }  // namespace
 
@@ -61,7 +43,7 @@ MissedShare validate_pvs(const bvh::WideTree& tree,
         hits.resize(count);
         executor.for_each(count, kRaysPerChunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                rays[i] = validation_ray(cells.region(), options.seed, result.rays + i);
+                rays[i] = random_ray(cells.region(), options.seed, kFirstStream, result.rays + i);
             }
         });
         closest_hits(tree, mesh, rays, excluded, hits, executor);

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/visibility/sample_free_segments.h"
 
-#include "earshot/base/math.h"
-#include "earshot/base/random.h"
-#include "earshot/visibility/internal/directions.h"
 #include "earshot/visibility/internal/masked_hits.h"
+#include "earshot/visibility/internal/random_ray.h"
 
 #include <glm/geometric.hpp>
 
@@ -30,26 +28,6 @@ constexpr int kMaxMoves = 8;
 /// A move ends past a face by this fraction of the region's diagonal: well above the rounding of a
 /// hit point (1e-15 of the coordinates), well below the width of any object.
 constexpr double kStepOut = 1e-9;
-
-// Streams of random().
-constexpr std::uint64_t kOrigin = 0;  // and the next two
-constexpr std::uint64_t kHeight = 3;
-constexpr std::uint64_t kTurn = 4;
-
-/// The ray of a sample.
-Ray draw(const ViewRegion& region, std::uint64_t seed, std::uint64_t sample) {
-    Ray ray;
-    for (int axis = 0; axis < 3; ++axis) {
-        ray.origin[axis] = random_between(seed,
-                                          kOrigin + static_cast<std::uint64_t>(axis),
-                                          sample,
-                                          region.lower[axis],
-                                          region.upper[axis]);
-    }
-    ray.direction = on_sphere(random_between(seed, kHeight, sample, -1.0, 1.0),
-                              2.0 * math::kPi * random(seed, kTurn, sample));
-    return ray;
-}
 
 /// Whether a ray hits a triangle from behind.
 bool hits_back(const MeshView& mesh, TriangleId triangle, const Vec3& direction) {
@@ -124,7 +102,7 @@ std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
         rays.resize(count);
         executor.for_each(count, kSamplesPerChunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                rays[i] = draw(region, sampling.seed, sampling.first + done + i);
+                rays[i] = random_ray(region, sampling.seed, 0, sampling.first + done + i);
             }
         });
         if (sampling.skip_solids) {
