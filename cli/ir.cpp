@@ -92,9 +92,9 @@ public:
             ProgressBar progress(common().quiet);
             summary = run_response_job(job, executor, progress);
         }
-        warn_of_doubtful_model(instants.front(), summary, loaded);
         // Not before the work is done: what fails says one line and no more.
         if (!common().quiet) {
+            warn_of_doubtful_model(instants.front(), summary, loaded);
             print_warnings(loaded.warnings);
             print_warnings(io::warnings_of_acoustics(loaded));
             print_notes(summary.notes);

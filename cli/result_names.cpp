@@ -6,23 +6,11 @@
 #include <algorithm>
 #include <cctype>
 #include <map>
-#include <set>
 
 namespace earshot::cli {
 namespace {
 
 using propagation::Emitter;
-
-void require_unique(const std::vector<Emitter>& emitters, const std::string& role) {
-    std::set<std::string> names;
-    for (const Emitter& emitter : emitters) {
-        if (!names.insert(emitter.name).second) {
-            throw Error(role + " \"" + emitter.name + "\"",
-                        "is there twice, and results are stored by name",
-                        "give each " + role + " a name of its own");
-        }
-    }
-}
 
 /// Cut at the beginning of a UTF-8 character.
 std::string file_name(const std::string& name) {
@@ -46,8 +34,6 @@ std::string file_name(const std::string& name) {
 
 ResultNames::ResultNames(const propagation::Scene& scene)
     : listener_count_(scene.listeners.size()) {
-    require_unique(scene.sources, "source");
-    require_unique(scene.listeners, "listener");
     std::map<std::string, std::string> pair_of_file;
     for (const Emitter& source : scene.sources) {
         for (const Emitter& listener : scene.listeners) {

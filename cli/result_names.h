@@ -13,7 +13,7 @@ namespace earshot::cli {
 class ResultNames {
 public:
     /// What a file system might not take becomes `_`, and names are cut after 80 bytes. Throws
-    /// Error if two sources or two listeners share a name, or if two pairs would share a file.
+    /// Error if two pairs would share a file, as those of emitters of one name would.
     explicit ResultNames(const propagation::Scene& scene);
 
     const std::string& of(std::size_t source, std::size_t listener) const noexcept {
