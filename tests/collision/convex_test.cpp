@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "support/box.h"
 #include "support/dice.h"
 #include <algorithm>
 #include <cmath>
@@ -27,18 +28,7 @@ Mesh box(const Vec3& centre, const Vec3& half) {
                                                (i & 2) != 0 ? half.y : -half.y,
                                                (i & 4) != 0 ? half.z : -half.z));
     }
-    mesh.triangles = {{0, 2, 1},
-                      {1, 2, 3},
-                      {4, 5, 6},
-                      {5, 7, 6},
-                      {0, 1, 4},
-                      {1, 5, 4},
-                      {2, 6, 3},
-                      {3, 6, 7},
-                      {0, 4, 2},
-                      {2, 4, 6},
-                      {1, 3, 5},
-                      {3, 7, 5}};
+    mesh.triangles = test::box_triangles();
     return mesh;
 }
 

@@ -4,6 +4,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <gtest/gtest.h>
 
+#include "support/box.h"
 #include <cmath>
 #include <string>
 #include <vector>
@@ -34,18 +35,7 @@ Part box(int node, const Vec3& low, const Vec3& high) {
 }
 
 std::vector<Triangle> triangles_of_boxes(std::size_t boxes) {
-    const std::vector<Triangle> one{{0, 2, 1},
-                                    {1, 2, 3},
-                                    {4, 5, 6},
-                                    {5, 7, 6},
-                                    {0, 1, 4},
-                                    {1, 5, 4},
-                                    {2, 6, 3},
-                                    {3, 6, 7},
-                                    {0, 4, 2},
-                                    {2, 4, 6},
-                                    {1, 3, 5},
-                                    {3, 7, 5}};
+    const std::vector<Triangle> one = test::box_triangles();
     std::vector<Triangle> all;
     for (std::size_t i = 0; i < boxes; ++i) {
         for (const auto& [a, b, c] : one) {

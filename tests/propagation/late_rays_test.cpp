@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "one_material_scene.h"
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -19,37 +20,12 @@ using geometry::Vec3;
 constexpr double kPi = 3.141592653589793;
 
 /// A closed box of one material.
-struct BoxRoom {
-    geometry::Mesh mesh;
-    std::vector<std::uint32_t> material_of_triangle;
-    std::vector<Material> materials{1};
-    bvh::Tree tree;
+struct BoxRoom : OneMaterialScene {
     Vec3 size;
 
-    BoxRoom(const Vec3& the_size, double absorption, double scattering) : size(the_size) {
-        for (int i = 0; i < 8; ++i) {
-            mesh.positions.emplace_back(
-                i & 1 ? size.x : 0.0, i & 2 ? size.y : 0.0, i & 4 ? size.z : 0.0);
-        }
-        mesh.triangles = {{0, 4, 5},
-                          {0, 5, 1},
-                          {2, 3, 7},
-                          {2, 7, 6},
-                          {0, 1, 3},
-                          {0, 3, 2},
-                          {4, 6, 7},
-                          {4, 7, 5},
-                          {0, 2, 6},
-                          {0, 6, 4},
-                          {1, 5, 7},
-                          {1, 7, 3}};
-        material_of_triangle.assign(12, 0);
-        materials[0].absorption = EnergyCoefficient(absorption);
-        materials[0].scattering = EnergyCoefficient(scattering);
-        tree = bvh::Tree::build(bvh::triangle_boxes(mesh.view()));
-    }
+    BoxRoom(const Vec3& the_size, double absorption, double scattering)
+        : OneMaterialScene(box_mesh(the_size), absorption, scattering), size(the_size) {}
 
-    RayScene scene() const { return {tree, mesh.view(), material_of_triangle, materials}; }
     double volume() const { return size.x * size.y * size.z; }
     double surface() const { return 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x); }
 };

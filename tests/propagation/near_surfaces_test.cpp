@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "one_material_scene.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,43 +23,6 @@ constexpr double kPi = 3.141592653589793;
 constexpr double kSpeed = 343.2;
 constexpr std::size_t kBand = 5;  // 1 kHz
 constexpr double kBin = 0.05;     // seconds
-
-/// A scene of one material.
-struct TestScene {
-    geometry::Mesh mesh;
-    std::vector<std::uint32_t> material_of_triangle;
-    std::vector<Material> materials{1};
-    bvh::Tree tree;
-
-    TestScene(geometry::Mesh the_mesh, double absorption, double scattering)
-        : mesh(std::move(the_mesh)), material_of_triangle(mesh.triangles.size(), 0) {
-        materials[0].absorption = EnergyCoefficient(absorption);
-        materials[0].scattering = EnergyCoefficient(scattering);
-        tree = bvh::Tree::build(bvh::triangle_boxes(mesh.view()));
-    }
-    RayScene scene() const { return {tree, mesh.view(), material_of_triangle, materials}; }
-};
-
-geometry::Mesh box(const Vec3& size) {
-    geometry::Mesh mesh;
-    for (int i = 0; i < 8; ++i) {
-        mesh.positions.emplace_back(
-            i & 1 ? size.x : 0.0, i & 2 ? size.y : 0.0, i & 4 ? size.z : 0.0);
-    }
-    mesh.triangles = {{0, 4, 5},
-                      {0, 5, 1},
-                      {2, 3, 7},
-                      {2, 7, 6},
-                      {0, 1, 3},
-                      {0, 3, 2},
-                      {4, 6, 7},
-                      {4, 7, 5},
-                      {0, 2, 6},
-                      {0, 6, 4},
-                      {1, 5, 7},
-                      {1, 7, 3}};
-    return mesh;
-}
 
 const Vec3 kRoom = {8.0, 3.5, 6.0};
 const Vec3 kSource = {2.0, 1.5, 1.3};
@@ -116,7 +80,7 @@ std::vector<double> image_energies(
     return energies;
 }
 
-LateEnergy traced(const TestScene& scene,
+LateEnergy traced(const OneMaterialScene& scene,
                   const Vec3& source,
                   const std::vector<Vec3>& listeners,
                   std::size_t rays,
@@ -143,7 +107,7 @@ double sum_of(const audio::EnergyHistogram& histogram) {
 TEST(NearSurfaces, SpecularEnergyIsThatOfTheImagesAtAnyDistance) {
     constexpr int kOrder = 3;
     constexpr double kLength = 0.4;
-    const TestScene room(box(kRoom), 0.1, 0.0);
+    const OneMaterialScene room(box_mesh(kRoom), 0.1, 0.0);
     const std::vector<Place> all = places({0.3, 0.005, 0.0001});
     const LateEnergy late = traced(room, kSource, positions(all), 80000, kOrder, kLength);
     for (std::size_t k = 0; k < all.size(); ++k) {
@@ -174,7 +138,7 @@ TEST(NearSurfaces, ScatteredEnergyIsThatOfTheExchangedRun) {
     // that are shorter than the disc it is averaged over, and than most wavelengths. The rest is
     // the spread of 60,000 and 40,000 rays: in a corner the ball holds an eighth of the rays.
     for (const Case& test : {Case{0.3, {0.01, 0.01, 0.02}}, Case{1.0, {0.01, 0.03, 0.1}}}) {
-        const TestScene room(box(kRoom), 0.1, test.scattering);
+        const OneMaterialScene room(box_mesh(kRoom), 0.1, test.scattering);
         const std::vector<Place> all = places({0.3, 0.005, 0.0001});
         const LateEnergy late = traced(room, kSource, positions(all), 60000, 0, kLength);
         for (std::size_t k = 0; k < all.size(); ++k) {
@@ -198,7 +162,7 @@ geometry::Mesh wide_plane() {
 
 // A plane that scatters everything, in open air: the energy just above it is twice its irradiance.
 TEST(NearSurfaces, APlaneIsAsBrightFromNearAsItsIrradiance) {
-    const TestScene scene(wide_plane(), 0.0, 1.0);
+    const OneMaterialScene scene(wide_plane(), 0.0, 1.0);
     const Vec3 source(0.0, 5.0, 0.0);
     const std::vector<double> heights = {1.0, 0.3, 0.005, 0.0001};
     std::vector<Vec3> listeners;
@@ -245,7 +209,7 @@ std::pair<double, double> energy_towards(const audio::EnergyHistogram& histogram
 
 // An image is heard at one instant and from one direction, in every band.
 TEST(NearSurfaces, OneImageHasItsEnergyTimeAndDirection) {
-    TestScene scene(wide_plane(), 0.0, 0.0);
+    OneMaterialScene scene(wide_plane(), 0.0, 0.0);
     scene.materials[0].absorption = EnergyCoefficient({{31.5, 0.1}, {16000.0, 0.9}});
     const Vec3 source(0.0, 2.0, 0.0), image(0.0, -2.0, 0.0);
     for (const double height : {0.5, 0.001}) {
@@ -283,7 +247,7 @@ TEST(NearSurfaces, OneImageHasItsEnergyTimeAndDirection) {
 }
 
 TEST(NearSurfaces, SoundThroughAWallHasTheEnergyOfTheExactPath) {
-    TestScene scene(wide_plane(), 0.5, 0.0);
+    OneMaterialScene scene(wide_plane(), 0.5, 0.0);
     scene.materials[0].transmission = EnergyCoefficient(0.36);
     const Vec3 source(0.0, 2.0, 0.0);
     for (const double depth : {1.5, 0.001}) {
@@ -308,7 +272,7 @@ TEST(NearSurfaces, SoundThroughAWallHasTheEnergyOfTheExactPath) {
 
 // Scattered sound of a surface just behind the listener comes from that side.
 TEST(NearSurfaces, ScatteredSoundComesFromTheSurface) {
-    const TestScene scene(wide_plane(), 0.0, 1.0);
+    const OneMaterialScene scene(wide_plane(), 0.0, 1.0);
     const RayOptions options = {.rays = 20000,
                                 .length = 0.2,
                                 .specular_order = 0,
@@ -332,7 +296,7 @@ TEST(NearSurfaces, ScatteredSoundComesFromTheSurface) {
 }
 
 TEST(NearSurfaces, TheAnswerDoesNotJumpWhereASurfaceComesNear) {
-    const TestScene room(box(kRoom), 0.1, 0.5);
+    const OneMaterialScene room(box_mesh(kRoom), 0.1, 0.5);
     // On both sides of where near fields begin.
     const std::vector<Vec3> listeners = {{5.5, 3.5 - 0.76, 4.0}, {5.5, 3.5 - 0.74, 4.0}};
     const LateEnergy late = traced(room, kSource, listeners, 60000, 0, 0.4);
@@ -340,7 +304,7 @@ TEST(NearSurfaces, TheAnswerDoesNotJumpWhereASurfaceComesNear) {
 }
 
 TEST(NearSurfaces, AListenersBytesDoNotDependOnOthers) {
-    const TestScene room(box(kRoom), 0.1, 0.5);
+    const OneMaterialScene room(box_mesh(kRoom), 0.1, 0.5);
     const std::vector<Vec3> all = positions(places({0.3, 0.005}));
     const LateEnergy together = traced(room, kSource, all, 3000, 0, 0.2);
     for (const std::size_t k : {std::size_t{0}, std::size_t{4}}) {
