@@ -39,6 +39,16 @@ struct EnergyHistogram {
 
 inline constexpr std::size_t kBinsPerSpan = 20;
 
+/// Independent estimates of one histogram, equally trustworthy, in coarse intervals: their spread
+/// tells how certain their mean is (jackknife).
+struct HistogramReplicates {
+    /// First bin of each interval, and the number of bins: ascending, 0 first.
+    std::vector<std::size_t> first_bin{};
+    /// Energy per replicate and interval, in the units of EnergyHistogram::energy. The histogram is
+    /// the mean of the replicates.
+    std::vector<std::vector<Spectrum>> energy{};
+};
+
 /// The energy that arrives from one part of the sphere, without errors and directions.
 /// Precondition: the histogram has directions.
 EnergyHistogram energy_from(const EnergyHistogram& histogram, std::size_t part);

@@ -43,8 +43,9 @@ struct PairResult {
     std::vector<Path> paths{};  ///< sorted by delay, order, triangles
     /// What arrives besides, past Options::specular_order or scattered; empty without rays.
     audio::EnergyHistogram late{};
-    LateErrors late_errors{};     ///< of that
-    double visible_volume = 0.0;  ///< of the source, cubic metres; see LateEnergy
+    LateErrors late_errors{};                      ///< of that
+    audio::HistogramReplicates late_replicates{};  ///< of `late`; empty without rays
+    double visible_volume = 0.0;                   ///< of the source, cubic metres; see LateEnergy
 };
 
 /// The arrivals of a pair's paths, in their order.
