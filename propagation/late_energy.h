@@ -32,8 +32,9 @@ struct RaySource {
 struct RayOptions {
     std::size_t rays = 20000;  ///< with `max_error`: at most
     /// Batches are traced until 1.3 standard errors of T30 at 500 Hz and 1 kHz are below this share
-    /// of it, and those of the level below 0.05 dB for each per cent of it; looked at after 16, 32,
-    /// 64, ... batches of 2,048 rays. Each listener has the batches up to its own end. 0: all rays.
+    /// of it, and those of the level below 0.05 dB for each per cent of it; looked at after 32, 64,
+    /// 128, ... batches of 2,048 rays. Each listener has the batches up to its own end. 0: all
+    /// rays.
     double max_error = 0.0;
     std::uint64_t seed = 1;
     double length = 1.0;  ///< of the histograms, seconds; rays end there
@@ -67,7 +68,10 @@ struct EnergyBalance {
 struct LateEnergy {
     std::vector<audio::EnergyHistogram> listeners;  ///< one each, air absorption included
     std::vector<LateErrors> errors;                 ///< likewise
-    EnergyBalance balance;                          ///< without the air
+    /// Likewise: batches of rays, in groups of equally many successive ones. Empty with fewer than
+    /// four batches; with more than 64, some of the last may be in no group.
+    std::vector<audio::HistogramReplicates> replicates;
+    EnergyBalance balance;  ///< without the air
     /// Volume that is visible from the source, cubic metres: that of the cones of its rays up to
     /// their first surface, without those that hit none.
     double visible_volume = 0.0;

@@ -70,7 +70,7 @@ public:
     /// Whether errors are looked at after `done` batches: few looks at growing numbers, so that
     /// chance does not end the search.
     bool is_look(std::size_t done) const {
-        constexpr std::size_t kFirstLook = 16;
+        constexpr std::size_t kFirstLook = 32;
         return max_error_ > 0.0 &&
                (done == count_ || (done >= kFirstLook && std::has_single_bit(done)));
     }
@@ -130,6 +130,7 @@ public:
                     4.0 * math::kPi * speed * speed * speed / result.visible_volume;
             }
             result.errors.push_back(sums_[k].errors());
+            result.replicates.push_back(sums_[k].replicates());
             result.errors.back().reached = options_.max_error == 0.0 || has_enough_[k] != 0;
         }
         return result;

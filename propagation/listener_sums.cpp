@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <vector>
 
 namespace earshot::propagation {
 namespace {
@@ -53,7 +55,8 @@ ListenerSums::ListenerSums(const RayOptions& options,
       spans_(spans),
       energy_(bins * options.bands.count()),
       squares_(bins * options.bands.count()),
-      watched_bands_{band_at(options.bands, 500.0), band_at(options.bands, 1000.0)} {
+      replicates_(bins, options.bin, options.bands.count()),
+      heard_energy_(energy_.size()) {
     const std::size_t bands = options.bands.count();
     air_loss_.assign(bins * bands, 1.0);
     const double speed = speed_of_sound(options.air);
@@ -70,7 +73,6 @@ ListenerSums::ListenerSums(const RayOptions& options,
 }
 
 void ListenerSums::add(const RayTally& tally, std::size_t rays) {
-    const std::size_t bands = options_.bands.count();
     const auto weight = static_cast<double>(rays);
     ++batches_;
     rays_ += weight;
@@ -78,17 +80,12 @@ void ListenerSums::add(const RayTally& tally, std::size_t rays) {
     for (std::size_t i = 0; i < energy_.size(); ++i) {
         energy_[i] += weight * energy[i];
         squares_[i] += weight * (energy[i] * energy[i]);
+        heard_energy_[i] = air_loss_[i] * energy[i];
     }
+    replicates_.add(heard_energy_, weight);
     const double* directions = tally.directions.data() + listener_ * directions_.size();
     for (std::size_t i = 0; i < directions_.size(); ++i) {
         directions_[i] += weight * directions[i];
-    }
-    for (std::size_t watched = 0; watched < decays_.size(); ++watched) {
-        const std::size_t band = watched_bands_[watched];
-        Decay& decay = decays_[watched].emplace_back();
-        for (std::size_t n = 0; n < bins_; ++n) {
-            decay[n * kIntervals / bins_] += air_loss(n, band) * energy[n * bands + band];
-        }
     }
 }
 
@@ -123,79 +120,79 @@ audio::EnergyHistogram ListenerSums::histogram() const {
 }
 
 LateErrors ListenerSums::errors() const {
-    LateErrors result = errors_of(0);
-    const LateErrors other = errors_of(1);
+    LateErrors result = errors_of(band_at(options_.bands, 500.0));
+    const LateErrors other = errors_of(band_at(options_.bands, 1000.0));
     result.level_db = std::max(result.level_db, other.level_db);
     result.t30 = std::max(result.t30, other.t30);
     return result;
 }
 
 // The delta method: the line of T30 is a sum of levels with fixed weights, and so is its deviation
-// in a batch, to first order. Intervals of one batch share rays, so their errors do not add.
-LateErrors ListenerSums::errors_of(std::size_t watched) const {
-    const std::vector<Decay>& decays = decays_[watched];
+// in a replicate, to first order. Intervals of one replicate share rays, so their errors do not
+// add.
+LateErrors ListenerSums::errors_of(std::size_t band) const {
     LateErrors result{.rays = static_cast<std::size_t>(rays_)};
-    if (decays.size() < 2) {
+    const auto count = replicates_.count();
+    if (count < 2) {
         return result;
     }
-    // Backward sums (Schroeder), of the mean and of each batch.
-    const auto backward = [](Decay decay) {
-        for (std::size_t n = kIntervals - 1; n-- > 0;) {
-            decay[n] += decay[n + 1];
-        }
-        return decay;
-    };
-    Decay mean{};
-    std::vector<Decay> remaining;
-    for (const Decay& decay : decays) {
-        remaining.push_back(backward(decay));
-        for (std::size_t n = 0; n < kIntervals; ++n) {
-            mean[n] += remaining.back()[n] / static_cast<double>(decays.size());
+    // Backward sums (Schroeder), of each replicate and of their mean.
+    const std::span<const std::size_t> first_bin = replicates_.first_bin();
+    const std::size_t intervals = first_bin.size() - 1;
+    std::vector<std::vector<double>> remaining(count, std::vector<double>(intervals));
+    std::vector<double> mean(intervals);
+    for (std::size_t replicate = 0; replicate < count; ++replicate) {
+        double sum = 0.0;
+        for (std::size_t n = intervals; n-- > 0;) {
+            sum += replicates_.energy(replicate, n, band);
+            remaining[replicate][n] = sum;
+            mean[n] += sum / static_cast<double>(count);
         }
     }
     if (!(mean[0] > 0.0)) {
         return result;
     }
     const double factor = 10.0 / math::log(10.0);
-    std::vector<double> deviations;
-    for (const Decay& decay : remaining) {
-        deviations.push_back(factor * (decay[0] / mean[0] - 1.0));
-    }
-    result.level_db = standard_error(deviations);
+    const auto error_of = [&](auto&& sum_over_levels) {
+        std::vector<double> deviations;
+        for (const std::vector<double>& decay : remaining) {
+            deviations.push_back(sum_over_levels(
+                [&](std::size_t n) { return factor * (decay[n] / mean[n] - 1.0); }));
+        }
+        return standard_error(deviations);
+    };
+    result.level_db = error_of([](auto&& level_of) { return level_of(0); });
 
-    // The line of T30 from -5 to -35 dB.
+    // The line of T30 from -5 to -35 dB; an interval counts by its length.
     std::vector<std::size_t> range;
-    double centre = 0.0;
-    for (std::size_t n = 0; n < kIntervals && mean[n] > 0.0; ++n) {
+    double length = 0.0, centre = 0.0;
+    const auto length_of = [&](std::size_t n) {
+        return static_cast<double>(first_bin[n + 1] - first_bin[n]);
+    };
+    for (std::size_t n = 0; n < intervals && mean[n] > 0.0; ++n) {
         const double level = decibels(mean[n] / mean[0]);
         if (level <= -5.0 && level >= -35.0) {
             range.push_back(n);
-            centre += static_cast<double>(n);
+            length += length_of(n);
+            centre += length_of(n) * static_cast<double>(first_bin[n]);
         }
     }
     constexpr std::size_t kMinPoints = 3;
-    if (range.size() < kMinPoints || range.back() + 1 == kIntervals) {
+    if (range.size() < kMinPoints || range.back() + 1 == intervals) {
         return result;  // no decay of 35 dB
     }
-    centre /= static_cast<double>(range.size());
-    double spread = 0.0;
-    for (const std::size_t n : range) {
-        spread += (static_cast<double>(n) - centre) * (static_cast<double>(n) - centre);
-    }
+    centre /= length;
     const auto slope_of = [&](auto&& level_of) {
-        double slope = 0.0;
+        double slope = 0.0, spread = 0.0;
         for (const std::size_t n : range) {
-            slope += (static_cast<double>(n) - centre) / spread * level_of(n);
+            const double time = static_cast<double>(first_bin[n]) - centre;
+            slope += length_of(n) * time * level_of(n);
+            spread += length_of(n) * time * time;
         }
-        return slope;
+        return slope / spread;
     };
     const double slope = slope_of([&](std::size_t n) { return decibels(mean[n]); });
-    deviations.clear();
-    for (const Decay& decay : remaining) {
-        deviations.push_back(
-            slope_of([&](std::size_t n) { return factor * (decay[n] / mean[n] - 1.0); }));
-    }
-    result.t30 = standard_error(deviations) / std::abs(slope);
+    result.t30 = error_of(slope_of) / std::abs(slope);
     return result;
 }
 

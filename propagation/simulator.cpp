@@ -224,10 +224,11 @@ LateEnergy Simulator::State::late_sound(const RaySource& source,
     rays.length = options.late_length > 0.0 ? options.late_length : decay_length;
     rays.decay_time = decay_length * 6.0 / kDecades;
     LateEnergy late = trace_late_rays(rays_see, source, to, rays, executor, progress);
-    for (audio::EnergyHistogram& histogram : late.listeners) {
-        histogram.full_decay = options.late_length == 0.0;
-        if (is_silent(histogram)) {
-            histogram = {};
+    for (std::size_t k = 0; k < late.listeners.size(); ++k) {
+        late.listeners[k].full_decay = options.late_length == 0.0;
+        if (is_silent(late.listeners[k])) {
+            late.listeners[k] = {};
+            late.replicates[k] = {};
         }
     }
     return late;
@@ -463,6 +464,7 @@ void Simulator::State::add_late_sound(const RaySource& sender,
             PairResult& pair = pairs[group.numbers[k]];
             pair.late = std::move(late.listeners[k]);
             pair.late_errors = late.errors[k];
+            pair.late_replicates = std::move(late.replicates[k]);
             pair.visible_volume = late.visible_volume;
         }
     }

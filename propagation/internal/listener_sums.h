@@ -3,6 +3,7 @@
 
 #include "earshot/audio/energy_histogram.h"
 #include "earshot/propagation/internal/ray_tracer.h"
+#include "earshot/propagation/internal/replicate_sums.h"
 
 #include <array>
 #include <cstddef>
@@ -29,13 +30,10 @@ public:
     audio::EnergyHistogram histogram() const;
     /// Of 500 Hz and 1 kHz, the larger error; of the late sound alone.
     LateErrors errors() const;
+    audio::HistogramReplicates replicates() const { return replicates_.replicates(); }
 
 private:
-    /// The octave or third of 500 Hz, or that of 1 kHz, at intervals in which a decay is read.
-    static constexpr std::size_t kIntervals = 128;
-    using Decay = std::array<double, kIntervals>;
-
-    LateErrors errors_of(std::size_t watched) const;
+    LateErrors errors_of(std::size_t band) const;
     double air_loss(std::size_t bin, std::size_t band) const {
         return air_loss_[bin * options_.bands.count() + band];
     }
@@ -47,8 +45,8 @@ private:
         directions_;  // as in RayTally, times the rays of a batch
     double rays_ = 0.0;
     std::size_t batches_ = 0;
-    std::array<std::size_t, 2> watched_bands_{};
-    std::array<std::vector<Decay>, 2> decays_;  // of the watched bands, one per batch
+    ReplicateSums replicates_;          // air included
+    std::vector<double> heard_energy_;  // of the last batch, air included
 };
 
 }  // namespace earshot::propagation

@@ -239,6 +239,33 @@ TEST(LateRays, ErrorsTellHowFarRunsWithOtherSeedsDiffer) {
     EXPECT_LT(errors, 6.0 * spread);
 }
 
+TEST(LateRays, TheHistogramIsTheMeanOfItsReplicates) {
+    const BoxRoom room({5, 3, 4}, 0.2, 0.3);
+    const std::vector<Vec3> listeners = {{3, 1.5, 2.5}, {1, 2, 3}};
+    RayOptions options = options_for(0.3);
+    options.air_absorption = true;
+    options.rays = 5000;
+    const LateEnergy late = trace_late_rays(room.scene(), source_at({1, 1, 1}), listeners, options);
+    ASSERT_EQ(late.replicates.size(), listeners.size());
+    for (std::size_t k = 0; k < listeners.size(); ++k) {
+        const audio::HistogramReplicates& replicates = late.replicates[k];
+        ASSERT_EQ(replicates.energy.size(), 4U);
+        for (std::size_t i = 0; i + 1 < replicates.first_bin.size(); ++i) {
+            for (std::size_t band = 0; band < options.bands.count(); ++band) {
+                double expected = 0.0, mean = 0.0;
+                for (std::size_t n = replicates.first_bin[i]; n < replicates.first_bin[i + 1];
+                     ++n) {
+                    expected += late.listeners[k].energy[n][band];
+                }
+                for (const auto& energy : replicates.energy) {
+                    mean += energy[i][band] / 4.0;
+                }
+                ASSERT_NEAR(mean, expected, 1e-12 * expected) << band << ", interval " << i;
+            }
+        }
+    }
+}
+
 TEST(LateRays, TheResultDoesNotDependOnTheThreads) {
     const BoxRoom room({5, 3, 4}, 0.2, 0.3);
     const std::vector<Vec3> listeners = {{3, 1.5, 2.5}, {1, 2, 3}};
