@@ -9,18 +9,25 @@
 
 namespace earshot::audio {
 
-/// What the ears hear of an impulse from one direction, far away and re pressure at the head's
-/// centre without the head. The time between the ears is in the samples.
+/// The head-related impulse responses of both ears for a source in one direction, re the pressure
+/// at the head's centre without the head. The time between the ears is in the samples.
 struct Hrir {
     std::array<double, 3> towards{1.0, 0.0, 0.0};  ///< unit; front, left, up
     std::vector<double> left;
     std::vector<double> right;
+    /// Metres from the head's centre to the source. A reader fills it in for every measurement; a
+    /// set may hold each direction at several distances.
+    double distance = 1.0;
 };
 
-/// Head-related responses around one head.
+/// The measurements around one head.
 struct HrirSet {
     double sample_rate = 48000.0;  ///< hertz
     std::vector<Hrir> directions;
+    /// The instant in the responses at which the sound would arrive at the head's centre without
+    /// the head, seconds; what is rendered arrives earlier by this time. A reader leaves it at 0,
+    /// which renders the responses as they were measured.
+    double centre_delay = 0.0;
 };
 
 /// The same responses at a higher sample rate, by band-limited interpolation. Throws Error if the
