@@ -107,6 +107,12 @@ struct Simulator::State {
                 .transmissive = transmissive,
                 .max_pressure_factor = max_pressure_factor};
     }
+    RayScene ray_scene() const {
+        return {.tree = tree,
+                .mesh = mesh(),
+                .material_of_triangle = labels,
+                .materials = scene.materials};
+    }
     void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
     std::vector<std::uint8_t> first_facets(const Vec3& source) const;
     frustum::PlacedPairs place(const Emitter& source,
@@ -208,8 +214,7 @@ LateEnergy Simulator::State::late_sound(const RaySource& source,
                                         std::span<const Vec3> to,
                                         Executor& executor,
                                         Progress* progress) const {
-    const RayScene rays_see = {
-        .tree = tree, .mesh = mesh(), .material_of_triangle = labels, .materials = scene.materials};
+    const RayScene rays_see = ray_scene();
     RayOptions rays = {.rays = options.rays,
                        .max_error = options.max_error,
                        .seed = options.seed,
@@ -512,6 +517,10 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
 
 frustum::SceneView Simulator::scene_view() const noexcept {
     return state_->scene_view();
+}
+
+RayScene Simulator::ray_scene() const noexcept {
+    return state_->ray_scene();
 }
 
 const GeometrySummary& Simulator::geometry() const noexcept {

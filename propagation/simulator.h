@@ -9,6 +9,7 @@
 #include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/propagation/air.h"
+#include "earshot/propagation/late_energy.h"
 #include "earshot/propagation/pair_result.h"
 #include "earshot/propagation/scene.h"
 #include "earshot/visibility/visible_sets.h"
@@ -86,6 +87,8 @@ public:
     Warnings warnings() const;
     /// The scene as the tracer sees it; valid until the time is set or the simulator destroyed.
     frustum::SceneView scene_view() const noexcept;
+    /// The scene as rays see it; valid as long.
+    RayScene ray_scene() const noexcept;
     /// Of the last run, summed over sources.
     const frustum::TraceStatistics& statistics() const noexcept;
 
