@@ -184,7 +184,9 @@ Sound read_sound(const std::filesystem::path& file) {
     }
     const auto frames =
         static_cast<sf_count_t>(sound.samples.size() / static_cast<std::size_t>(info.channels));
-    if (sf_error(handle.get()) != SF_ERR_NO_ERROR || frames < info.frames) {
+    const bool has_whole_frames =
+        sound.samples.size() % static_cast<std::size_t>(info.channels) == 0;
+    if (sf_error(handle.get()) != SF_ERR_NO_ERROR || frames < info.frames || !has_whole_frames) {
         throw Error(file.string(), "is cut off or damaged", "copy or export it again");
     }
     if (!std::all_of(sound.samples.begin(), sound.samples.end(), [](double sample) {

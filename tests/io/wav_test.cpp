@@ -127,6 +127,24 @@ TEST_F(WavFile, CutOffAnywhereIsAnError) {
     }
 }
 
+// Three samples of 16 bits in two channels.
+TEST_F(WavFile, ThatEndsWithinAFrameIsAnError) {
+    const auto word = [](std::uint32_t value, std::size_t size) {
+        std::string bytes(sizeof value, '\0');
+        std::memcpy(bytes.data(), &value, sizeof value);
+        return bytes.substr(0, size);
+    };
+    const auto file = [&](std::uint32_t data_bytes) {
+        return "RIFF" + word(36 + data_bytes, 4) + "WAVEfmt " + word(16, 4) + word(1, 2) +
+               word(2, 2) + word(8000, 4) + word(32000, 4) + word(4, 2) + word(16, 2) + "data" +
+               word(data_bytes, 4) + std::string(data_bytes, '\1');
+    };
+    write(file(8));
+    EXPECT_EQ(read_sound(path_).samples.size(), 4U);
+    write(file(6));
+    EXPECT_NE(error_of_reading().find("cut off or damaged"), std::string::npos);
+}
+
 TEST_F(WavFile, ThatIsNotSoundIsAnError) {
     write("v 0 0 0\nv 1 0 0\n");
     EXPECT_NE(error_of_reading().find("cannot be read as sound"), std::string::npos);
