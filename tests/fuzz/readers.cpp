@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+#include "fuzz/readers.h"
+
+#include "earshot/base/error.h"
+#include "earshot/io/contact_queries.h"
+#include "earshot/io/directivity_file.h"
+#include "earshot/io/material_assignments.h"
+#include "earshot/io/points.h"
+#include "earshot/io/scene_file.h"
+#include "earshot/io/visibility_file.h"
+#include "earshot/io/wav.h"
+
+#include "fuzz/input_file.h"
+#include "fuzz/repair.h"
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <new>
+#include <stdexcept>
+
+namespace earshot::test {
+namespace {
+
+namespace fs = std::filesystem;
+using geometry::Vec3;
+
+/// What a reader promises of its result. Throws std::logic_error, which is a finding.
+void require(bool is_true, const char* promise) {
+    if (!is_true) {
+        throw std::logic_error(promise);
+    }
+}
+
+bool is_finite(const Vec3& p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+void require_sound_mesh(const geometry::AnimatedMesh& mesh) {
+    for (const geometry::Triangle& triangle : mesh.triangles()) {
+        for (const geometry::VertexId vertex : triangle) {
+            require(vertex < mesh.vertex_count(), "triangles name vertices of the mesh");
+        }
+    }
+    for (const Vec3& position : mesh.positions_at(0.0)) {
+        require(is_finite(position), "positions are finite at time 0");
+    }
+    mesh.positions_at(mesh.duration() / 3.0);
+    require(mesh.mesh_of_triangle().size() == mesh.triangles().size(),
+            "every triangle belongs to a mesh");
+    for (const std::uint32_t number : mesh.mesh_of_triangle()) {
+        require(number < mesh.mesh_names().size(), "every mesh has a name");
+    }
+}
+
+void read_scene(const fs::path& file) {
+    const io::LoadedScene loaded = io::load_scene(file);
+    const propagation::Scene& scene = loaded.scene;
+    require_sound_mesh(scene.mesh);
+    require(scene.material_of_triangle.size() == scene.mesh.triangles().size(),
+            "every triangle has a material");
+    for (const std::uint32_t material : scene.material_of_triangle) {
+        require(material < scene.materials.size(), "materials of triangles exist");
+    }
+    for (const std::uint32_t material : loaded.default_materials) {
+        require(material < scene.materials.size(), "materials without data exist");
+    }
+    for (const auto* emitters : {&scene.sources, &scene.listeners}) {
+        for (const propagation::Emitter& emitter : *emitters) {
+            require(is_finite(scene.pose_at(emitter, 0.0).position), "emitters have a place");
+        }
+    }
+    io::warnings_of_acoustics(loaded);
+}
+
+void read_materials(const fs::path& file) {
+    Warnings warnings;
+    const auto assignments = io::read_material_assignments(file, warnings);
+    io::LoadedScene loaded;
+    for (const char* name : {"Carpet 1", "Wall", "aaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa"}) {
+        loaded.scene.materials.emplace_back().name = name;
+    }
+    io::assign_materials(assignments, loaded);
+    for (const io::MaterialAssignment& assignment : assignments) {
+        propagation::validate(assignment.material);
+    }
+}
+
+void read_points(const fs::path& file) {
+    for (const Vec3& point : io::read_points(file)) {
+        require(is_finite(point), "points are finite");
+    }
+}
+
+void read_listeners(const fs::path& file) {
+    for (const io::NamedPosition& point : io::read_named_points(file)) {
+        require(is_finite(point.position) && !point.name.empty(), "listeners have name and place");
+    }
+}
+
+void read_contact_queries(const fs::path& file) {
+    for (const io::ContactQuery& query : io::read_contact_queries(file)) {
+        for (const auto& points : {query.points.begin, query.points.end}) {
+            for (const auto& point : points) {
+                for (const auto& number : point) {
+                    require(!number.numerator.empty() && number.denominator != "0",
+                            "coordinates are rational numbers");
+                }
+            }
+        }
+    }
+}
+
+void read_directivity(const fs::path& file) {
+    const propagation::Directivity directivity = io::read_directivity(file);
+    for (const Vec3& towards : {Vec3(1, 0, 0), Vec3(-0.6, 0, 0.8), Vec3(0, -1, 0), Vec3(0, 0, 1)}) {
+        const auto pressure = directivity.pressure(audio::Bands::octaves(), towards);
+        for (std::size_t band = 0; band < audio::Bands::octaves().count(); ++band) {
+            require(std::isfinite(pressure[band]), "pressures of a directivity are finite");
+        }
+    }
+}
+
+void read_wav(const fs::path& file) {
+    const io::Sound sound = io::read_sound(file);
+    require(sound.channels >= 1 && sound.sample_rate > 0.0, "sounds have channels and a rate");
+    require(sound.samples.size() % static_cast<std::size_t>(sound.channels) == 0,
+            "sounds consist of whole frames");
+}
+
+void read_visible_sets(const fs::path& file) {
+    const visibility::VisibleSets sets = io::read_visible_sets(file);
+    const std::size_t triangles = sets.objects().object_of_triangle().size();
+    for (std::size_t cell = 0; cell < sets.cells().size(); ++cell) {
+        const auto number = static_cast<visibility::CellId>(cell);
+        for (const geometry::TriangleId triangle : sets.triangles_visible_from(number)) {
+            require(triangle < triangles && sets.contains(number, triangle),
+                    "visible triangles are contained in the set");
+        }
+    }
+    if (sets.history()) {
+        require(sets.merged(1).cells().size() == 1, "histories lead to one cell");
+    }
+}
+
+/// As the readers word what std::bad_alloc means.
+bool is_out_of_memory(const Error& error) {
+    return std::string_view(error.what()).find("more memory than") != std::string_view::npos;
+}
+
+InputFile& input_of(const Reader& reader) {
+    static std::map<std::string, InputFile, std::less<>> files;
+    return files.try_emplace(reader.name, reader.name + reader.suffix).first->second;
+}
+
+}  // namespace
+
+const std::vector<Reader>& readers() {
+    static const std::vector<Reader> kReaders{
+        {"contact_queries", ".csv", read_contact_queries},
+        {"directivity", ".csv", read_directivity},
+        {"glb", ".glb", read_scene, repair_glb},
+        {"gltf", ".gltf", read_scene},
+        {"listeners", ".csv", read_listeners},
+        {"materials", ".json", read_materials},
+        {"obj", ".obj", read_scene},
+        {"off", ".off", read_scene},
+        {"ply", ".ply", read_scene},
+        {"points", ".csv", read_points},
+        {"stl", ".stl", read_scene, repair_stl},
+        {"visible_sets", ".pvs", read_visible_sets, repair_visible_sets},
+        {"wav", ".wav", read_wav, repair_wav},
+    };
+    return kReaders;
+}
+
+const Reader& reader_named(std::string_view name) {
+    const auto found = std::find_if(readers().begin(), readers().end(), [&](const Reader& reader) {
+        return reader.name == name;
+    });
+    if (found == readers().end()) {
+        throw std::out_of_range("no reader " + std::string(name));
+    }
+    return *found;
+}
+
+Outcome fuzz_one(const Reader& reader, std::string_view bytes) {
+    InputFile& file = input_of(reader);
+    file.write(bytes);
+    try {
+        reader.read(file.path());
+    } catch (const Error& error) {
+        if (is_out_of_memory(error)) {
+            throw std::bad_alloc();
+        }
+        return Outcome::refused;
+    }
+    return Outcome::read;
+}
+
+const fs::path& input_file(const Reader& reader) {
+    return input_of(reader).path();
+}
+
+}  // namespace earshot::test
