@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/convolve.h"
+#include "earshot/audio/resample.h"
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
+#include "earshot/cli/values.h"
+#include "earshot/io/sound_file.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,31 +22,183 @@ namespace {
 constexpr const char* kFooter =
     "A mono recording gets the channels of the response; a recording of several channels needs a\n"
     "response of one channel or of the same number. Several responses, computed for the frames of\n"
-    "a scene that moves, are applied to equal parts of the recording in turn and cross-faded.\n\n"
+    "a scene that moves, are applied to equal parts of the recording in turn and cross-faded.\n"
+    "Each --mix adds a source with responses of its own; all of them begin together.\n"
+    "A recording is resampled to the rate of its responses, and the result to that of the first\n"
+    "source's responses or to --sample-rate. Levels are kept, unless --gain or --peak changes "
+    "them.\n\n"
     "Examples:\n"
     "  earshot auralize speech.wav out/stage__seat.wav -o wet.wav\n"
-    "  earshot auralize steps.wav out/stage__seat__*.wav -o wet.wav";
+    "  earshot auralize steps.wav out/stage__seat__*.wav -o wet.flac --peak -1\n"
+    "  earshot auralize violin.flac out/violin__seat.wav --mix cello.flac out/cello__seat.wav \\\n"
+    "      --gain -6 --gain 0 --sample-rate 44100 -o duo.ogg";
 
 using Channels = std::vector<std::vector<double>>;
 
-Channels channels_of(const io::Sound& sound) {
+/// Channels of one sample rate and size.
+struct Signal {
+    std::int64_t sample_rate = 0;  ///< hertz
+    Channels channels{};
+};
+
+Signal signal_of(const io::Sound& sound) {
     const auto count = static_cast<std::size_t>(sound.channels);
-    Channels channels(count);
+    Signal signal{.sample_rate = std::llround(sound.sample_rate), .channels = Channels(count)};
     for (std::size_t i = 0; i < sound.samples.size(); ++i) {
-        channels[i % count].push_back(sound.samples[i]);
+        signal.channels[i % count].push_back(sound.samples[i]);
     }
-    return channels;
+    return signal;
+}
+
+io::Sound sound_of(const Signal& signal) {
+    io::Sound sound{.sample_rate = static_cast<double>(signal.sample_rate),
+                    .channels = static_cast<int>(signal.channels.size()),
+                    .samples = {}};
+    for (std::size_t n = 0; n < signal.channels.front().size(); ++n) {
+        for (const auto& channel : signal.channels) {
+            sound.samples.push_back(channel[n]);
+        }
+    }
+    return sound;
+}
+
+Signal read_signal(const std::string& file) {
+    const io::Sound sound = io::read_sound(file);
+    if (sound.samples.empty()) {
+        throw Error(file, "holds no samples");
+    }
+    return signal_of(sound);
+}
+
+void resample_to(std::int64_t sample_rate, Signal& signal, Executor& executor) {
+    if (signal.sample_rate == sample_rate) {
+        return;
+    }
+    executor.for_each(signal.channels.size(), 1, [&](std::size_t first, std::size_t last) {
+        for (std::size_t channel = first; channel < last; ++channel) {
+            auto& samples = signal.channels[channel];
+            samples = audio::resample(samples, signal.sample_rate, sample_rate);
+        }
+    });
+    signal.sample_rate = sample_rate;
+}
+
+/// A recording and the responses of its receiver, in order of time.
+struct SourceFiles {
+    std::string dry;
+    std::vector<std::string> responses;
+};
+
+std::string hertz(std::int64_t sample_rate) {
+    return std::to_string(sample_rate) + " Hz";
+}
+
+void require_fit(const std::string& file,
+                 const Signal& response,
+                 const SourceFiles& source,
+                 const Signal& dry) {
+    const std::size_t have = response.channels.size();
+    if (dry.channels.size() != 1 && have != 1 && have != dry.channels.size()) {
+        throw Error(file,
+                    "has " + std::to_string(have) + " channels, " + source.dry + " has " +
+                        std::to_string(dry.channels.size()),
+                    "one of them must have a single channel, or both the same number");
+    }
+}
+
+std::vector<Signal> read_responses(const SourceFiles& source, const Signal& dry) {
+    std::vector<Signal> responses;
+    for (const std::string& file : source.responses) {
+        responses.push_back(read_signal(file));
+        const Signal& response = responses.back();
+        require_fit(file, response, source, dry);
+        if (response.channels.size() != responses.front().channels.size()) {
+            throw Error(file,
+                        "differs in its number of channels from " + source.responses.front(),
+                        "give responses of one receiver");
+        }
+        if (response.sample_rate != responses.front().sample_rate) {
+            throw Error(file,
+                        "is sampled at " + hertz(response.sample_rate) + ", " +
+                            source.responses.front() + " at " +
+                            hertz(responses.front().sample_rate),
+                        "give responses of one receiver");
+        }
+    }
+    return responses;
+}
+
+/// What the receiver hears of the source, at the sample rate of its responses.
+Signal auralized(const SourceFiles& source, Executor& executor) {
+    Signal dry = read_signal(source.dry);
+    const std::vector<Signal> responses = read_responses(source, dry);
+    resample_to(responses.front().sample_rate, dry, executor);
+    const std::size_t receivers = responses.front().channels.size();
+    Signal wet{.sample_rate = dry.sample_rate,
+               .channels = Channels(std::max(dry.channels.size(), receivers))};
+    for (std::size_t channel = 0; channel < wet.channels.size(); ++channel) {
+        Channels filters;
+        for (const Signal& response : responses) {
+            filters.push_back(response.channels[receivers == 1 ? 0 : channel]);
+        }
+        wet.channels[channel] = audio::convolve_moving(
+            dry.channels[dry.channels.size() == 1 ? 0 : channel], filters, executor);
+    }
+    return wet;
+}
+
+/// Adds `part`, scaled, to the sum, which grows to hold it.
+void add(const Signal& part, double scale, Signal& sum) {
+    for (std::size_t channel = 0; channel < part.channels.size(); ++channel) {
+        const auto& from = part.channels[channel];
+        auto& to = sum.channels[channel];
+        to.resize(std::max(to.size(), from.size()), 0.0);
+        for (std::size_t n = 0; n < from.size(); ++n) {
+            to[n] += scale * from[n];
+        }
+    }
+}
+
+double largest_of(const Signal& signal) {
+    double largest = 0.0;
+    for (const auto& channel : signal.channels) {
+        for (const double sample : channel) {
+            largest = std::max(largest, std::abs(sample));
+        }
+    }
+    return largest;
 }
 
 class AuralizeCommand : public Command {
 public:
     explicit AuralizeCommand(CLI::App& program)
-        : Command(program, "auralize", "Convolve a dry recording with impulse responses") {
-        app().add_option("DRY", dry_file_, "an anechoic recording: WAV, FLAC or AIFF")->required();
+        : Command(program, "auralize", "Convolve dry recordings with impulse responses") {
         app()
-            .add_option("RESPONSE", response_files_, "impulse responses, in order of time")
+            .add_option("DRY", source_.dry, "an anechoic recording: WAV, FLAC, OGG or AIFF")
             ->required();
-        add_output("-o,--output", output_, "the WAV file to write, 32-bit float")->required();
+        app()
+            .add_option("RESPONSE", source_.responses, "impulse responses, in order of time")
+            ->required();
+        app()
+            .add_option("--mix",
+                        mix_,
+                        "another recording and its responses, added to the first (repeatable)")
+            ->expected(2, CLI::detail::expected_max_vector_size)
+            ->type_name("DRY RESPONSE ...");
+        add_output("-o,--output",
+                   output_,
+                   "the file to write: .wav (32-bit float), .flac (24 bit) or .ogg (Vorbis)")
+            ->required();
+        sample_rate_option_ = add_integer(app(),
+                                          "--sample-rate",
+                                          sample_rate_,
+                                          {1000, 655350},
+                                          "of the result, hertz; default: that of RESPONSE");
+        add_repeatable(app(),
+                       "--gain",
+                       gains_,
+                       "decibels: given once for all sources, or once for each in their order")
+            ->type_name("DB");
         peak_option_ = add_number(
             app(),
             "--peak",
@@ -53,96 +209,93 @@ public:
     }
 
     void run() override {
+        const io::SoundFormat format = io::sound_format_of(output_);
+        std::vector<SourceFiles> sources = {source_};
+        for (const auto& files : mix_) {
+            if (files.size() < 2) {
+                throw wrong_usage(app(), "--mix", "needs a recording and a response");
+            }
+            sources.push_back({files.front(), {files.begin() + 1, files.end()}});
+        }
+        const std::vector<double> scales = scales_of(sources.size());
         Executor executor(static_cast<int>(common().threads));
-        const io::Sound dry = read(dry_file_);
-        std::vector<Channels> responses;
-        for (const std::string& file : response_files_) {
-            responses.push_back(read_response(file, dry));
-            if (responses.back().size() != responses.front().size()) {
-                throw Error(file,
-                            "differs in its number of channels from " + response_files_.front(),
+        Signal sum;
+        for (std::size_t i = 0; i < sources.size(); ++i) {
+            Signal wet = auralized(sources[i], executor);
+            if (i == 0) {
+                sum.sample_rate = sample_rate_option_->count() > 0 ? sample_rate_ : wet.sample_rate;
+                sum.channels.resize(wet.channels.size());
+            }
+            if (wet.channels.size() != sum.channels.size()) {
+                throw Error(sources[i].responses.front(),
+                            "makes " + std::to_string(wet.channels.size()) + " channels of " +
+                                sources[i].dry + ", the first source has " +
+                                std::to_string(sum.channels.size()),
                             "give responses of one receiver");
             }
+            resample_to(sum.sample_rate, wet, executor);
+            add(wet, scales[i], sum);
         }
-        const Channels wet = convolve(channels_of(dry), responses, executor);
-        write(wet, dry.sample_rate);
+        write(std::move(sum), format);
     }
 
 private:
-    static io::Sound read(const std::string& file) {
-        io::Sound sound = io::read_sound(file);
-        if (sound.samples.empty()) {
-            throw Error(file, "holds no samples");
+    std::vector<double> scales_of(std::size_t sources) {
+        if (gains_.size() > 1 && gains_.size() != sources) {
+            throw wrong_usage(app(),
+                              "--gain",
+                              "is given " + std::to_string(gains_.size()) + " times for " +
+                                  std::to_string(sources) + " sources");
         }
-        if (!std::all_of(sound.samples.begin(), sound.samples.end(), [](double sample) {
-                return std::isfinite(sample);
-            })) {
-            throw Error(file, "holds samples that are not numbers", "export it again");
+        std::vector<double> scales(sources, 1.0);
+        for (std::size_t i = 0; i < sources && !gains_.empty(); ++i) {
+            const std::string& text = gains_[gains_.size() == 1 ? 0 : i];
+            const std::optional<double> gain_db = parse_number(text);
+            if (!gain_db || std::abs(*gain_db) > kMaxGainDb) {
+                throw wrong_usage(
+                    app(), "--gain", "\"" + text + "\" is not a number from -200 to 200");
+            }
+            scales[i] = math::pow10(*gain_db / 20.0);
         }
-        return sound;
+        return scales;
     }
 
-    Channels read_response(const std::string& file, const io::Sound& dry) const {
-        const io::Sound response = read(file);
-        if (response.sample_rate != dry.sample_rate) {
-            throw Error(file,
-                        "is sampled at " + std::to_string(std::lround(response.sample_rate)) +
-                            " Hz, " + dry_file_ + " at " +
-                            std::to_string(std::lround(dry.sample_rate)) + " Hz",
-                        "resample one of them, or compute the response with --sample-rate");
-        }
-        if (dry.channels != 1 && response.channels != 1 && response.channels != dry.channels) {
-            throw Error(file,
-                        "has " + std::to_string(response.channels) + " channels, " + dry_file_ +
-                            " has " + std::to_string(dry.channels),
-                        "one of them must have a single channel, or both the same number");
-        }
-        return channels_of(response);
-    }
-
-    static Channels convolve(const Channels& dry,
-                             const std::vector<Channels>& responses,
-                             Executor& executor) {
-        Channels wet(std::max(dry.size(), responses.front().size()));
-        for (std::size_t channel = 0; channel < wet.size(); ++channel) {
-            Channels filters;
-            for (const Channels& response : responses) {
-                filters.push_back(response[response.size() == 1 ? 0 : channel]);
-            }
-            wet[channel] =
-                audio::convolve_moving(dry[dry.size() == 1 ? 0 : channel], filters, executor);
-        }
-        return wet;
-    }
-
-    void write(const Channels& wet, double sample_rate) const {
-        double largest = 0.0;
-        for (const auto& channel : wet) {
-            for (const double sample : channel) {
-                largest = std::max(largest, std::abs(sample));
+    void write(Signal wet, io::SoundFormat format) const {
+        if (const double largest = largest_of(wet); peak_option_->count() > 0 && largest > 0.0) {
+            const double scale = math::pow10(peak_db_ / 20.0) / largest;
+            for (auto& channel : wet.channels) {
+                for (double& sample : channel) {
+                    sample *= scale;
+                }
             }
         }
-        const bool is_scaled = peak_option_->count() > 0 && largest > 0.0;
-        const double scale = is_scaled ? math::pow10(peak_db_ / 20.0) / largest : 1.0;
-        io::Sound sound{
-            .sample_rate = sample_rate, .channels = static_cast<int>(wet.size()), .samples = {}};
-        for (std::size_t n = 0; n < wet.front().size(); ++n) {
-            for (const auto& channel : wet) {
-                sound.samples.push_back(scale * channel[n]);
-            }
+        const double largest = largest_of(wet);
+        const io::Sound sound = sound_of(wet);
+        io::write_whole_file(output_, io::encode_sound(sound, format));
+        const std::size_t clipped = io::count_beyond_full_scale(sound);
+        if (clipped > 0 && format != io::SoundFormat::wav) {
+            print_warnings({{output_,
+                             std::to_string(clipped) +
+                                 " samples exceed full scale and are clipped, the largest is " +
+                                 std::to_string(largest) + "; use --peak or --gain"}});
         }
-        io::write_whole_file(output_, io::encode_wav(sound));
         if (!common().quiet) {
-            write_output(output_ + ": " + std::to_string(wet.size()) + " channels, " +
-                         std::to_string(wet.front().size()) + " samples, largest " +
-                         std::to_string(scale * largest) + "\n");
+            write_output(output_ + ": " + std::to_string(wet.channels.size()) + " channels, " +
+                         std::to_string(wet.channels.front().size()) + " samples at " +
+                         hertz(wet.sample_rate) + ", largest " + std::to_string(largest) + "\n");
         }
     }
 
-    std::string dry_file_, output_;
-    std::vector<std::string> response_files_;
+    static constexpr double kMaxGainDb = 200.0;
+
+    SourceFiles source_;
+    std::vector<std::vector<std::string>> mix_;
+    std::string output_;
+    std::vector<std::string> gains_;
+    std::int64_t sample_rate_ = 0;
     double peak_db_ = 0.0;
-    CLI::Option* peak_option_ = nullptr;  // owned by the program
+    CLI::Option* sample_rate_option_ = nullptr;  // owned by the program
+    CLI::Option* peak_option_ = nullptr;         // owned by the program
 };
 
 }  // namespace
