@@ -92,7 +92,7 @@ private:
 class Experiment {
 public:
     Experiment(const RayTracer& tracer, std::size_t listeners, const RayOptions& options)
-        : tracer_(tracer), options_(options), batches_(options), has_enough_(listeners, 0) {
+        : tracer_(tracer), options_(options), batches_(options), is_active_(listeners, 1) {
         for (std::size_t k = 0; k < listeners; ++k) {
             sums_.emplace_back(options, k, tracer.bins(), tracer.spans());
         }
@@ -103,15 +103,15 @@ public:
         const std::size_t round = 2 * static_cast<std::size_t>(executor.threads());
         StageProgress traced(progress, "late rays", batches_.rays());
         while (!is_over_ && done_ < batches_.count()) {
-            std::vector<RayTally> tallies(std::min(round, batches_.count() - done_));
-            executor.for_each(tallies.size(), 1, [&](std::size_t begin, std::size_t end) {
+            std::vector<BatchResult> results(std::min(round, batches_.count() - done_));
+            executor.for_each(results.size(), 1, [&](std::size_t begin, std::size_t end) {
                 for (std::size_t i = begin; i < end; ++i) {
-                    tallies[i] = tracer_.trace(done_ + i, batches_.rays_of(done_ + i));
+                    results[i] = tracer_.trace(done_ + i, batches_.rays_of(done_ + i), is_active_);
                     traced.add(batches_.rays_of(done_ + i));
                 }
             });
-            for (std::size_t i = 0; i < tallies.size() && !is_over_; ++i) {
-                add_batch(tallies[i]);
+            for (std::size_t i = 0; i < results.size() && !is_over_; ++i) {
+                add_batch(results[i]);
             }
         }
         traced.finish();
@@ -131,33 +131,33 @@ public:
             }
             result.errors.push_back(sums_[k].errors());
             result.replicates.push_back(sums_[k].replicates());
-            result.errors.back().reached = options_.max_error == 0.0 || has_enough_[k] != 0;
+            result.errors.back().reached = options_.max_error == 0.0 || is_active_[k] == 0;
         }
         return result;
     }
 
 private:
-    void add_batch(const RayTally& tally) {
+    void add_batch(const BatchResult& result) {
         const std::size_t rays = batches_.rays_of(done_);
         const auto weight = static_cast<double>(rays);
         ++done_;
         rays_ += weight;
-        add(weight, tally.balance, balance_);
+        add(weight, result.balance, balance_);
         // Of the first batches alone where the number of batches is open, so that the answer of a
         // listener does not depend on that of others.
         constexpr std::size_t kVolumeBatches = 16;
         if (options_.max_error == 0.0 || done_ <= kVolumeBatches) {
-            visible_volume_ += weight * tally.visible_volume;
+            visible_volume_ += weight * result.visible_volume;
             volume_rays_ += weight;
         }
         const bool is_look = batches_.is_look(done_);
         is_over_ = is_look;
         for (std::size_t k = 0; k < sums_.size(); ++k) {
-            if (has_enough_[k] == 0) {
-                sums_[k].add(tally, rays);
-                has_enough_[k] = is_look && batches_.are_small(sums_[k].errors()) ? 1 : 0;
+            if (is_active_[k] != 0) {
+                sums_[k].add(result, rays);
+                is_active_[k] = is_look && batches_.are_small(sums_[k].errors()) ? 0 : 1;
             }
-            is_over_ = is_over_ && has_enough_[k] != 0;
+            is_over_ = is_over_ && is_active_[k] == 0;
         }
     }
 
@@ -165,9 +165,9 @@ private:
     const RayOptions& options_;
     Batches batches_;
     std::vector<ListenerSums> sums_;
-    std::vector<std::uint8_t> has_enough_;  // per listener
-    EnergyBalance balance_;                 // times the rays
-    double visible_volume_ = 0.0;           // times volume_rays_
+    std::vector<std::uint8_t> is_active_;  // per listener: it needs more batches
+    EnergyBalance balance_;                // times the rays
+    double visible_volume_ = 0.0;          // times volume_rays_
     double volume_rays_ = 0.0, rays_ = 0.0;
     std::size_t done_ = 0;  // batches
     bool is_over_ = false;

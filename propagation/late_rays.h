@@ -12,8 +12,9 @@ namespace earshot::propagation {
 /// Late sound by stochastic ray tracing (Vorlaender 2008, chapter 11). At each surface a ray loses
 /// the absorbed energy and is reflected specularly or, with the probability of the scattering
 /// coefficient, into a direction drawn from Lambert's law. Scattered energy reaches every visible
-/// listener directly (diffuse rain); specular legs count by the length of their chord through a
-/// sphere about the listener, an unbiased estimate of the energy density. Backs of one-sided
+/// listener directly (diffuse rain), but from surfaces near it, where rays that start at the
+/// listener find it; specular legs count by the length of their chord through a sphere about the
+/// listener, an unbiased estimate of the energy density. Backs of one-sided
 /// materials absorb all energy. Ray i is a pure function of (seed, i), and sums run in the order of
 /// rays: the same bits for any executor. Throws Error if an option is out of range. Reports the
 /// stage "late rays", ray by ray.

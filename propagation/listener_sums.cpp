@@ -72,18 +72,18 @@ ListenerSums::ListenerSums(const RayOptions& options,
     }
 }
 
-void ListenerSums::add(const RayTally& tally, std::size_t rays) {
+void ListenerSums::add(const BatchResult& batch, std::size_t rays) {
     const auto weight = static_cast<double>(rays);
     ++batches_;
     rays_ += weight;
-    const double* energy = tally.energy.data() + listener_ * energy_.size();
+    const double* energy = batch.energy.data() + listener_ * energy_.size();
     for (std::size_t i = 0; i < energy_.size(); ++i) {
         energy_[i] += weight * energy[i];
         squares_[i] += weight * (energy[i] * energy[i]);
         heard_energy_[i] = air_loss_[i] * energy[i];
     }
     replicates_.add(heard_energy_, weight);
-    const double* directions = tally.directions.data() + listener_ * directions_.size();
+    const double* directions = batch.directions.data() + listener_ * directions_.size();
     for (std::size_t i = 0; i < directions_.size(); ++i) {
         directions_[i] += weight * directions[i];
     }

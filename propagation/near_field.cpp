@@ -23,10 +23,8 @@ using geometry::Vec3;
 
 namespace {
 
-/// Of the disc over which the irradiance about a point is averaged, metres. Near another surface
-/// the irradiance varies with the distance from it, so discs are smaller there: half of the bias
-/// for twice the spread.
-constexpr double kMinDiscRadius = 0.5, kDiscRadius = 1.0;
+/// Of the disc over which the irradiance about a point is averaged, metres.
+constexpr double kDiscRadius = 1.0;
 constexpr double kMaxCellEdge = 0.25;  // metres
 /// Triangles whose planes differ by less than this belong to one plane: the cosine of the angle,
 /// and metres. Both are far above rounding and far below what changes a sound field.
@@ -81,7 +79,7 @@ public:
 
     void cut(const std::vector<TriangleId>& candidates);
     void join_surfaces();
-    void look(std::span<const std::optional<Hit>> first_hits);
+    void look();
     void spread();
 
 private:
@@ -107,8 +105,8 @@ private:
     const Vec3& corner(TriangleId triangle, int i) const {
         return mesh_.positions[mesh_.triangles[triangle][i]];
     }
-    const RaySurface& surface_of(TriangleId triangle) const {
-        return surfaces_[material_of_triangle_[triangle]];
+    const RaySurface& surface_of(TriangleId triangle, bool is_back = false) const {
+        return surfaces_[2 * material_of_triangle_[triangle] + (is_back ? 1 : 0)];
     }
     const Patch* patch_of(TriangleId triangle) const;
     /// Notes what a probe sees, and reflects it. False: it ends.
@@ -223,16 +221,13 @@ const NearField::Patch* NearField::Builder::patch_of(TriangleId triangle) const 
 bool NearField::Builder::advance(Probe& probe, const Hit& hit) {
     const double distance = probe.travelled + hit.t;
     const Patch* patch = patch_of(hit.triangle);
-    const RaySurface& surface = surface_of(hit.triangle);
     if (!(distance < kNearDistance) || patch == nullptr) {
         return false;
     }
     const auto index = static_cast<std::size_t>(patch - field_.patches_.data());
     const Vec3& normal = normals_[index];
     const double along = glm::dot(normal, probe.ray.direction);
-    if (along > 0.0 && surface.one_sided) {
-        return false;
-    }
+    const RaySurface& surface = surface_of(hit.triangle, along > 0.0);
     const auto cell = patch->cell_at(hit.u, hit.v);
     if (!cell) {
         return false;
@@ -257,16 +252,11 @@ bool NearField::Builder::advance(Probe& probe, const Hit& hit) {
 }
 
 // Finds what the listener sees near, directly and by reflections.
-void NearField::Builder::look(std::span<const std::optional<Hit>> first_hits) {
+void NearField::Builder::look() {
     std::vector<Probe> probes;
-    for (std::size_t i = 0; i < first_hits.size(); ++i) {
-        if (first_hits[i] && first_hits[i]->t < kNearDistance) {
-            const Vec3 direction = probe_direction(i);
-            Probe probe{.ray = {listener_, direction}, .direction = direction};
-            if (advance(probe, *first_hits[i])) {
-                probes.push_back(std::move(probe));
-            }
-        }
+    for (std::size_t i = 0; i < kProbeDirections; ++i) {
+        const Vec3 direction = probe_direction(i);
+        probes.push_back({.ray = {listener_, direction}, .direction = direction});
     }
     std::vector<Ray> rays;
     std::vector<TriangleId> left;
@@ -279,8 +269,12 @@ void NearField::Builder::look(std::span<const std::optional<Hit>> first_hits) {
             left.push_back(probe.left);
         }
         hits.resize(rays.size());
-        bvh::closest_hits(
-            wide_, mesh_, bvh::SecondaryRays{.rays = rays, .origin_triangles = left}, hits);
+        if (probes.front().reflections.empty()) {
+            bvh::closest_hits(wide_, mesh_, rays, hits);
+        } else {
+            bvh::closest_hits(
+                wide_, mesh_, bvh::SecondaryRays{.rays = rays, .origin_triangles = left}, hits);
+        }
         std::size_t kept = 0;
         for (std::size_t i = 0; i < probes.size(); ++i) {
             if (hits[i] && advance(probes[i], *hits[i])) {
@@ -337,12 +331,6 @@ void NearField::Builder::spread(std::size_t seen_patch,
         return;
     }
     const double solid_angle = seen.count * (4.0 / kProbeDirections);
-    field_.views_.push_back({.seen = {.weight = solid_angle,
-                                      .point = point,
-                                      .image = image,
-                                      .side = seen.side,
-                                      .reflections = factor},
-                             .triangle = field_.patches_[seen_patch].triangle});
     const double weight = solid_angle / area;
     for (const std::size_t cell : disc) {
         std::vector<NearContribution>& contributions = cells_[cell].contributions;
@@ -381,30 +369,13 @@ NearField::NearField(const bvh::Tree& tree,
                      std::span<const std::uint32_t> material_of_triangle,
                      std::span<const RaySurface> surfaces,
                      const Vec3& listener,
-                     std::span<const std::optional<Hit>> first_hits,
                      double offset) {
-    const bool is_near = std::any_of(first_hits.begin(), first_hits.end(), [](const auto& hit) {
-        return hit && hit->t < kNearDistance;
-    });
-    if (!is_near) {
-        return;
-    }
     const geometry::SphereRegion sphere(listener, kNearDistance + kDiscRadius);
     Builder builder(*this, wide, mesh, material_of_triangle, surfaces, listener, offset);
     builder.cut(bvh::overlapping(tree, mesh, sphere));
     builder.join_surfaces();
-    builder.look(first_hits);
+    builder.look();
     builder.spread();
-}
-
-std::vector<TriangleId> NearField::triangles() const {
-    std::vector<TriangleId> result;
-    for (const Patch& patch : patches_) {
-        if (first_of_cell_[patch.first_cell] < first_of_cell_[patch.end_cell()]) {
-            result.push_back(patch.triangle);
-        }
-    }
-    return result;
 }
 
 std::span<const NearContribution> NearField::contributions(const Hit& hit) const noexcept {

@@ -13,8 +13,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-#include <optional>
+#include <span>
+#include <vector>
 
 namespace earshot::propagation {
 
@@ -27,8 +27,9 @@ namespace {
 // on with its energy divided by the probability of survival, which keeps the mean.
 constexpr double kSurvivalProbability = 0.5;
 
-// Streams of random numbers of a reflection.
+// Streams of random numbers of a reflection. Stream 0 turns batches.
 constexpr std::uint64_t kStreams = 4;
+constexpr std::uint64_t kDirectionStream = 2;
 
 /// A vector of length nearly 1, brought back to length 1 by one step of Newton's method, so that
 /// rounding errors do not grow with the number of reflections.
@@ -52,8 +53,43 @@ void RayBatch<kBands>::emit(std::uint64_t id, const Vec3& direction) {
     Energies& energy = energies_.emplace_back();
     for (std::size_t band = 0; band < kBands; ++band) {
         energy[band] = start_energy_ * (pressure[band] * pressure[band]);
-        tally_.balance.emitted[band] += energy[band];
+        balance_.emitted[band] += energy[band];
     }
+}
+
+template <std::size_t kBands>
+void RayBatch<kBands>::scatter_near(std::span<const NearScattering> places, double energy) {
+    secondary_sources_.resize(std::max(secondary_sources_.size(), places.size()));
+    secondary_source_count_ = 0;
+    const RandomStream random(options_.seed, kDirectionStream);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const NearScattering& place = places[i];
+        const RayTracer::TriangleSurface& triangle = tracer_.triangle_surfaces_[place.hit.triangle];
+        const double along = glm::dot(triangle.normal, place.ray.direction);
+        const RaySurface& surface = surfaces_[triangle.front + (along > 0.0 ? 1 : 0)];
+        const Vec3 normal = std::copysign(1.0, -along) * triangle.normal;
+        const SurfacePoint point = {place.ray.origin + place.hit.t * place.ray.direction +
+                                        tracer_.self_intersection_offset_ * normal,
+                                    normal,
+                                    place.travelled,
+                                    place.hit.triangle};
+        rays_.push_back(place.ray);
+        origin_triangles_.push_back(place.hit.triangle);
+        Path& path = paths_.emplace_back();
+        path.travelled = place.travelled;
+        path.id = reversed_->first_id + place.start;
+        Energies& energies = energies_.emplace_back();
+        for (std::size_t band = 0; band < kBands; ++band) {
+            energies[band] = energy * place.energy[band];
+        }
+        add_secondary_source(point, path, std::abs(along), surface, 1.0, energies);
+        for (std::size_t band = 0; band < kBands; ++band) {
+            energies[band] *= surface.scattered[band];
+        }
+        path.recorded_by_rain = true;
+        scatter(i, point, std::abs(along), random.bits(path.id));
+    }
+    cast_diffuse_rain();
 }
 
 template <std::size_t kBands>
@@ -74,24 +110,25 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
     find_hits(bounce);
     secondary_sources_.resize(std::max(secondary_sources_.size(), rays_.size()));
     secondary_source_count_ = 0;
-    const RandomStreams random = {.branch = {options_.seed, kStreams * bounce + 1},
-                                  .direction = {options_.seed, kStreams * bounce + 2},
-                                  .roulette = {options_.seed, kStreams * bounce + 3},
-                                  .chord = {options_.seed, kStreams * bounce + 4}};
+    const RandomStreams random = {
+        .branch = {options_.seed, kStreams * bounce + 1},
+        .direction = {options_.seed, kStreams * bounce + kDirectionStream},
+        .roulette = {options_.seed, kStreams * bounce + 3},
+        .chord = {options_.seed, kStreams * bounce + 4}};
     find_chords(random.chord);
     record_chords();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < rays_.size(); ++i) {
         if (!hits_[i]) {
-            add(1.0, energies_[i], tally_.balance.escaped.data());
+            add(1.0, energies_[i], balance_.escaped.data());
             continue;
         }
         if (bounce == 0) {
             // The cone of the ray, of the solid angle 4 pi / rays.
-            tally_.visible_volume +=
+            result_.visible_volume +=
                 start_energy_ / 3.0 * (hits_[i]->t * hits_[i]->t * hits_[i]->t);
         }
-        ++tally_.balance.bounces;
+        ++balance_.bounces;
         if (interact(i, random)) {
             if (kept != i) {
                 rays_[kept] = rays_[i];
@@ -144,44 +181,38 @@ template <std::size_t kBands>
 bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     const geometry::Hit& hit = *hits_[i];
     const RayTracer::TriangleSurface& triangle = tracer_.triangle_surfaces_[hit.triangle];
-    const RaySurface& surface = tracer_.surfaces_[triangle.surface];
     Ray& ray = rays_[i];
     Path& path = paths_[i];
     Energies& energy = energies_[i];
     const double along = glm::dot(triangle.normal, ray.direction);
+    const RaySurface& surface = surfaces_[triangle.front + (along > 0.0 ? 1 : 0)];
     const Probabilities probabilities = probabilities_at(surface, energy);
-    if ((along > 0.0 && surface.one_sided) ||
-        probabilities.specular + probabilities.scattered + probabilities.transmitted == 0.0) {
-        add(1.0, energy, tally_.balance.absorbed.data());
+    if (probabilities.specular + probabilities.scattered + probabilities.transmitted == 0.0) {
+        add(1.0, energy, balance_.absorbed.data());
         return false;
     }
     const Vec3 normal = std::copysign(1.0, -along) * triangle.normal;
     path.travelled += hit.t;
     path.image_distance += hit.t;
     const Vec3 hit_point = ray.origin + hit.t * ray.direction;
-    const Vec3 offset_point = hit_point + tracer_.self_intersection_offset_ * normal;
-    if (path.specular_bounces > 0 || path.scattered_before) {
-        record_near_field(i, hit_point, normal);
+    const SurfacePoint point = {hit_point + tracer_.self_intersection_offset_ * normal,
+                                normal,
+                                path.travelled,
+                                hit.triangle};
+    if (reversed_ && tracer_.source_field_) {
+        record_near_field(i, surface, hit_point, normal);
     }
     const double number = random.branch.at(path.id);
     if (number < probabilities.rain) {
-        add_secondary_source({offset_point, normal, path.travelled, hit.triangle},
-                             surface,
-                             1.0 / probabilities.rain,
-                             energy);
+        add_secondary_source(
+            point, path, std::abs(along), surface, 1.0 / probabilities.rain, energy);
     }
-    path.rain_cast = number < probabilities.scattered;
+    path.recorded_by_rain = number < probabilities.scattered;
     const bool passes =
-        !path.rain_cast && number < probabilities.scattered + probabilities.transmitted;
-    if (path.rain_cast) {
+        !path.recorded_by_rain && number < probabilities.scattered + probabilities.transmitted;
+    if (path.recorded_by_rain) {
         attenuate(surface, surface.scattered, probabilities.scattered, energy);
-        path.scattered_before = true;
-        ray.origin = offset_point;
-        ray.direction = lambert_direction(normal, random.direction.bits(path.id));
-        path.image_distance = 0.0;
-        path.reflections_of_image = 0;
-        path.scattering_normal = normal;
-        path.scattering_cosine = glm::dot(ray.direction, normal);
+        scatter(i, point, std::abs(along), random.direction.bits(path.id));
     } else if (passes) {
         attenuate(surface, surface.transmitted, probabilities.transmitted, energy);
         ++path.specular_bounces;
@@ -190,7 +221,7 @@ bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     } else {
         attenuate(surface, surface.specular, probabilities.specular, energy);
         ++path.specular_bounces;
-        ray.origin = offset_point;
+        ray.origin = point.from;
         ray.direction = renormalised(ray.direction - 2.0 * along * triangle.normal);
         ++path.reflections_of_image;
         path.scattering_normal -=
@@ -198,20 +229,46 @@ bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     }
     origin_triangles_[i] = hit.triangle;
     if (path.travelled > tracer_.max_distance_) {
-        add(1.0, energy, tally_.balance.remaining.data());
+        add(1.0, energy, balance_.remaining.data());
         return false;
     }
     return survives_roulette(random.roulette, path, energy);
 }
 
+/// Sends a ray on from a surface after Lambert; `cosine` is that of its arrival.
+template <std::size_t kBands>
+void RayBatch<kBands>::scatter(std::size_t i,
+                               const SurfacePoint& point,
+                               double cosine,
+                               std::uint64_t bits) {
+    Path& path = paths_[i];
+    path.start_density = single_scattering_density(path, cosine);
+    path.scattered_before = true;
+    rays_[i] = {point.from, lambert_direction(point.normal, bits)};
+    path.image_distance = 0.0;
+    path.reflections_of_image = 0;
+    path.scattering_normal = point.normal;
+    path.scattering_cosine = glm::dot(rays_[i].direction, point.normal);
+}
+
+/// Path::start_density of a path that is scattered here.
+template <std::size_t kBands>
+double RayBatch<kBands>::single_scattering_density(const Path& path, double cosine) const {
+    return path.scattered_before ? 0.0 : cosine / (path.travelled * path.travelled);
+}
+
 /// Precondition: fewer secondary sources than rays.
 template <std::size_t kBands>
 void RayBatch<kBands>::add_secondary_source(const SurfacePoint& point,
+                                            const Path& path,
+                                            double cosine,
                                             const RaySurface& surface,
                                             double weight,
                                             const Energies& energy) {
     SecondarySource& secondary = secondary_sources_[secondary_source_count_++];
     secondary.point = point;
+    secondary.id = path.id;
+    secondary.start_density = single_scattering_density(path, cosine);
     for (std::size_t band = 0; band < kBands; ++band) {
         secondary.energy[band] = weight * (surface.scattered[band] * energy[band]);
     }
@@ -224,7 +281,7 @@ void RayBatch<kBands>::attenuate(const RaySurface& surface,
                                  const audio::Spectrum& share,
                                  double probability,
                                  Energies& energy) {
-    double* absorbed = tally_.balance.absorbed.data();
+    double* absorbed = balance_.absorbed.data();
     const Energies before = energy;
     for (std::size_t band = 0; band < kBands; ++band) {
         absorbed[band] += surface.absorbed[band] * before[band];
@@ -238,7 +295,7 @@ void RayBatch<kBands>::attenuate(const RaySurface& surface,
     const double weight = 1.0 / probability;
     for (std::size_t band = 0; band < kBands; ++band) {
         energy[band] = weight * (share[band] * before[band]);
-        tally_.balance.roulette_surplus[band] += energy[band] - surface.kept[band] * before[band];
+        balance_.roulette_surplus[band] += energy[band] - surface.kept[band] * before[band];
     }
 }
 
@@ -259,32 +316,34 @@ bool RayBatch<kBands>::survives_roulette(const RandomStream& random,
         return true;
     }
     if (random.at(path.id) >= kSurvivalProbability) {
-        add(1.0, energy, tally_.balance.remaining.data());
+        add(1.0, energy, balance_.remaining.data());
         return false;
     }
     for (std::size_t band = 0; band < kBands; ++band) {
-        const double raised = energy[band] / kSurvivalProbability;
-        tally_.balance.remaining[band] -= raised - energy[band];
-        energy[band] = raised;
+        const double scaled = energy[band] / kSurvivalProbability;
+        balance_.remaining[band] -= scaled - energy[band];
+        energy[band] = scaled;
     }
     return true;
 }
 
 namespace {
 
+// All rays of a group fit into the first-level cache.
+constexpr std::size_t kGroupSize = 256;
+
 template <std::size_t kBands>
 void run_batch(const RayTracer& tracer,
                std::uint64_t first_id,
                std::uint64_t rays,
                const glm::dmat3& rotation,
-               RayTally& tally) {
-    // All rays of a group fit into the first-level cache.
-    constexpr std::uint64_t kGroupSize = 256;
-    RayBatch<kBands> batch(tracer, rays, tally);
-    batch.record_direct_scattering();
+               std::span<const std::uint8_t> active,
+               BatchResult& result) {
+    const auto count = static_cast<double>(rays);
+    RayBatch<kBands> batch(tracer, 4.0 * math::kPi / count, active, result);
     for (std::uint64_t first = 0; first < rays; first += kGroupSize) {
         for (std::uint64_t i = first; i < std::min(first + kGroupSize, rays); ++i) {
-            batch.emit(first_id + i, rotation * spiral_direction(i, static_cast<double>(rays)));
+            batch.emit(first_id + i, rotation * spiral_direction(i, count));
         }
         for (std::uint64_t bounce = 0; batch.has_rays(); ++bounce) {
             batch.advance(bounce);
@@ -292,25 +351,84 @@ void run_batch(const RayTracer& tracer,
     }
 }
 
+template <std::size_t kBands>
+void run_reversed_batch(const RayTracer& tracer,
+                        const ReversedRays& reversed,
+                        std::span<const NearScattering> places,
+                        double energy,
+                        double scattered_energy,
+                        BatchResult& result) {
+    EnergyBalance unused;  // that of the source is of its own rays
+    RayBatch<kBands> batch(tracer, scattered_energy, reversed, result, unused);
+    for (std::size_t first = 0; first < places.size(); first += kGroupSize) {
+        batch.scatter_near(places.subspan(first, std::min(kGroupSize, places.size() - first)),
+                           energy);
+        for (std::uint64_t bounce = 1; batch.has_rays(); ++bounce) {
+            batch.advance(bounce);
+        }
+    }
+}
+
+constexpr std::size_t kOctaves = 10;
+constexpr std::size_t kThirds = 31;
+// Batches of reversed rays are numbered from here, so that they draw numbers of their own.
+constexpr std::uint64_t kFirstReversed = std::uint64_t{1} << 40;
+
 }  // namespace
 
-RayTally RayTracer::trace(std::uint64_t index, std::uint64_t rays) const {
-    constexpr std::size_t kOctaves = 10;
-    constexpr std::size_t kThirds = 31;
+BatchResult RayTracer::trace(std::uint64_t index,
+                             std::uint64_t rays,
+                             std::span<const std::uint8_t> active) const {
     EARSHOT_ASSERT(bands_ == kOctaves || bands_ == kThirds);
-    RayTally tally;
-    tally.energy.assign(receivers_.size() * bins_ * bands_, 0.0);
+    BatchResult result;
+    result.energy.assign(receivers_.size() * bins_ * bands_, 0.0);
     if (options_.report_directions) {
-        tally.directions.assign(receivers_.size() * spans() * audio::kDirectionParts * bands_, 0.0);
+        result.directions.assign(receivers_.size() * spans() * audio::kDirectionParts * bands_,
+                                 0.0);
     }
     const std::uint64_t first_id = index * kMaxBatchRays;
     const glm::dmat3 rotation = random_rotation(options_.seed, 0, index);
     if (bands_ == kOctaves) {
-        run_batch<kOctaves>(*this, first_id, rays, rotation, tally);
+        run_batch<kOctaves>(*this, first_id, rays, rotation, active, result);
     } else {
-        run_batch<kThirds>(*this, first_id, rays, rotation, tally);
+        run_batch<kThirds>(*this, first_id, rays, rotation, active, result);
     }
-    return tally;
+    for (std::size_t k = 0; k < receivers_.size(); ++k) {
+        if (active[k] != 0 && receivers_[k].near_scattering > 0.0) {
+            trace_reversed(k, index, rays, result);
+        }
+    }
+    return result;
+}
+
+/// What surfaces near a listener scatter to it, by rays from the listener. They are as many as make
+/// about the error of the other rays.
+void RayTracer::trace_reversed(std::size_t listener,
+                               std::uint64_t index,
+                               std::uint64_t rays,
+                               BatchResult& result) const {
+    const Receiver& receiver = receivers_[listener];
+    const double count = std::ceil(static_cast<double>(rays) * receiver.near_scattering);
+    const glm::dmat3 rotation = random_rotation(options_.seed, 0, kFirstReversed + index);
+    std::vector<Vec3> directions(static_cast<std::size_t>(count));
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        directions[i] = rotation * spiral_direction(i, count);
+    }
+    const ReversedRays reversed = {.listener = listener,
+                                   .first_id = (kFirstReversed + index) * kMaxBatchRays,
+                                   .directions = directions};
+    const std::vector<NearScattering> places =
+        find_near_scattering(receiver.position, directions, reversed.first_id);
+    const double energy = 4.0 * math::kPi / count;
+    double scattered_energy = 0.0;
+    for (const NearScattering& place : places) {
+        scattered_energy += energy * place.share / static_cast<double>(places.size());
+    }
+    if (bands_ == kOctaves) {
+        run_reversed_batch<kOctaves>(*this, reversed, places, energy, scattered_energy, result);
+    } else {
+        run_reversed_batch<kThirds>(*this, reversed, places, energy, scattered_energy, result);
+    }
 }
 
 }  // namespace earshot::propagation

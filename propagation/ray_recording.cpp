@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What listeners receive of the rays of a batch: chords of specular legs, diffuse rain, near
-// fields.
+// What receivers record of the rays of a batch: chords of specular legs, diffuse rain, the near
+// field of the source.
 #include "earshot/base/math.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/ray_batch.h"
@@ -16,7 +16,7 @@ namespace earshot::propagation {
 using geometry::Ray;
 using geometry::Vec3;
 
-/// The chords of all legs in the balls of the listeners, but of legs that something else records:
+/// The chords of all legs in the balls of the receivers, but of legs that something else records:
 /// exact paths, diffuse rain, near fields.
 template <std::size_t kBands>
 void RayBatch<kBands>::find_chords(const RandomStream& random) {
@@ -24,15 +24,17 @@ void RayBatch<kBands>::find_chords(const RandomStream& random) {
     shadow_rays_.clear();
     for (std::size_t i = 0; i < rays_.size(); ++i) {
         const Path& path = paths_[i];
-        if (path.rain_cast ||
+        if (path.recorded_by_rain ||
             (!path.scattered_before && path.specular_bounces <= options_.specular_order)) {
             continue;
         }
         const double hit_distance =
             hits_[i] ? hits_[i]->t : std::numeric_limits<double>::infinity();
-        for (std::size_t k = 0; k < tracer_.receivers_.size(); ++k) {
-            // The same number for all listeners, so that the answer of one depends on no other.
-            find_chord(i, k, hit_distance, random.at(path.id));
+        for (std::size_t k = 0; k < receivers_.size(); ++k) {
+            if (is_active(k)) {
+                // The same number for all listeners, so that the answer of one depends on no other.
+                find_chord(i, k, hit_distance, random.at(path.id));
+            }
         }
     }
 }
@@ -42,10 +44,10 @@ void RayBatch<kBands>::find_chords(const RandomStream& random) {
 /// arrives at one instant: what the ball adds is neither bias nor blur, only rays.
 template <std::size_t kBands>
 void RayBatch<kBands>::find_chord(std::size_t i,
-                                  std::size_t listener,
+                                  std::size_t receiver_index,
                                   double hit_distance,
                                   double random) {
-    const Receiver& receiver = tracer_.receivers_[listener];
+    const Receiver& receiver = receivers_[receiver_index];
     const Ray& ray = rays_[i];
     const Path& path = paths_[i];
     const Vec3 to = receiver.position - ray.origin;
@@ -63,26 +65,28 @@ void RayBatch<kBands>::find_chord(std::size_t i,
     const Vec3 from_image = to + path.image_distance * ray.direction;
     const double squared = glm::dot(from_image, from_image);
     const double distance = std::sqrt(squared);
-    double cosines = 1.0;
+    double weight = 1.0;
     if (path.scattered_before) {
-        const bool is_near = distance < kNearDistance &&
-                             path.reflections_of_image <= kMaxNearReflections &&
-                             receiver.near_field && !receiver.near_field->is_empty();
         const double cosine = glm::dot(from_image, path.scattering_normal) / distance;
-        if (is_near || !(cosine > 0.0)) {
+        if (!(cosine > 0.0)) {
             return;
         }
-        cosines = cosine / path.scattering_cosine;
+        weight = cosine / path.scattering_cosine *
+                 estimator_weight(
+                     receiver, distance, cosine, path.reflections_of_image, path.start_density);
+        if (weight == 0.0) {
+            return;
+        }
     }
     const double at = begin + random * (end - begin);
     const double image_to_point = path.image_distance + at;
     shadow_rays_.push_back({ray.origin + at * ray.direction, receiver.position});
     chords_.push_back({.ray = i,
-                       .listener = listener,
+                       .receiver = receiver_index,
                        .travelled = path.travelled - path.image_distance + distance,
                        .towards = -from_image,
                        .share = (end - begin) * receiver.inverse_volume *
-                                (image_to_point * image_to_point / squared) * cosines});
+                                (image_to_point * image_to_point / squared) * weight});
 }
 
 template <std::size_t kBands>
@@ -92,96 +96,144 @@ void RayBatch<kBands>::record_chords() {
     for (std::size_t j = 0; j < chords_.size(); ++j) {
         if (occluded_[j] == 0) {
             const Chord& chord = chords_[j];
-            record(
-                chord.listener, chord.travelled, chord.towards, energies_[chord.ray], chord.share);
+            record(chord.receiver,
+                   paths_[chord.ray].id,
+                   chord.travelled,
+                   chord.towards,
+                   energies_[chord.ray],
+                   chord.share);
         }
     }
 }
 
-/// Sound of the source itself that surfaces near listeners scatter, in the whole.
+/// The share of a path that was scattered at a point which the receiver hears from `distance`, past
+/// `reflections`, by the estimator of these rays. Paths from near a listener have two estimators:
+/// rays from the source, whose variance grows without bound as the point comes nearer, and reversed
+/// rays. Where the point is the only one that scatters, both have bounded variance in other cases:
+/// their weights are those of the balance heuristic (Veach and Guibas 1995), from the densities of
+/// the point on either side, so that the result is bounded wherever one of the two is.
 template <std::size_t kBands>
-void RayBatch<kBands>::record_direct_scattering() {
-    for (const RayTracer::DirectScattering& direct : tracer_.direct_scattering_) {
-        Energies energy;
-        std::copy_n(direct.energy.begin(), kBands, energy.begin());
-        record(direct.listener, direct.travelled, direct.towards, energy, 1.0);
+double RayBatch<kBands>::estimator_weight(const Receiver& receiver,
+                                          double distance,
+                                          double cosine,
+                                          int reflections,
+                                          double start_density) const {
+    const double density = cosine / (distance * distance);
+    const bool is_near = distance < kNearDistance && reflections <= kMaxNearReflections;
+    if (!reversed_) {
+        return is_near && receiver.near_scattering > 0.0 ? start_density / (start_density + density)
+                                                         : 1.0;
     }
+    if (start_density > 0.0) {
+        return start_density / (start_density + density);
+    }
+    return is_near && tracer_.source_field_ ? 0.0 : 1.0;
 }
 
-/// Scattered energy of a surface near listeners.
+/// Scattered energy of a surface near the source, for reversed rays. What is scattered only there
+/// was recorded where these rays were scattered first.
 template <std::size_t kBands>
-void RayBatch<kBands>::record_near_field(std::size_t i, const Vec3& hit_point, const Vec3& normal) {
-    if (tracer_.first_near_receiver_.empty()) {
-        return;
-    }
-    const geometry::Hit& hit = *hits_[i];
-    const std::uint32_t end = tracer_.first_near_receiver_[hit.triangle + 1];
-    for (std::uint32_t n = tracer_.first_near_receiver_[hit.triangle]; n < end; ++n) {
-        const std::uint32_t listener = tracer_.near_receivers_[n];
-        const Receiver& receiver = tracer_.receivers_[listener];
-        const RaySurface& surface =
-            tracer_.surfaces_[tracer_.triangle_surfaces_[hit.triangle].surface];
-        for (const NearContribution& near : receiver.near_field->contributions(hit)) {
-            if (!(glm::dot(near.side, normal) > 0.0)) {
-                continue;
-            }
-            const audio::Spectrum& factor =
-                receiver.near_field->reflection_factor(near.reflections);
-            Energies scattered;
-            for (std::size_t band = 0; band < kBands; ++band) {
-                scattered[band] = factor[band] * (surface.scattered[band] * energies_[i][band]);
-            }
-            // A plane wave in the direction of the ray reaches the point seen by so much later.
-            const double later = glm::dot(rays_[i].direction, near.point - hit_point);
-            const Vec3 towards = near.image - receiver.position;
-            record(listener,
-                   paths_[i].travelled + later + glm::length(towards),
-                   towards,
-                   scattered,
-                   near.weight);
+void RayBatch<kBands>::record_near_field(std::size_t i,
+                                         const RaySurface& surface,
+                                         const Vec3& hit_point,
+                                         const Vec3& normal) {
+    const NearField& field = *tracer_.source_field_;
+    for (const NearContribution& near : field.contributions(*hits_[i])) {
+        if (!(glm::dot(near.side, normal) > 0.0)) {
+            continue;
         }
+        const audio::Spectrum& factor = field.reflection_factor(near.reflections);
+        Energies scattered;
+        for (std::size_t band = 0; band < kBands; ++band) {
+            scattered[band] = factor[band] * (surface.scattered[band] * energies_[i][band]);
+        }
+        // A plane wave in the direction of the ray reaches the point seen by so much later.
+        const double later = glm::dot(rays_[i].direction, near.point - hit_point);
+        const Vec3 towards = near.image - receivers_[0].position;
+        record(0,
+               paths_[i].id,
+               paths_[i].travelled + later + glm::length(towards),
+               towards,
+               scattered,
+               near.weight);
     }
 }
 
 template <std::size_t kBands>
-void RayBatch<kBands>::record(std::size_t listener,
+void RayBatch<kBands>::record(std::size_t receiver,
+                              std::uint64_t id,
                               double travelled,
                               const Vec3& towards,
                               const Energies& energy,
                               double share) {
+    if (!reversed_) {
+        record_at_listener(receiver, travelled, towards, energy, share);
+        return;
+    }
+    // Sound leaves the source where the reversed ray arrives, and arrives where that one started.
+    const Vec3& direction = reversed_->directions[id - reversed_->first_id];
+    const RaySource& source = tracer_.source_;
+    if (source.directivity.is_omnidirectional()) {
+        record_at_listener(reversed_->listener, travelled, direction, energy, share);
+        return;
+    }
+    const audio::Spectrum pressure =
+        source.directivity.pressure(options_.bands, source.pose.seen_from(glm::normalize(towards)));
+    Energies emitted;
+    for (std::size_t band = 0; band < kBands; ++band) {
+        emitted[band] = energy[band] * (pressure[band] * pressure[band]);
+    }
+    record_at_listener(reversed_->listener, travelled, direction, emitted, share);
+}
+
+template <std::size_t kBands>
+void RayBatch<kBands>::record_at_listener(std::size_t listener,
+                                          double travelled,
+                                          const Vec3& towards,
+                                          const Energies& energy,
+                                          double share) {
     const double position = travelled * tracer_.bins_per_metre_;
     if (!(position < static_cast<double>(tracer_.bins_))) {
         return;
     }
     const auto bin = static_cast<std::size_t>(std::max(0.0, position));
-    add(share, energy, tally_.energy.data() + (listener * tracer_.bins_ + bin) * kBands);
-    if (tally_.directions.empty()) {
+    add(share, energy, result_.energy.data() + (listener * tracer_.bins_ + bin) * kBands);
+    if (result_.directions.empty()) {
         return;
     }
     const std::size_t part = audio::direction_part({towards.x, towards.y, towards.z});
     const std::size_t span = listener * tracer_.spans() + bin / audio::kBinsPerSpan;
-    add(share, energy, tally_.directions.data() + (span * audio::kDirectionParts + part) * kBands);
+    add(share, energy, result_.directions.data() + (span * audio::kDirectionParts + part) * kBands);
 }
 
-/// Adds scattered energy to every listener that is visible from where it was scattered (Heinz
+/// Adds scattered energy to every receiver that is visible from where it was scattered (Heinz
 /// 1993).
 template <std::size_t kBands>
 void RayBatch<kBands>::cast_diffuse_rain() {
     shadow_rays_.clear();
     shadow_ray_origins_.clear();
-    shadow_ray_ends_.clear();
+    rain_.clear();
     for (std::size_t i = 0; i < secondary_source_count_; ++i) {
         const SurfacePoint& point = secondary_sources_[i].point;
-        for (std::size_t k = 0; k < tracer_.receivers_.size(); ++k) {
-            const Vec3& listener = tracer_.receivers_[k].position;
-            const Vec3 to_listener = listener - point.from;
-            const auto& near_field = tracer_.receivers_[k].near_field;
-            const bool is_near = near_field && !near_field->is_empty() &&
-                                 glm::dot(to_listener, to_listener) < kNearDistance * kNearDistance;
-            if (!is_near && glm::dot(to_listener, point.normal) > 0.0) {
-                shadow_rays_.push_back({point.from, listener});
+        for (std::size_t k = 0; k < receivers_.size(); ++k) {
+            const Vec3 to_receiver = receivers_[k].position - point.from;
+            const double along = glm::dot(to_receiver, point.normal);
+            if (!is_active(k) || !(along > 0.0)) {
+                continue;
+            }
+            double weight = 1.0;
+            if (reversed_ || receivers_[k].near_scattering > 0.0) {
+                const double distance = glm::length(to_receiver);
+                weight = estimator_weight(receivers_[k],
+                                          distance,
+                                          along / distance,
+                                          0,
+                                          secondary_sources_[i].start_density);
+            }
+            if (weight > 0.0) {
+                shadow_rays_.push_back({point.from, receivers_[k].position});
                 shadow_ray_origins_.push_back(point.triangle);
-                shadow_ray_ends_.emplace_back(i, k);
+                rain_.push_back({.source = i, .receiver = k, .weight = weight});
             }
         }
     }
@@ -195,28 +247,34 @@ void RayBatch<kBands>::cast_diffuse_rain() {
         if (occluded_[j] != 0) {
             continue;
         }
-        const SecondarySource& secondary = secondary_sources_[shadow_ray_ends_[j].first];
-        const Vec3 to_listener = shadow_rays_[j].to - shadow_rays_[j].from;
-        const double squared = glm::dot(to_listener, to_listener);
+        const SecondarySource& secondary = secondary_sources_[rain_[j].source];
+        const Vec3 to_receiver = shadow_rays_[j].to - shadow_rays_[j].from;
+        const double squared = glm::dot(to_receiver, to_receiver);
         const double distance = std::sqrt(squared);
-        record(shadow_ray_ends_[j].second,
+        record(rain_[j].receiver,
+               secondary.id,
                secondary.point.travelled + distance,
-               -to_listener,
+               -to_receiver,
                secondary.energy,
-               glm::dot(to_listener, secondary.point.normal) / (math::kPi * squared * distance));
+               rain_[j].weight * glm::dot(to_receiver, secondary.point.normal) /
+                   (math::kPi * squared * distance));
     }
 }
 
 // Octaves and thirds.
 template void RayBatch<10>::find_chords(const RandomStream&);
 template void RayBatch<10>::record_chords();
-template void RayBatch<10>::record_direct_scattering();
-template void RayBatch<10>::record_near_field(std::size_t, const Vec3&, const Vec3&);
+template void RayBatch<10>::record_near_field(std::size_t,
+                                              const RaySurface&,
+                                              const Vec3&,
+                                              const Vec3&);
 template void RayBatch<10>::cast_diffuse_rain();
 template void RayBatch<31>::find_chords(const RandomStream&);
 template void RayBatch<31>::record_chords();
-template void RayBatch<31>::record_direct_scattering();
-template void RayBatch<31>::record_near_field(std::size_t, const Vec3&, const Vec3&);
+template void RayBatch<31>::record_near_field(std::size_t,
+                                              const RaySurface&,
+                                              const Vec3&,
+                                              const Vec3&);
 template void RayBatch<31>::cast_diffuse_rain();
 
 }  // namespace earshot::propagation

@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -53,6 +52,32 @@ void set_probabilities(RaySurface& surface) {
     }
 }
 
+RaySurface perfect_absorber() {
+    RaySurface surface;
+    surface.absorbed.fill(1.0);
+    return surface;
+}
+
+// The back of a one-sided material absorbs everything, so that sound passes only from its front to
+// its back, and reversed rays from its back to its front.
+RaySurface without_transmission(RaySurface surface) {
+    for (std::size_t band = 0; band < surface.kept.size(); ++band) {
+        surface.absorbed[band] += std::exchange(surface.transmitted[band], 0.0);
+    }
+    set_probabilities(surface);
+    return surface;
+}
+
+RaySurface transmission_alone(RaySurface surface) {
+    surface.specular.fill(0.0);
+    surface.scattered.fill(0.0);
+    for (std::size_t band = 0; band < surface.kept.size(); ++band) {
+        surface.absorbed[band] = 1.0 - surface.transmitted[band];
+    }
+    set_probabilities(surface);
+    return surface;
+}
+
 }  // namespace
 
 RayTracer::RayTracer(const RayScene& scene,
@@ -73,76 +98,65 @@ RayTracer::RayTracer(const RayScene& scene,
     describe_surfaces();
     describe_triangles();
     describe_receivers(listeners, executor);
-    find_direct_scattering(executor);
     limit_roulette();
 }
 
-// A ball about each listener, and the surfaces near it.
-void RayTracer::describe_receivers(std::span<const Vec3> listeners, Executor& executor) {
+// A ball, and what part of it is visible from its centre.
+Receiver RayTracer::describe_receiver(const Vec3& position) const {
     const double radius = options_.receiver_radius;
-    const bool any_scatters =
-        std::any_of(surfaces_.begin(), surfaces_.end(), [](const RaySurface& surface) {
-            return *std::max_element(surface.scattered.begin(), surface.scattered.end()) > 0.0;
-        });
+    Receiver receiver{.position = position,
+                      .radius_squared = radius * radius,
+                      .inverse_volume = 0.75 / (math::kPi * radius * radius * radius)};
+    if (!bvh::closest_point(scene_.tree, scene_.mesh, position, std::max(radius, kNearDistance))) {
+        return receiver;
+    }
+    std::vector<Vec3> directions;
+    std::vector<Ray> probes;
+    for (std::size_t i = 0; i < kProbeDirections; ++i) {
+        directions.push_back(probe_direction(i));
+        probes.push_back({position, directions.back()});
+    }
+    double cubes = 0.0;
+    for (const auto& hit : bvh::closest_hits(wide_, scene_.mesh, probes)) {
+        const double visible = hit ? std::min(hit->t, radius) : radius;
+        cubes += visible * visible * visible;
+    }
+    receiver.inverse_volume =
+        cubes > 0.0 ? kProbeDirections / (4.0 / 3.0 * math::kPi * cubes) : 0.0;
+    const std::vector<NearScattering> places = find_near_scattering(position, directions, 0);
+    for (const NearScattering& place : places) {
+        receiver.near_scattering += place.share / static_cast<double>(places.size());
+    }
+    receiver.near_scattering = std::min(receiver.near_scattering, 1.0);
+    return receiver;
+}
+
+void RayTracer::describe_receivers(std::span<const Vec3> listeners, Executor& executor) {
     receivers_.resize(listeners.size());
     executor.for_each(listeners.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            Receiver& receiver = receivers_[k];
-            receiver.position = listeners[k];
-            receiver.radius_squared = radius * radius;
-            if (!bvh::closest_point(
-                    scene_.tree, scene_.mesh, listeners[k], std::max(radius, kNearDistance))) {
-                receiver.inverse_volume = 0.75 / (math::kPi * radius * radius * radius);
-                continue;
-            }
-            std::vector<Ray> probes;
-            for (std::size_t i = 0; i < kProbeDirections; ++i) {
-                probes.push_back({listeners[k], probe_direction(i)});
-            }
-            const auto hits = bvh::closest_hits(wide_, scene_.mesh, probes);
-            double cubes = 0.0;
-            for (const auto& hit : hits) {
-                const double seen = hit ? std::min(hit->t, radius) : radius;
-                cubes += seen * seen * seen;
-            }
-            receiver.inverse_volume =
-                cubes > 0.0 ? kProbeDirections / (4.0 / 3.0 * math::kPi * cubes) : 0.0;
-            if (any_scatters) {
-                receiver.near_field.emplace(scene_.tree,
-                                            wide_,
-                                            scene_.mesh,
-                                            scene_.material_of_triangle,
-                                            surfaces_,
-                                            listeners[k],
-                                            hits,
-                                            self_intersection_offset_);
-            }
+            receivers_[k] = describe_receiver(listeners[k]);
         }
     });
-    index_near_fields();
+    if (std::any_of(receivers_.begin(), receivers_.end(), [](const Receiver& receiver) {
+            return receiver.near_scattering > 0.0;
+        })) {
+        describe_source();
+    }
 }
 
-// Which near fields a triangle belongs to; no index where there are none.
-void RayTracer::index_near_fields() {
-    std::vector<std::pair<geometry::TriangleId, std::uint32_t>> members;
-    for (std::uint32_t k = 0; k < receivers_.size(); ++k) {
-        if (receivers_[k].near_field) {
-            for (const geometry::TriangleId triangle : receivers_[k].near_field->triangles()) {
-                members.emplace_back(triangle, k);
-            }
-        }
+// The source as the receiver of reversed rays.
+void RayTracer::describe_source() {
+    source_receiver_ = describe_receiver(source_.pose.position);
+    if (source_receiver_.near_scattering > 0.0) {
+        source_field_.emplace(scene_.tree,
+                              wide_,
+                              scene_.mesh,
+                              scene_.material_of_triangle,
+                              surfaces_,
+                              source_.pose.position,
+                              self_intersection_offset_);
     }
-    if (members.empty()) {
-        return;
-    }
-    std::sort(members.begin(), members.end());
-    first_near_receiver_.assign(scene_.mesh.triangles.size() + 1, 0);
-    for (const auto& [triangle, listener] : members) {
-        ++first_near_receiver_[triangle + 1];
-        near_receivers_.push_back(listener);
-    }
-    std::partial_sum(
-        first_near_receiver_.begin(), first_near_receiver_.end(), first_near_receiver_.begin());
 }
 
 // A ray is faint only compared with the sound that arrives at the same time.
@@ -161,59 +175,12 @@ void RayTracer::limit_roulette() {
     }
 }
 
-// The irradiance at what listeners see near them is known: cos / r^2 of the source, if it is
-// visible.
-void RayTracer::find_direct_scattering(Executor& executor) {
-    std::vector<geometry::Segment> shadow_rays;
-    const Vec3& source = source_.pose.position;
-    for (std::uint32_t k = 0; k < receivers_.size(); ++k) {
-        if (!receivers_[k].near_field) {
-            continue;
-        }
-        const NearField& near_field = *receivers_[k].near_field;
-        for (const NearView& view : near_field.views()) {
-            const Vec3 to_source = source - view.seen.point;
-            const double distance = glm::length(to_source);
-            const double along = glm::dot(to_source, view.seen.side);
-            if (!(along > 0.0)) {
-                continue;
-            }
-            const audio::Spectrum sent = source_.directivity.pressure(
-                options_.bands, source_.pose.seen_from(-to_source / distance));
-            const audio::Spectrum& scattered =
-                surfaces_[scene_.material_of_triangle[view.triangle]].scattered;
-            const audio::Spectrum& factor = near_field.reflection_factor(view.seen.reflections);
-            const double irradiance = along / (distance * distance * distance);
-            DirectScattering direct{.listener = k};
-            direct.towards = view.seen.image - receivers_[k].position;
-            direct.travelled = distance + glm::length(direct.towards);
-            for (std::size_t band = 0; band < bands_; ++band) {
-                direct.energy[band] = view.seen.weight * irradiance * (sent[band] * sent[band]) *
-                                      (scattered[band] * factor[band]);
-            }
-            shadow_rays.push_back(
-                {view.seen.point + self_intersection_offset_ * view.seen.side, source});
-            direct_scattering_.push_back(direct);
-        }
-    }
-    const std::vector<std::uint8_t> occluded =
-        bvh::occluded(wide_, scene_.mesh, shadow_rays, executor);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < direct_scattering_.size(); ++i) {
-        if (occluded[i] == 0) {
-            direct_scattering_[kept++] = direct_scattering_[i];
-        }
-    }
-    direct_scattering_.resize(kept);
-}
-
 void RayTracer::describe_surfaces() {
     for (const Material& material : scene_.materials) {
         const audio::Spectrum absorption = material.absorption.over(options_.bands);
         const audio::Spectrum scattering = material.scattering.over(options_.bands);
         const audio::Spectrum transmission = transmitted_energy(material, options_.bands);
-        RaySurface& surface = surfaces_.emplace_back();
-        surface.one_sided = material.one_sided;
+        RaySurface surface;
         for (std::size_t band = 0; band < bands_; ++band) {
             const double kept = 1.0 - absorption[band];
             // Transmitted energy is a part of the energy that is not reflected.
@@ -224,6 +191,10 @@ void RayTracer::describe_surfaces() {
             surface.absorbed[band] = absorption[band] - transmitted;
         }
         set_probabilities(surface);
+        surfaces_.push_back(surface);
+        surfaces_.push_back(material.one_sided ? perfect_absorber() : surface);
+        reversed_surfaces_.push_back(material.one_sided ? without_transmission(surface) : surface);
+        reversed_surfaces_.push_back(material.one_sided ? transmission_alone(surface) : surface);
     }
 }
 
@@ -232,7 +203,7 @@ void RayTracer::describe_triangles() {
     for (std::size_t i = 0; i < scene_.mesh.triangles.size(); ++i) {
         const auto [a, b, c] = geometry::corners(scene_.mesh, i);
         triangle_surfaces_.push_back({.normal = glm::normalize(glm::cross(b - a, c - a)),
-                                      .surface = scene_.material_of_triangle[i]});
+                                      .front = 2 * scene_.material_of_triangle[i]});
     }
 }
 

@@ -16,14 +16,14 @@ namespace earshot::propagation {
 /// one experiment, so their spread tells the standard errors.
 class ListenerSums {
 public:
-    /// `bins` and `spans` as in the tallies, in which the listener has number `listener`. Both
+    /// `bins` and `spans` as in the results, in which the listener has number `listener`. Both
     /// arguments must outlive the sums.
     ListenerSums(const RayOptions& options,
                  std::size_t listener,
                  std::size_t bins,
                  std::size_t spans);
 
-    void add(const RayTally& tally, std::size_t rays);
+    void add(const BatchResult& batch, std::size_t rays);
 
     std::size_t batches() const noexcept { return batches_; }
     /// Without EnergyHistogram::reflection_growth.
@@ -42,7 +42,7 @@ private:
     std::size_t listener_, bins_, spans_;
     std::vector<double> air_loss_;  // of energy, per bin and band
     std::vector<double> energy_, squares_,
-        directions_;  // as in RayTally, times the rays of a batch
+        directions_;  // as in BatchResult, times the rays of a batch
     double rays_ = 0.0;
     std::size_t batches_ = 0;
     ReplicateSums replicates_;          // air included

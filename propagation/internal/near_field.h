@@ -15,9 +15,9 @@
 
 namespace earshot::propagation {
 
-/// Scattered energy of surfaces nearer than this reaches a listener through NearField, metres.
+/// Surfaces nearer than this are near a listener or source, metres.
 inline constexpr double kNearDistance = 0.75;
-/// Reflections on the way from such a surface to the listener that NearField follows.
+/// Reflections on the way from such a surface, at most.
 inline constexpr int kMaxNearReflections = 3;
 
 /// The directions in which a listener looks for surfaces, on a spiral over the sphere.
@@ -33,38 +33,25 @@ struct NearContribution {
     std::uint32_t reflections = 0;  ///< index into NearField::reflection_factor()
 };
 
-/// A place of a surface as a listener sees it.
-struct NearView {
-    NearContribution seen;  ///< weight: times the scattered energy per area
-    geometry::TriangleId triangle = 0;
-};
-
-/// The surfaces near one listener. Diffuse rain weighs a point of a surface with cos / (pi d^2):
-/// its variance grows without bound as the listener comes nearer. Here the directions of the
-/// listener are integrated instead. A direction that first meets a surface at q, nearer than
-/// kNearDistance (reflections unfolded), sees the scattered energy per area about q, estimated from
-/// all rays that hit a disc of the plane about q; so no ray weighs more than that disc allows,
-/// however near the surface is. Unbiased where the irradiance varies linearly over the disc.
+/// The surfaces near the source, which listens to reversed rays. Diffuse rain weighs a point of a
+/// surface with cos / (pi d^2): its variance grows without bound as the listener comes nearer. Here
+/// the directions of the listener are integrated instead. A direction that first meets a surface at
+/// q, nearer than kNearDistance (reflections unfolded), sees the scattered energy per area about q,
+/// estimated from all rays that hit a disc of the plane about q; so no ray weighs more than that
+/// disc allows, however near the surface is. Unbiased where the irradiance varies linearly over the
+/// disc.
 class NearField {
 public:
-    /// `surfaces` per material. `first_hits` are those of the probe directions from `listener`.
-    /// Reflected probes start `offset` metres from the surface.
+    /// `surfaces` two per material: front and back. Reflected probes start `offset` metres from the
+    /// surface.
     NearField(const bvh::Tree& tree,
               const bvh::WideTree& wide,
               const geometry::MeshView& mesh,
               std::span<const std::uint32_t> material_of_triangle,
               std::span<const RaySurface> surfaces,
               const geometry::Vec3& listener,
-              std::span<const std::optional<geometry::Hit>> first_hits,
               double offset);
 
-    bool is_empty() const noexcept { return patches_.empty(); }
-    /// Triangles with contributions, ascending.
-    std::vector<geometry::TriangleId> triangles() const;
-
-    /// What the listener sees, one place per cell and reflections, for energy that is known per
-    /// area.
-    std::span<const NearView> views() const noexcept { return views_; }
     /// The contributions of the place that a ray hits.
     std::span<const NearContribution> contributions(const geometry::Hit& hit) const noexcept;
     /// Energy factor per band of the reflections of a contribution.
@@ -93,7 +80,6 @@ private:
     std::vector<Patch> patches_;                // by triangle
     std::vector<std::uint32_t> first_of_cell_;  // into contributions_; one more than cells
     std::vector<NearContribution> contributions_;
-    std::vector<NearView> views_;
     std::vector<audio::Spectrum> factors_;
 };
 

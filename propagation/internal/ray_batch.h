@@ -9,28 +9,61 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <utility>
+#include <span>
 #include <vector>
 
 namespace earshot::propagation {
+
+/// Rays that start at a listener, against the direction of sound: they tell what surfaces near the
+/// listener scatter to it. The source receives them.
+struct ReversedRays {
+    std::size_t listener = 0;
+    std::uint64_t first_id = 0;
+    std::span<const geometry::Vec3> directions;  ///< at the listener, of rays first_id, ...
+};
 
 /// Rays that are traced through the scene together, a reflection at a time. The number of bands is
 /// known when this is compiled, so that a ray's energies are a few registers.
 template <std::size_t kBands>
 class RayBatch {
 public:
-    /// A batch of `rays` rays, which start with the whole energy of the source.
-    RayBatch(const RayTracer& tracer, std::uint64_t rays, RayTally& tally)
+    /// Rays from the source, each with the energy `start_energy`. Listeners that are not `active`
+    /// receive nothing.
+    RayBatch(const RayTracer& tracer,
+             double start_energy,
+             std::span<const std::uint8_t> active,
+             BatchResult& result)
         : tracer_(tracer),
           scene_(tracer.scene_),
           options_(tracer.options_),
-          start_energy_(4.0 * math::kPi / static_cast<double>(rays)),
-          tally_(tally) {}
+          surfaces_(tracer.surfaces_),
+          receivers_(tracer.receivers_),
+          active_(active),
+          start_energy_(start_energy),
+          result_(result),
+          balance_(result.balance) {}
+    /// Reversed rays, which go on from their first scattering with about the energy
+    /// `start_energy`.
+    RayBatch(const RayTracer& tracer,
+             double start_energy,
+             const ReversedRays& reversed,
+             BatchResult& result,
+             EnergyBalance& balance)
+        : tracer_(tracer),
+          scene_(tracer.scene_),
+          options_(tracer.options_),
+          surfaces_(tracer.reversed_surfaces_),
+          receivers_(&tracer.source_receiver_, 1),
+          reversed_(&reversed),
+          start_energy_(start_energy),
+          result_(result),
+          balance_(balance) {}
 
-    /// Records what needs no rays.
-    void record_direct_scattering();
-    /// Starts a ray. Numbers are drawn for its `id`.
+    /// Starts a ray at the source. Numbers are drawn for its `id`.
     void emit(std::uint64_t id, const geometry::Vec3& direction);
+    /// Starts reversed rays where they are scattered first; `energy` is that of each at the
+    /// listener.
+    void scatter_near(std::span<const NearScattering> places, double energy);
     bool has_rays() const { return !rays_.empty(); }
     /// Traces every ray to its next surface and reflects it there.
     void advance(std::uint64_t bounce);
@@ -47,13 +80,16 @@ private:
         int specular_bounces = 0;
         int reflections_of_image = 0;  // since then; a transmission counts as too many to be near
         bool scattered_before = false;
-        bool rain_cast = false;                 // diffuse rain has recorded the leg that begins
+        bool recorded_by_rain = false;          // the leg that begins
         geometry::Vec3 scattering_normal{0.0};  // at the image, mirrored along
         double scattering_cosine = 0.0;         // of the direction in which it was scattered
+        /// Of the only scattering point, per solid angle about the start of the ray: cosine /
+        /// distance^2. 0: there is none, or there are several.
+        double start_density = 0.0;
     };
     /// The chord of a leg in the ball of a listener.
     struct Chord {
-        std::size_t ray, listener;
+        std::size_t ray, receiver;
         double travelled;
         geometry::Vec3 towards;
         double share;
@@ -67,7 +103,14 @@ private:
     /// law.
     struct SecondarySource {
         SurfacePoint point;
+        std::uint64_t id = 0;        // of the ray
+        double start_density = 0.0;  // as in Path
         Energies energy;
+    };
+    /// What a receiver gets of a secondary source.
+    struct Rain {
+        std::size_t source, receiver;
+        double weight;  // of this estimator
     };
     struct Probabilities {
         double specular, scattered, transmitted;
@@ -85,23 +128,40 @@ private:
                    const audio::Spectrum& share,
                    double probability,
                    Energies& energy);
+    void scatter(std::size_t i, const SurfacePoint& point, double cosine, std::uint64_t bits);
     void add_secondary_source(const SurfacePoint& point,
+                              const Path& path,
+                              double cosine,
                               const RaySurface& surface,
                               double weight,
                               const Energies& energy);
+    double single_scattering_density(const Path& path, double cosine) const;
+    double estimator_weight(const Receiver& receiver,
+                            double distance,
+                            double cosine,
+                            int reflections,
+                            double start_density) const;
     bool survives_roulette(const RandomStream& random, const Path& path, Energies& energy);
     void find_chords(const RandomStream& random);
-    void find_chord(std::size_t i, std::size_t listener, double hit_distance, double random);
+    void find_chord(std::size_t i, std::size_t receiver, double hit_distance, double random);
     void record_chords();
     void record_near_field(std::size_t i,
+                           const RaySurface& surface,
                            const geometry::Vec3& hit_point,
                            const geometry::Vec3& normal);
     void cast_diffuse_rain();
-    void record(std::size_t listener,
+    bool is_active(std::size_t receiver) const { return reversed_ || active_[receiver] != 0; }
+    void record(std::size_t receiver,
+                std::uint64_t id,
                 double travelled,
                 const geometry::Vec3& towards,
                 const Energies& energy,
                 double share);
+    void record_at_listener(std::size_t listener,
+                            double travelled,
+                            const geometry::Vec3& towards,
+                            const Energies& energy,
+                            double share);
     static void add(double share, const Energies& energy, double* to) {
         for (std::size_t band = 0; band < kBands; ++band) {
             to[band] += share * energy[band];
@@ -111,8 +171,13 @@ private:
     const RayTracer& tracer_;
     const RayScene& scene_;
     const RayOptions& options_;
+    const RayTracer::Surfaces& surfaces_;
+    std::span<const Receiver> receivers_;
+    std::span<const std::uint8_t> active_{};  // per receiver
+    const ReversedRays* reversed_ = nullptr;
     double start_energy_;  // of a ray
-    RayTally& tally_;
+    BatchResult& result_;
+    EnergyBalance& balance_;
 
     // Entry i of each belongs together.
     std::vector<geometry::Ray> rays_;
@@ -126,8 +191,7 @@ private:
     std::size_t secondary_source_count_ = 0;
     std::vector<geometry::Segment> shadow_rays_;
     std::vector<geometry::TriangleId> shadow_ray_origins_;
-    std::vector<std::pair<std::size_t, std::size_t>>
-        shadow_ray_ends_;  // secondary source, listener
+    std::vector<Rain> rain_;  // per shadow ray
     std::vector<std::uint8_t> occluded_;
 };
 

@@ -5,12 +5,11 @@
 
 namespace earshot::propagation {
 
-/// How a material splits sound that arrives.
+/// How one side of a material splits sound that arrives.
 struct RaySurface {
     /// Shares of what arrives, per band.
     audio::Spectrum absorbed{}, specular{}, scattered{}, transmitted{};
     audio::Spectrum kept{};  ///< specular + scattered + transmitted
-    bool one_sided = false;
     /// Every band splits alike: then the branching probabilities do not depend on the ray.
     bool uniform_split = false;
     double scattering_probability = 0.0, transmission_probability = 0.0;  ///< if so

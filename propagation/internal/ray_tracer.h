@@ -19,20 +19,32 @@ namespace earshot::propagation {
 inline constexpr std::uint64_t kMaxBatchRays = 2048;
 
 /// The result of a batch of rays.
-struct RayTally {
+struct BatchResult {
     std::vector<double> energy;      ///< listener after listener, bin after bin, band after band
     std::vector<double> directions;  ///< listener, span, part, band; empty where nobody asked
     EnergyBalance balance;
     double visible_volume = 0.0;  ///< of the source, cubic metres
 };
 
-/// A listener as rays see it: a ball about it measures the energy density of specular legs, and the
-/// surfaces near it that of scattered sound.
+/// A listener, or the source for reversed rays: a ball about it measures the energy density of
+/// specular legs.
 struct Receiver {
-    geometry::Vec3 position;
+    geometry::Vec3 position{0.0};
     double radius_squared = 0.0;
-    double inverse_volume = 0.0;  ///< of the part of the ball that is visible from the listener
-    std::optional<NearField> near_field{};  ///< empty where nothing scatters nearby
+    double inverse_volume = 0.0;  ///< of the part of the ball that is visible from the receiver
+    /// Rays that start here, re those of a batch: the share that is scattered of the sound from
+    /// surfaces near here, in the loudest band. 0: none scatters.
+    double near_scattering = 0.0;
+};
+
+/// Where a ray that starts at a listener is scattered first.
+struct NearScattering {
+    std::size_t start = 0;  ///< index of the ray's first direction
+    geometry::Ray ray;      ///< that meets the place
+    geometry::Hit hit;
+    double travelled = 0.0;    ///< metres from the listener to the place, along the reflections
+    audio::Spectrum energy{};  ///< at the place, re the start
+    double share = 0.0;  ///< of the energy at the start that is scattered, in the loudest band
 };
 
 /// Traces rays of one source through one scene. Only reads what it was given, which must outlive
@@ -50,25 +62,22 @@ public:
 
     /// Batch `index`, which has `rays` rays and the whole energy of the source: a replicate of the
     /// experiment, independent of other batches.
-    RayTally trace(std::uint64_t index, std::uint64_t rays) const;
+    /// Leaves out listeners that are not `active`.
+    BatchResult trace(std::uint64_t index,
+                      std::uint64_t rays,
+                      std::span<const std::uint8_t> active) const;
 
 private:
     template <std::size_t kBands>
     friend class RayBatch;
 
-    /// Sound that the source sends to a place near a listener, which scatters it to the listener.
-    struct DirectScattering {
-        std::uint32_t listener = 0;
-        double travelled = 0.0;       // metres
-        geometry::Vec3 towards{0.0};  // from the listener
-        audio::Spectrum energy{};
-    };
-
     /// What a ray needs to know of a triangle.
     struct TriangleSurface {
         geometry::Vec3 normal;
-        std::uint32_t surface = 0;
+        std::uint32_t front = 0;  // index of a surface; the back's is the next
     };
+    /// Surfaces as rays of one direction see them, two per material: front and back.
+    using Surfaces = std::vector<RaySurface>;
 
     double roulette_threshold(double travelled) const noexcept {
         const double step = std::min(travelled, max_distance_) * roulette_steps_per_metre_;
@@ -76,10 +85,18 @@ private:
     }
     void describe_surfaces();
     void describe_triangles();
+    Receiver describe_receiver(const geometry::Vec3& position) const;
     void describe_receivers(std::span<const geometry::Vec3> listeners, Executor& executor);
-    void index_near_fields();
+    void describe_source();
+    /// Of each direction at most one of the places that its ray meets, chosen by chance.
+    std::vector<NearScattering> find_near_scattering(const geometry::Vec3& from,
+                                                     std::span<const geometry::Vec3> directions,
+                                                     std::uint64_t first_id) const;
+    void trace_reversed(std::size_t listener,
+                        std::uint64_t index,
+                        std::uint64_t rays,
+                        BatchResult& result) const;
     void limit_roulette();
-    void find_direct_scattering(Executor& executor);
 
     const RayScene& scene_;
     const RaySource& source_;
@@ -90,13 +107,12 @@ private:
     double bins_per_metre_;
     std::size_t bins_;
     double self_intersection_offset_;
-    std::vector<RaySurface> surfaces_;                // per material
+    Surfaces surfaces_;
+    Surfaces reversed_surfaces_;                      // for rays against the direction of sound
     std::vector<TriangleSurface> triangle_surfaces_;  // per triangle
     std::vector<Receiver> receivers_;                 // per listener
-    /// Listeners whose near field has the triangle: entries of near_receivers_.
-    std::vector<std::uint32_t> first_near_receiver_;  // per triangle, and the end; or empty
-    std::vector<std::uint32_t> near_receivers_;
-    std::vector<DirectScattering> direct_scattering_;
+    Receiver source_receiver_;                        // of reversed rays
+    std::optional<NearField> source_field_;           // where surfaces near the source scatter
     /// Russian roulette begins below this share of a ray's first energy, per step of distance.
     std::vector<double> roulette_thresholds_;
     double roulette_steps_per_metre_ = 0.0;

@@ -6,11 +6,9 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "late_sound_near_surfaces.h"
 #include "one_material_scene.h"
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,91 +16,6 @@ namespace earshot::propagation {
 namespace {
 
 using geometry::Vec3;
-
-constexpr double kPi = 3.141592653589793;
-constexpr double kSpeed = 343.2;
-constexpr std::size_t kBand = 5;  // 1 kHz
-constexpr double kBin = 0.05;     // seconds
-
-const Vec3 kRoom = {8.0, 3.5, 6.0};
-const Vec3 kSource = {2.0, 1.5, 1.3};
-
-struct Place {
-    std::string name;
-    Vec3 position;
-};
-
-/// Ever nearer to the ceiling, to an edge and to a corner.
-std::vector<Place> places(const std::vector<double>& distances) {
-    std::vector<Place> result;
-    for (const double h : distances) {
-        const std::string text = " at " + std::to_string(h);
-        result.push_back({"wall" + text, {5.5, 3.5 - h, 4.0}});
-        result.push_back({"edge" + text, {5.5, 3.5 - h, 6.0 - h}});
-        result.push_back({"corner" + text, {8.0 - h, 3.5 - h, 6.0 - h}});
-    }
-    return result;
-}
-
-std::vector<Vec3> positions(const std::vector<Place>& places) {
-    std::vector<Vec3> result;
-    for (const Place& place : places) {
-        result.push_back(place.position);
-    }
-    return result;
-}
-
-/// Energies of the images of kRoom from order `min_order` on, interval after interval.
-std::vector<double> image_energies(
-    const Vec3& source, const Vec3& listener, double reflected, int min_order, double length) {
-    std::vector<double> energies(static_cast<std::size_t>(std::lround(length / kBin)));
-    glm::ivec3 most;
-    for (int axis = 0; axis < 3; ++axis) {
-        most[axis] = static_cast<int>(kSpeed * length / kRoom[axis]) + 2;
-    }
-    for (int x = -most.x; x <= most.x; ++x) {
-        for (int y = -most.y; y <= most.y; ++y) {
-            for (int z = -most.z; z <= most.z; ++z) {
-                const int n[3] = {x, y, z};
-                Vec3 image;
-                for (int k = 0; k < 3; ++k) {
-                    image[k] = n[k] * kRoom[k] + (n[k] % 2 == 0 ? source[k] : kRoom[k] - source[k]);
-                }
-                const double distance = glm::distance(image, listener);
-                const int order = std::abs(x) + std::abs(y) + std::abs(z);
-                const auto interval = static_cast<std::size_t>(distance / kSpeed / kBin);
-                if (order >= min_order && interval < energies.size()) {
-                    energies[interval] += std::pow(reflected, order) / (distance * distance);
-                }
-            }
-        }
-    }
-    return energies;
-}
-
-LateEnergy traced(const OneMaterialScene& scene,
-                  const Vec3& source,
-                  const std::vector<Vec3>& listeners,
-                  std::size_t rays,
-                  int order,
-                  double length) {
-    const RayOptions options = {.rays = rays,
-                                .length = length,
-                                .bin = kBin,
-                                .specular_order = order,
-                                .air_absorption = false};
-    Executor executor(2);
-    return trace_late_rays(
-        scene.scene(), {.pose = {.position = source}}, listeners, options, executor);
-}
-
-double sum_of(const audio::EnergyHistogram& histogram) {
-    double sum = 0.0;
-    for (const audio::Spectrum& energy : histogram.energy) {
-        sum += energy[kBand];
-    }
-    return sum;
-}
 
 TEST(NearSurfaces, SpecularEnergyIsThatOfTheImagesAtAnyDistance) {
     constexpr int kOrder = 3;
@@ -112,7 +25,7 @@ TEST(NearSurfaces, SpecularEnergyIsThatOfTheImagesAtAnyDistance) {
     const LateEnergy late = traced(room, kSource, positions(all), 80000, kOrder, kLength);
     for (std::size_t k = 0; k < all.size(); ++k) {
         const std::vector<double> expected =
-            image_energies(kSource, all[k].position, 0.9, kOrder + 1, kLength);
+            image_energies(kSource, all[k].position, 0.9, kOrder + 1, kLength, kBin);
         const audio::EnergyHistogram& histogram = late.listeners[k];
         double whole = 0.0;
         for (std::size_t n = 0; n < expected.size(); ++n) {
@@ -127,68 +40,19 @@ TEST(NearSurfaces, SpecularEnergyIsThatOfTheImagesAtAnyDistance) {
     }
 }
 
-// Source and listener may be exchanged (reciprocity); a source near a surface needs no care.
-TEST(NearSurfaces, ScatteredEnergyIsThatOfTheExchangedRun) {
-    constexpr double kLength = 0.4;
-    struct Case {
-        double scattering;
-        std::array<double, 3> tolerance;  // wall, edge, corner
-    };
-    // Where everything scatters, the irradiance of an edge and of a corner falls over distances
-    // that are shorter than the disc it is averaged over, and than most wavelengths. The rest is
-    // the spread of 60,000 and 40,000 rays: in a corner the ball holds an eighth of the rays.
-    for (const Case& test : {Case{0.3, {0.01, 0.01, 0.02}}, Case{1.0, {0.01, 0.03, 0.1}}}) {
-        const OneMaterialScene room(box_mesh(kRoom), 0.1, test.scattering);
-        const std::vector<Place> all = places({0.3, 0.005, 0.0001});
-        const LateEnergy late = traced(room, kSource, positions(all), 60000, 0, kLength);
-        for (std::size_t k = 0; k < all.size(); ++k) {
-            const LateEnergy exchanged =
-                traced(room, all[k].position, {kSource}, 40000, 0, kLength);
-            EXPECT_NEAR(sum_of(late.listeners[k]) / sum_of(exchanged.listeners[0]),
-                        1.0,
-                        test.tolerance[k % 3])
-                << all[k].name << ", scattering " << test.scattering;
-        }
-    }
-}
-
-/// A plane at y = 0 through which sound may pass, 60 m wide.
-geometry::Mesh wide_plane() {
-    geometry::Mesh plane;
-    plane.positions = {{-30, 0, -30}, {-30, 0, 30}, {30, 0, 30}, {30, 0, -30}};
-    plane.triangles = {{0, 1, 2}, {0, 2, 3}};
-    return plane;
-}
-
-// A plane that scatters everything, in open air: the energy just above it is twice its irradiance.
-TEST(NearSurfaces, APlaneIsAsBrightFromNearAsItsIrradiance) {
-    const OneMaterialScene scene(wide_plane(), 0.0, 1.0);
-    const Vec3 source(0.0, 5.0, 0.0);
-    const std::vector<double> heights = {1.0, 0.3, 0.005, 0.0001};
-    std::vector<Vec3> listeners;
-    for (const double h : heights) {
-        listeners.emplace_back(1.0, h, 0.5);
-    }
-    const LateEnergy late = traced(scene, source, listeners, 100000, 0, 0.5);
-    for (std::size_t k = 0; k < heights.size(); ++k) {
-        // The integral of irradiance / pi over the directions in which the listener looks down.
-        double expected = 0.0;
-        constexpr int kRings = 2000, kSectors = 64;
-        for (int ring = 0; ring < kRings; ++ring) {
-            // Equal steps of the cosine are equal solid angles of the listener.
-            const double cosine = 1.0 - (ring + 0.5) / kRings;
-            const double reach = heights[k] * std::sqrt(1.0 - cosine * cosine) / cosine;
-            for (int sector = 0; sector < kSectors; ++sector) {
-                const double angle = 2.0 * kPi * (sector + 0.5) / kSectors;
-                const Vec3 point(1.0 + reach * std::cos(angle), 0.0, 0.5 + reach * std::sin(angle));
-                const bool is_on_plane = std::max(std::abs(point.x), std::abs(point.z)) < 30.0;
-                const double distance = glm::distance(point, source);
-                expected += is_on_plane ? 2.0 * source.y / (distance * distance * distance) /
-                                              (kRings * kSectors)
-                                        : 0.0;
-            }
-        }
-        EXPECT_NEAR(sum_of(late.listeners[k]) / expected, 1.0, 0.02) << heights[k];
+TEST(SlowNearSurfaces, SpecularDecayTimeIsThatOfTheImagesAtAnyDistance) {
+    constexpr double kLength = 1.8;
+    const OneMaterialScene room(box_mesh(kRoom), 0.1, 0.0);
+    const std::vector<Place> all = places({0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0001});
+    const LateEnergy late = traced(room, kSource, positions(all), 600000, 0, kLength, 0.005);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const std::vector<double> expected =
+            image_energies(kSource, all[k].position, 0.9, 1, kLength, 0.005);
+        const std::vector<double> found = energies_of(late.listeners[k]);
+        EXPECT_NEAR(late_energy(found, 0.005) / late_energy(expected, 0.005), 1.0, 0.01)
+            << all[k].name;
+        EXPECT_NEAR(decay_time(found, 0.005) / decay_time(expected, 0.005), 1.0, 0.01)
+            << all[k].name;
     }
 }
 
