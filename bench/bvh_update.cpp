@@ -136,7 +136,7 @@ void follow(const char* name, const Motion& motion, std::size_t ray_count) {
     const Mesh rest = motion(0.0);
     WideTree refitted = built(rest.view());
     WideTree rebuilt = refitted;
-    DeformableBvh moving(rest.view(), {.rays_per_update = static_cast<double>(ray_count)});
+    DeformableBvh moving(rest.view(), {.queries_per_update = static_cast<double>(ray_count)});
     Tree by_rule = Tree::build(earshot::bvh::triangle_boxes(rest.view()));
     WideTree by_rule_wide = refitted;
     auto rule = std::make_unique<AreaRatioRule>(by_rule);

@@ -1,109 +1,127 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/deformable_bvh.h"
 
+#include "earshot/bvh/grouped_tree.h"
 #include "earshot/bvh/quality.h"
 #include "earshot/bvh/reinsertion.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace earshot::bvh {
 namespace {
 
-// Costs per triangle, in node visits of a random ray: measured on meshes of 0.07 to 1.4 million
+// Costs per primitive, in node visits of a random ray: measured on meshes of 0.07 to 1.4 million
 // triangles (docs/algorithms/bvh-deformation.md), where a visit takes about 20 ns. A build's cost
 // grows with the depth.
-constexpr double kRepairCostPerTriangle = 10.0;
-constexpr double kBuildCostPerTriangleLevel = 1.0;
+constexpr double kRepairCostPerPrimitive = 10.0;
+constexpr double kBuildCostPerPrimitiveLevel = 1.0;
 
 // Two batches: what a frame of motion degrades is mostly found among the largest boxes.
-constexpr ReinsertionOptions kRepairOptions = {.max_iterations = 2, .batch_size_ratio = 0.005};
-
-// An action that lowers the SAH cost by less has not paid, and backs off.
-constexpr double kMinGain = 0.03;
-constexpr double kMaxBackoff = 64.0;
+constexpr int kRepairBatches = 2;
+constexpr double kRepairBatchRatio = 0.005;
 
 }  // namespace
-
-std::string_view name_of(UpdateAction action) noexcept {
-    switch (action) {
-        case UpdateAction::refit:
-            return "refit";
-        case UpdateAction::repair:
-            return "repair";
-        case UpdateAction::rebuild:
-            break;
-    }
-    return "rebuild";
-}
-
-bool DeformableBvh::ActionAccount::is_due() const noexcept {
-    return accumulated_excess > 0.0 && accumulated_excess >= backoff * action_cost;
-}
-
-void DeformableBvh::ActionAccount::accumulate(double sah_cost, double rays) noexcept {
-    accumulated_excess += std::max(0.0, sah_cost - baseline_sah_cost) * rays;
-}
-
-void DeformableBvh::ActionAccount::record_outcome(const UpdateReport& report) noexcept {
-    const bool has_paid = report.sah_cost < (1.0 - kMinGain) * report.sah_cost_after_refit;
-    backoff = has_paid ? 1.0 : std::min(2.0 * backoff, kMaxBackoff);
-    reset(report.sah_cost);
-}
-
-void DeformableBvh::ActionAccount::reset(double sah_cost) noexcept {
-    accumulated_excess = 0.0;
-    baseline_sah_cost = sah_cost;
-}
 
 DeformableBvh::DeformableBvh(const geometry::MeshView& mesh,
                              const UpdateOptions& options,
                              Executor& executor)
     : options_(options) {
-    const auto count = static_cast<double>(mesh.triangles.size());
-    repair_.action_cost = kRepairCostPerTriangle * count;
-    rebuild_.action_cost =
-        kBuildCostPerTriangleLevel * count * std::max(1.0, std::log2(count + 1.0));
-    build(mesh, executor);
-    repair_.baseline_sah_cost = rebuild_.baseline_sah_cost = sah_cost(wide_, executor);
-}
-
-void DeformableBvh::build(const geometry::MeshView& mesh, Executor& executor) {
-    tree_ = Tree::build(triangle_boxes(mesh, executor), options_.build, executor);
+    tree_ = build(triangle_boxes(mesh, executor), executor);
     wide_ = WideTree::build(tree_, mesh, executor);
-    ++version_;
+    set_policy(mesh.triangles.size(), sah_cost(wide_, executor));
 }
 
-void DeformableBvh::repair(const geometry::MeshView& mesh, Executor& executor) {
-    tree_.refit(triangle_boxes(mesh, executor), executor);
-    if (optimise_by_reinsertion(tree_, kRepairOptions, executor).reinsertions > 0) {
-        wide_ = WideTree::build(tree_, mesh, executor);
-        ++version_;
+DeformableBvh::DeformableBvh(std::span<const geometry::Aabb> boxes,
+                             const UpdateOptions& options,
+                             Executor& executor)
+    : options_(options) {
+    tree_ = build(boxes, executor);
+    set_policy(boxes.size(), bvh::sah_cost(tree_));
+}
+
+void DeformableBvh::set_policy(std::size_t primitives, double sah_cost) {
+    const auto count = static_cast<double>(primitives);
+    const double build = kBuildCostPerPrimitiveLevel * std::max(1.0, std::log2(count + 1.0));
+    policy_ = UpdatePolicy({.repair = (kRepairCostPerPrimitive + options_.topology_cost) * count,
+                            .rebuild = (build + options_.topology_cost) * count},
+                           sah_cost);
+    sah_cost_ = sah_cost;
+}
+
+void DeformableBvh::expect_node_visits(double visits) noexcept {
+    expect_queries(sah_cost_ > 0.0 ? visits / sah_cost_ : 0.0);
+}
+
+Tree DeformableBvh::build(std::span<const geometry::Aabb> boxes, Executor& executor) const {
+    return options_.group_ends.empty()
+               ? Tree::build(boxes, options_.build, executor)
+               : build_grouped(boxes, options_.group_ends, options_.build, executor);
+}
+
+/// A new tree, or this one with subtrees reinserted.
+Tree DeformableBvh::changed_tree(UpdateAction action,
+                                 std::span<const geometry::Aabb> boxes,
+                                 Executor& executor) {
+    if (action == UpdateAction::rebuild) {
+        return build(boxes, executor);
     }
+    Tree tree = tree_;
+    tree.refit(boxes, executor);
+    const std::vector<std::uint32_t> groups = groups_of_nodes(tree, options_.group_ends);
+    optimise_by_reinsertion(tree,
+                            {.max_iterations = kRepairBatches,
+                             .batch_size_ratio = kRepairBatchRatio,
+                             .group_of_node = groups},
+                            executor);
+    return tree;
+}
+
+/// Takes the action that is due; act(action) returns the SAH cost after it.
+template <typename Act>
+UpdateReport DeformableBvh::choose(double sah_cost_after_refit, Act&& act) {
+    UpdateReport report{.action = policy_.choose(sah_cost_after_refit, options_.queries_per_update),
+                        .sah_cost_after_refit = sah_cost_after_refit,
+                        .sah_cost = sah_cost_after_refit};
+    if (report.action != UpdateAction::refit) {
+        report.sah_cost = act(report.action);
+        policy_.record_outcome(report);
+    }
+    sah_cost_ = report.sah_cost;
+    return report;
 }
 
 UpdateReport DeformableBvh::update(const geometry::MeshView& mesh, Executor& executor) {
-    // Refit always; its excess cost is charged to both accounts.
     wide_.refit(mesh, executor);
-    UpdateReport report;
-    report.sah_cost_after_refit = report.sah_cost = sah_cost(wide_, executor);
-    for (ActionAccount* account : {&repair_, &rebuild_}) {
-        account->accumulate(report.sah_cost, options_.rays_per_update);
-    }
-    if (rebuild_.is_due()) {
-        build(mesh, executor);
-        report.action = UpdateAction::rebuild;
-        report.sah_cost = sah_cost(wide_, executor);
-        rebuild_.record_outcome(report);
-        // A new tree needs no repair.
-        repair_.reset(report.sah_cost);
-    } else if (repair_.is_due()) {
-        repair(mesh, executor);
-        report.action = UpdateAction::repair;
-        report.sah_cost = sah_cost(wide_, executor);
-        repair_.record_outcome(report);
-    }
-    return report;
+    const double refitted = bvh::sah_cost(wide_, executor);
+    return choose(refitted, [&](UpdateAction action) {
+        Tree tree = changed_tree(action, triangle_boxes(mesh, executor), executor);
+        WideTree wide = WideTree::build(tree, mesh, executor);
+        const double changed = bvh::sah_cost(wide, executor);
+        if (!(changed < refitted)) {
+            return refitted;
+        }
+        tree_ = std::move(tree);
+        wide_ = std::move(wide);
+        ++version_;
+        return changed;
+    });
+}
+
+UpdateReport DeformableBvh::update(std::span<const geometry::Aabb> boxes, Executor& executor) {
+    tree_.refit(boxes, executor);
+    const double refitted = bvh::sah_cost(tree_);
+    return choose(refitted, [&](UpdateAction action) {
+        Tree tree = changed_tree(action, boxes, executor);
+        const double changed = bvh::sah_cost(tree);
+        if (!(changed < refitted)) {
+            return refitted;
+        }
+        tree_ = std::move(tree);
+        ++version_;
+        return changed;
+    });
 }
 
 }  // namespace earshot::bvh

@@ -2,81 +2,84 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/bvh/update_policy.h"
 #include "earshot/bvh/wide_tree.h"
 
+#include <cstddef>
 #include <cstdint>
-#include <string_view>
+#include <span>
+#include <vector>
 
 namespace earshot::bvh {
 
-/// What an update did to the tree after its vertices had moved, cheapest first.
-enum class UpdateAction {
-    refit,    ///< boxes follow the triangles; the topology stays
-    repair,   ///< then subtrees whose boxes have drifted apart are reinserted
-    rebuild,  ///< a new tree
-};
-
-/// "refit", "repair" or "rebuild".
-std::string_view name_of(UpdateAction action) noexcept;
-
 struct UpdateOptions {
     BuildOptions build{};
-    /// Rays that will be traced between two updates: what they cost in excess in a degraded tree is
-    /// weighed against what a repair or rebuild costs. 0: refits only.
-    double rays_per_update = 1e6;
+    /// Queries between two updates: what they cost in excess in a degraded tree is weighed against
+    /// what a repair or rebuild costs. 0: refits only.
+    double queries_per_update = 1e6;
+    /// What the owner of the tree spends per primitive when the topology changes, in node visits.
+    double topology_cost = 0.0;
+    /// Where groups of primitives end, such as meshes, each of which gets a subtree of its own (see
+    /// build_grouped()); empty: one group. For boxes only.
+    std::vector<std::size_t> group_ends{};
 };
 
-struct UpdateReport {
-    UpdateAction action = UpdateAction::refit;
-    double sah_cost_after_refit = 0.0;  ///< sah_cost() of the wide tree when it was refitted
-    double sah_cost = 0.0;              ///< and at the end of the update
-};
-
-/// The hierarchy of a mesh that deforms: it chooses between refit, repair and rebuild so that
-/// updates and rays together cost the least. The rays' answers do not depend on what it decides,
-/// and what it decides depends on the meshes and options alone, not on a clock or the executor.
+/// The one keeper of hierarchies that deform: of a mesh, whose rays are traced in its tree(), or of
+/// boxes that move, such as swept triangles, facets or instances, in a binary_tree(). An
+/// UpdatePolicy chooses between refit, repair and rebuild; what a repair or rebuild does not make
+/// cheaper stays as it is. Answers do not depend on what it
+/// decides, and what it decides depends on the primitives and options alone.
 class DeformableBvh {
 public:
-    /// Builds the tree. Throws as Tree::build() and WideTree::build() do.
-    DeformableBvh(const geometry::MeshView& mesh,
-                  const UpdateOptions& options = {},
-                  Executor& executor = Executor::serial());
+    /// Over no boxes.
+    DeformableBvh() = default;
 
-    /// Follows the mesh. A repair or rebuild is due as soon as the excess cost of rays, over what
-    /// they cost in the tree when the action was last taken, has added up to the cost of the action
-    /// (ski rental): so that updates and excess together are at most twice those of the best choice
-    /// of instants. An action that has gained too little backs off: its threshold doubles.
-    /// Precondition: the mesh has the triangles of the mesh that the tree was built over.
+    /// Builds the tree of a mesh. Throws as Tree::build() and WideTree::build() do.
+    explicit DeformableBvh(const geometry::MeshView& mesh,
+                           const UpdateOptions& options = {},
+                           Executor& executor = Executor::serial());
+
+    /// Builds the tree of boxes. Throws as Tree::build() does.
+    explicit DeformableBvh(std::span<const geometry::Aabb> boxes,
+                           const UpdateOptions& options = {},
+                           Executor& executor = Executor::serial());
+
+    /// Follows the mesh. Precondition: the hierarchy was built over a mesh of these triangles.
     UpdateReport update(const geometry::MeshView& mesh, Executor& executor = Executor::serial());
 
-    /// To be queried with the mesh given last.
+    /// Follows the boxes. Precondition: the hierarchy was built over as many boxes.
+    UpdateReport update(std::span<const geometry::Aabb> boxes,
+                        Executor& executor = Executor::serial());
+
+    /// Tells how many queries come per update from now on.
+    void expect_queries(double queries) noexcept { options_.queries_per_update = queries; }
+    /// The same by the nodes that they visit in the tree as it is, as counted since the last
+    /// update.
+    void expect_node_visits(double visits) noexcept;
+
+    /// Of a mesh; to be queried with the mesh given last.
     const WideTree& tree() const noexcept { return wide_; }
+    /// Of boxes, as they were given last.
+    const Tree& binary_tree() const noexcept { return tree_; }
 
     /// Grows by one whenever the topology changes.
     std::uint64_t version() const noexcept { return version_; }
 
 private:
-    /// Amortised accounting of one kind of action. Costs are in node visits of rays.
-    struct ActionAccount {
-        double action_cost = 0.0;
-        double baseline_sah_cost = 0.0;   // of the tree when the action was last taken
-        double accumulated_excess = 0.0;  // of rays since, over the baseline
-        double backoff = 1.0;             // factor of the action's cost at which it is due
-
-        bool is_due() const noexcept;
-        void accumulate(double sah_cost, double rays) noexcept;
-        void record_outcome(const UpdateReport& report) noexcept;
-        void reset(double sah_cost) noexcept;
-    };
-
-    void build(const geometry::MeshView& mesh, Executor& executor);
-    void repair(const geometry::MeshView& mesh, Executor& executor);
+    void set_policy(std::size_t primitives, double sah_cost);
+    template <typename Act>
+    UpdateReport choose(double sah_cost_after_refit, Act&& act);
+    Tree changed_tree(UpdateAction action,
+                      std::span<const geometry::Aabb> boxes,
+                      Executor& executor);
+    Tree build(std::span<const geometry::Aabb> boxes, Executor& executor) const;
 
     UpdateOptions options_;
-    Tree tree_;  // refitted only when it is repaired
+    Tree tree_;  // of a mesh: refitted only when it is repaired
     WideTree wide_;
-    ActionAccount repair_, rebuild_;
-    std::uint64_t version_ = 0;
+    UpdatePolicy policy_;
+    double sah_cost_ = 0.0;
+    std::uint64_t version_ = 1;
 };
 
 }  // namespace earshot::bvh

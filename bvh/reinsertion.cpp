@@ -47,7 +47,7 @@ ReinsertionReport optimise_by_reinsertion(Tree& tree,
     validate(options);
     ReinsertionReport report;
     report.sah_cost_before = report.sah_cost_after = sah_cost(tree);
-    ReinsertionOptimiser optimiser(tree.nodes());
+    ReinsertionOptimiser optimiser(tree.nodes(), options.group_of_node);
     const auto batch_size = static_cast<std::size_t>(
         std::max(1.0, options.batch_size_ratio * static_cast<double>(tree.nodes().size())));
     std::size_t reinsertions = 0;
@@ -61,8 +61,10 @@ ReinsertionReport optimise_by_reinsertion(Tree& tree,
     if (reinsertions == 0) {
         return report;
     }
-    // No nodes: the optimised tree is too deep for the stacks of the queries.
-    std::vector<Node> nodes = optimiser.depth_first_nodes();
+    // No nodes: the optimised tree is too deep for the stacks of the queries. Groups may lie as
+    // deep again below their top-level tree.
+    const std::size_t max_depth = options.group_of_node.empty() ? kMaxDepth : 2 * kMaxDepth;
+    std::vector<Node> nodes = optimiser.depth_first_nodes(max_depth);
     if (nodes.empty()) {
         return report;
     }

@@ -5,12 +5,17 @@
 #include "earshot/bvh/tree.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
 namespace earshot::bvh {
 
 struct ReinsertionOptions {
     int max_iterations = 6;           ///< batches, 0 or more
     double batch_size_ratio = 0.005;  ///< candidates of a batch over nodes of the tree, 0 to 1
+    /// Of a tree of groups (see groups_of_nodes()): subtrees stay within their group, and groups
+    /// move as a whole. Empty: the tree has no groups.
+    std::span<const std::uint32_t> group_of_node{};
 };
 
 /// What the optimisation did to a tree.

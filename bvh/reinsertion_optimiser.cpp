@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/internal/reinsertion_optimiser.h"
 
+#include "earshot/bvh/grouped_tree.h"
+
 #include <algorithm>
 
 namespace earshot::bvh {
@@ -18,10 +20,19 @@ Aabb united(Aabb a, const Aabb& b) noexcept {
 
 }  // namespace
 
-ReinsertionOptimiser::ReinsertionOptimiser(std::span<const Node> nodes)
+ReinsertionOptimiser::ReinsertionOptimiser(std::span<const Node> nodes,
+                                           std::span<const std::uint32_t> group_of_node)
     : nodes_(nodes.begin(), nodes.end()), parents_(nodes.size(), kRoot) {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
         set_parent_of_children(i);
+    }
+    // A group's root is the node below which all belong to it, and above which none does.
+    if (!group_of_node.empty()) {
+        is_group_root_.resize(nodes_.size(), 0);
+        for (std::uint32_t i = 1; i < nodes_.size(); ++i) {
+            is_group_root_[i] =
+                group_of_node[i] != kMixedGroups && group_of_node[parents_[i]] == kMixedGroups;
+        }
     }
 }
 
@@ -38,7 +49,9 @@ void ReinsertionOptimiser::set_parent_of_children(std::uint32_t index) {
 std::vector<std::uint32_t> ReinsertionOptimiser::find_candidates(std::size_t count,
                                                                  Executor& executor) const {
     struct Candidate {
-        double area;  // below 0: the root and its children, which cannot be reinserted
+        // Below 0: the root and its children, which cannot be reinserted, nor can those of a
+        // group's root.
+        double area;
         std::uint32_t index;
     };
     std::vector<Candidate> all(nodes_.size());
@@ -46,7 +59,7 @@ std::vector<std::uint32_t> ReinsertionOptimiser::find_candidates(std::size_t cou
     executor.for_each(nodes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto index = static_cast<std::uint32_t>(i);
-            all[i] = {index == kRoot || parents_[i] == kRoot ? -1.0 : area(index), index};
+            all[i] = {index == kRoot || is_top(parents_[i]) ? -1.0 : area(index), index};
         }
     });
     const auto is_larger = [](const Candidate& a, const Candidate& b) {
@@ -106,7 +119,7 @@ ReinsertionOptimiser::Reinsertion ReinsertionOptimiser::find_reinsertion(std::ui
                 best.to = top.node;
                 best.area_diff = diff_as_sibling;
             }
-            if (!node.is_leaf()) {
+            if (!node.is_leaf() && !is_barrier(top.node)) {
                 // If `from` is inserted deeper, the box of this node grows to enclose it.
                 const double diff_below = diff_as_sibling + node.box.half_area();
                 stack.push_back({diff_below, node.first});
@@ -118,12 +131,12 @@ ReinsertionOptimiser::Reinsertion ReinsertionOptimiser::find_reinsertion(std::ui
             pivot_box.include(nodes_[other_child].box);
             area_diff += area(pivot) - pivot_box.half_area();
             const double diff_as_sibling = area_diff - united(pivot_box, box).half_area();
-            if (pivot != kRoot && diff_as_sibling > best.area_diff) {
+            if (!is_top(pivot) && diff_as_sibling > best.area_diff) {
                 best.to = pivot;
                 best.area_diff = diff_as_sibling;
             }
         }
-        if (pivot == kRoot) {
+        if (is_top(pivot)) {
             break;
         }
         other_child = sibling(pivot);
@@ -156,17 +169,25 @@ std::array<std::uint32_t, 6> ReinsertionOptimiser::get_conflicts(
 //   from  sibling  .  .                   c       d  from     to
 //         /    \                                             /  \          .
 //        c      d
+void ReinsertionOptimiser::move_node(std::uint32_t from, std::uint32_t to) {
+    nodes_[to] = nodes_[from];
+    if (!is_group_root_.empty()) {
+        is_group_root_[to] = is_group_root_[from];
+    }
+    set_parent_of_children(to);
+}
+
 void ReinsertionOptimiser::reinsert_node(const Reinsertion& reinsertion) {
     const std::uint32_t parent = parents_[reinsertion.from];
     const std::uint32_t sibling_index = sibling(reinsertion.from);
-    const Node moved = nodes_[reinsertion.from];
-    nodes_[parent] = nodes_[sibling_index];
-    set_parent_of_children(parent);
-    nodes_[sibling_index] = nodes_[reinsertion.to];
-    set_parent_of_children(sibling_index);
-    nodes_[reinsertion.from] = moved;
-    nodes_[reinsertion.to] = {.box = united(nodes_[sibling_index].box, moved.box),
-                              .first = std::min(reinsertion.from, sibling_index)};
+    move_node(sibling_index, parent);
+    move_node(reinsertion.to, sibling_index);
+    nodes_[reinsertion.to] = {
+        .box = united(nodes_[sibling_index].box, nodes_[reinsertion.from].box),
+        .first = std::min(reinsertion.from, sibling_index)};
+    if (!is_group_root_.empty()) {
+        is_group_root_[reinsertion.to] = 0;
+    }
     set_parent_of_children(reinsertion.to);
     refit_from(parents_[parent]);
     refit_from(parents_[reinsertion.to]);
@@ -235,7 +256,7 @@ double ReinsertionOptimiser::inner_area() const noexcept {
     return sum;
 }
 
-std::vector<Node> ReinsertionOptimiser::depth_first_nodes() const {
+std::vector<Node> ReinsertionOptimiser::depth_first_nodes(std::size_t max_depth) const {
     struct StackEntry {
         std::uint32_t source, target;
         std::size_t depth;
@@ -247,7 +268,7 @@ std::vector<Node> ReinsertionOptimiser::depth_first_nodes() const {
     while (!stack.empty()) {
         const StackEntry top = stack.back();
         stack.pop_back();
-        if (top.depth > kMaxDepth) {
+        if (top.depth > max_depth) {
             return {};
         }
         const Node& node = nodes_[top.source];

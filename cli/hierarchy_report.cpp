@@ -73,7 +73,7 @@ HierarchyReport measure_hierarchy(const propagation::Scene& scene,
         return report;
     }
     bvh::DeformableBvh moving(
-        mesh, {.build = options.build, .rays_per_update = options.rays_per_frame}, executor);
+        mesh, {.build = options.build, .queries_per_update = options.rays_per_frame}, executor);
     for (const double time : times) {
         scene.mesh.positions_at(time, positions);
         HierarchyFrame frame{.time = time};

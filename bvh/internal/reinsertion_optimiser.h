@@ -16,7 +16,9 @@ namespace earshot::bvh {
 /// parent may be stored after its children until depth_first_nodes() restores the order.
 class ReinsertionOptimiser {
 public:
-    explicit ReinsertionOptimiser(std::span<const Node> nodes);
+    /// `group_of_node`: see ReinsertionOptions.
+    explicit ReinsertionOptimiser(std::span<const Node> nodes,
+                                  std::span<const std::uint32_t> group_of_node = {});
 
     /// The subtree of `from` becomes the sibling of `to`. `to` is 0 if no reinsertion reduces the
     /// area.
@@ -26,7 +28,7 @@ public:
     };
 
     /// The reinsertion of a subtree that lowers the cost most. Precondition: the node is neither
-    /// the root nor a child of the root.
+    /// the root nor a child of the root or of the root of a group.
     Reinsertion find_reinsertion(std::uint32_t from) const;
 
     /// One batch: the `batch_size` largest nodes search for their best reinsertion in the unchanged
@@ -34,8 +36,8 @@ public:
     /// earlier one are dropped. Returns how many were made.
     std::size_t reinsert_batch(std::size_t batch_size, Executor& executor);
 
-    /// The nodes in depth-first order. Empty if a leaf lies deeper than kMaxDepth.
-    std::vector<Node> depth_first_nodes() const;
+    /// The nodes in depth-first order. Empty if a leaf lies deeper than `max_depth`.
+    std::vector<Node> depth_first_nodes(std::size_t max_depth = kMaxDepth) const;
 
     /// The sum of the half areas of inner nodes: the SAH cost but for a factor and the leaves,
     /// whose sum does not change.
@@ -47,6 +49,12 @@ private:
         return index % 2 == 1 ? index + 1 : index - 1;
     }
     double area(std::uint32_t index) const noexcept { return nodes_[index].box.half_area(); }
+    /// Whether a search may not pass the node: it is the root of a group.
+    bool is_barrier(std::uint32_t index) const noexcept {
+        return !is_group_root_.empty() && is_group_root_[index] != 0;
+    }
+    bool is_top(std::uint32_t index) const noexcept { return index == 0 || is_barrier(index); }
+    void move_node(std::uint32_t from, std::uint32_t to);
     std::vector<std::uint32_t> find_candidates(std::size_t count, Executor& executor) const;
     std::array<std::uint32_t, 6> get_conflicts(const Reinsertion& reinsertion) const noexcept;
     void reinsert_node(const Reinsertion& reinsertion);
@@ -55,7 +63,8 @@ private:
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> parents_;
-    std::vector<std::uint8_t> is_touched_;  // with a reinsertion of this batch
+    std::vector<std::uint8_t> is_group_root_;  // empty without groups
+    std::vector<std::uint8_t> is_touched_;     // with a reinsertion of this batch
 };
 
 }  // namespace earshot::bvh

@@ -49,7 +49,7 @@ std::size_t count_of(const std::vector<UpdateReport>& reports, UpdateAction acti
 TEST(DeformableBvh, AnswersAsBruteForceWhateverItDoes) {
     const Mesh mesh = test::triangle_soup(1, 600);
     for (const double rays : {0.0, 2e3, 1e5, 1e9}) {
-        DeformableBvh moving(mesh.view(), {.rays_per_update = rays});
+        DeformableBvh moving(mesh.view(), {.queries_per_update = rays});
         for (int frame = 1; frame <= 12; ++frame) {
             const Mesh now = exploded(mesh, 0.1 * frame);
             moving.update(now.view());
@@ -65,10 +65,10 @@ TEST(DeformableBvh, AnswersAsBruteForceWhateverItDoes) {
 
 TEST(DeformableBvh, RepairsTheMoreTheMoreRaysAreTraced) {
     const Mesh mesh = test::triangle_soup(4, 3000);
-    const auto none = follow(mesh, {.rays_per_update = 0.0}, 1);
+    const auto none = follow(mesh, {.queries_per_update = 0.0}, 1);
     EXPECT_EQ(count_of(none, UpdateAction::refit), none.size());
-    const auto some = follow(mesh, {.rays_per_update = 3e3}, 1);
-    const auto many = follow(mesh, {.rays_per_update = 1e6}, 1);
+    const auto some = follow(mesh, {.queries_per_update = 3e3}, 1);
+    const auto many = follow(mesh, {.queries_per_update = 1e6}, 1);
     EXPECT_GT(count_of(some, UpdateAction::repair) + count_of(some, UpdateAction::rebuild), 0U);
     EXPECT_GT(count_of(many, UpdateAction::rebuild), count_of(some, UpdateAction::rebuild));
     EXPECT_LT(many.back().sah_cost, 0.8 * none.back().sah_cost);
@@ -76,8 +76,8 @@ TEST(DeformableBvh, RepairsTheMoreTheMoreRaysAreTraced) {
 
 TEST(DeformableBvh, DecidesTheSameForAnyNumberOfThreads) {
     const Mesh mesh = test::triangle_soup(5, 3000);
-    const auto serial = follow(mesh, {.rays_per_update = 2e4}, 1);
-    const auto parallel = follow(mesh, {.rays_per_update = 2e4}, 8);
+    const auto serial = follow(mesh, {.queries_per_update = 2e4}, 1);
+    const auto parallel = follow(mesh, {.queries_per_update = 2e4}, 8);
     for (std::size_t i = 0; i < serial.size(); ++i) {
         EXPECT_EQ(serial[i].action, parallel[i].action) << i;
         EXPECT_EQ(serial[i].sah_cost, parallel[i].sah_cost) << i;
@@ -86,7 +86,7 @@ TEST(DeformableBvh, DecidesTheSameForAnyNumberOfThreads) {
 
 TEST(DeformableBvh, LeavesARestingMeshAlone) {
     const Mesh mesh = test::triangle_soup(6, 500);
-    DeformableBvh moving(mesh.view(), {.rays_per_update = 1e9});
+    DeformableBvh moving(mesh.view(), {.queries_per_update = 1e9});
     const std::uint64_t version = moving.version();
     for (int frame = 0; frame < 5; ++frame) {
         EXPECT_EQ(moving.update(mesh.view()).action, UpdateAction::refit);
