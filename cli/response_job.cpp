@@ -187,7 +187,8 @@ private:
             write("histograms.json", io::encode_histograms(header, all_pairs_));
         }
         if (job_.write_sofa) {
-            write("responses.sofa", io::encode_room_responses(job_.scene.name, measurements_));
+            write("responses.sofa",
+                  io::encode_room_responses(job_.scene.name, job_.format.channels, measurements_));
         }
     }
 
