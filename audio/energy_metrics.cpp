@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/audio/energy_metrics.h"
+
+#include "earshot/audio/internal/metric_errors.h"
 #include "earshot/audio/internal/metrics_reader.h"
-#include "earshot/audio/room_metrics.h"
+#include "earshot/audio/speech_levels.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
 
 namespace earshot::audio {
 
 namespace {
 
-constexpr std::size_t kFirstSpeechOctave = 2;  // 125 Hz among Bands::octaves()
-constexpr double kNoFilterHz = 1e9;            // bandwidth of energies: no filter rings
-constexpr double kGridRate = 10000.0;          // of the grid that energies are put on, hertz
+constexpr double kNoFilterHz = 1e9;    // bandwidth of energies: no filter rings
+constexpr double kGridRate = 10000.0;  // of the grid that energies are put on, hertz
 
 // Energy per instant of the grid.
 std::vector<double> energies_of(std::size_t band,
@@ -47,27 +52,130 @@ std::size_t onset_of(std::span<const double> energies) {
     return onset;
 }
 
+EnergyCourse course_of(const Bands& bands,
+                       std::span<const Arrival> arrivals,
+                       const EnergyHistogram& late) {
+    EnergyCourse course = {.sample_rate = kGridRate};
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        course.energy.push_back(energies_of(band, arrivals, late));
+        course.onset.push_back(onset_of(course.energy.back()));
+    }
+    return course;
+}
+
+// Nothing if an octave is silent.
+std::optional<SpeechCourse> speech_of(const Bands& bands,
+                                      const EnergyCourse& course,
+                                      const std::optional<SpeechConditions>& conditions) {
+    SpeechCourse speech = {.conditions = conditions};
+    for (std::size_t octave = 0; octave < kSpeechBands; ++octave) {
+        const OctaveBands parts = bands_of_speech_octave(bands, octave);
+        std::vector<double> energy = course.energy[parts.first];
+        for (std::size_t i = 1; i < parts.count; ++i) {
+            for (std::size_t n = 0; n < energy.size(); ++n) {
+                energy[n] += course.energy[parts.first + i][n];
+            }
+        }
+        if (parts.count > 1) {
+            for (double& instant : energy) {
+                instant /= static_cast<double>(parts.count);
+            }
+        }
+        speech.octaves[octave] = modulation_sums(energy, course.sample_rate);
+        if (!(speech.octaves[octave].energy > 0.0)) {
+            return std::nullopt;
+        }
+    }
+    return speech;
+}
+
+double index_of(const SpeechCourse& speech) {
+    SpeechSpectrum energy{};
+    for (std::size_t octave = 0; octave < kSpeechBands; ++octave) {
+        energy[octave] = speech.octaves[octave].energy;
+    }
+    std::optional<SpeechLevels> levels;
+    if (speech.conditions) {
+        levels = levels_at_listener(*speech.conditions, energy);
+    }
+    return speech_transmission(speech.octaves, levels).index;
+}
+
+// Empties a value that is too uncertain and says so.
+void withhold(const std::string& metric,
+              const std::optional<double>& band_hz,
+              double limit,
+              std::string_view unit,
+              const std::optional<double>& error,
+              std::optional<double>& value,
+              std::vector<MetricNote>& notes) {
+    if (!value || !error || 2.0 * *error <= limit) {
+        return;
+    }
+    std::array<char, 128> text{};
+    std::snprintf(text.data(),
+                  text.size(),
+                  "standard error %.2g%s%.*s, at most %.2g allowed; more rays (--rays) reduce it",
+                  *error,
+                  unit.empty() ? "" : " ",
+                  static_cast<int>(unit.size()),
+                  unit.data(),
+                  0.5 * limit);
+    notes.push_back({.metric = metric, .band_hz = band_hz, .text = text.data()});
+    value.reset();
+}
+
+void withhold_uncertain(const Bands& bands, RoomMetrics& metrics) {
+    const auto withhold_kind = [&](const BandMetricKind& kind,
+                                   const std::string& name,
+                                   const std::optional<double>& band_hz,
+                                   const BandMetrics& errors,
+                                   BandMetrics& values) {
+        std::optional<double>& value = values.*kind.value;
+        const double limit =
+            kind.just_noticeable_difference * (kind.relative ? value.value_or(0.0) : 1.0);
+        withhold(name, band_hz, limit, kind.unit, errors.*kind.value, value, metrics.notes);
+    };
+    for (const BandMetricKind& kind : kBandMetricKinds) {
+        const std::string key(kind.key);
+        for (std::size_t band = 0; band < bands.count(); ++band) {
+            withhold_kind(kind,
+                          key,
+                          bands.nominal_hz()[band],
+                          metrics.standard_error.bands[band],
+                          metrics.bands[band]);
+        }
+        withhold_kind(kind, key + "_mid", {}, metrics.standard_error.mid, metrics.mid);
+    }
+    withhold("sti",
+             {},
+             kSpeechJustNoticeableDifference,
+             "",
+             metrics.standard_error.speech_transmission_index,
+             metrics.speech_transmission_index,
+             metrics.notes);
+}
+
 }  // namespace
 
 RoomMetrics energy_metrics(const Bands& bands,
                            std::span<const Arrival> arrivals,
-                           const EnergyHistogram& late) {
+                           const EnergyHistogram& late,
+                           const EnergyMetricsOptions& options) {
     RoomMetrics metrics;
     metrics.bands.resize(bands.count());
+    metrics.standard_error.bands.resize(bands.count());
     if (arrivals.empty() && late.energy.empty()) {
-        metrics.notes.emplace_back("the response is silent");
+        metrics.notes.push_back({.metric = "all", .text = "the response is silent"});
         return metrics;
     }
+    const EnergyCourse course = course_of(bands, arrivals, late);
     MetricsReader reader(bands, metrics.notes);
-    std::vector<std::vector<double>> energies;
-    bool is_silent = false;
     for (std::size_t band = 0; band < bands.count(); ++band) {
-        energies.push_back(energies_of(band, arrivals, late));
-        const std::vector<double>& squared = energies.back();
-        const std::size_t onset = onset_of(squared);
+        const std::vector<double>& squared = course.energy[band];
+        const std::size_t onset = course.onset[band];
         if (!(squared[onset] > 0.0)) {
-            metrics.notes.push_back("all at " + band_name(bands, band) + ": silent");
-            is_silent = true;
+            reader.note_band(band, "silent");
             continue;
         }
         const double after_onset = static_cast<double>(squared.size() - onset) / kGridRate;
@@ -82,16 +190,22 @@ RoomMetrics energy_metrics(const Bands& bands,
                                            .bandwidth_hz = kNoFilterHz,
                                            .full_decay = late.full_decay});
     }
-    if (reader.note_early_ends()) {
-        return metrics;
+    metrics.mid = mid_frequency_means(bands, metrics.bands);
+
+    std::optional<SpeechCourse> speech;
+    if (!reader.note_early_ends()) {
+        speech = speech_of(bands, course, options.speech);
+        if (speech) {
+            metrics.speech_transmission_index = index_of(*speech);
+        } else {
+            metrics.notes.push_back(
+                {.metric = "sti", .text = "an octave from 125 Hz to 8 kHz is silent"});
+        }
     }
-    if (is_silent || bands.count() != Bands::octaves().count()) {
-        metrics.notes.emplace_back("sti: needs sound in octaves");
-    } else {
-        metrics.speech_transmission_index =
-            speech_transmission(std::span(energies).subspan(kFirstSpeechOctave, kSpeechBands),
-                                kGridRate)
-                .index;
+    if (options.replicates != nullptr) {
+        metrics.standard_error =
+            metric_errors(bands, metrics, course, speech, *options.replicates, late.bin);
+        withhold_uncertain(bands, metrics);
     }
     return metrics;
 }

@@ -4,15 +4,14 @@
 #include "earshot/base/math.h"
 
 #include <cmath>
+#include <initializer_list>
+#include <utility>
 
 namespace earshot::audio {
 
 namespace {
 
-constexpr double kReferenceEnergy = 0.01;  // free field at 10 m, pressure 1 at 1 m
-constexpr double kMinLateEnergy = 1e-6;    // of all: below it a clarity is that of the filter
-constexpr double kSpeechLimit = 0.05;      // seconds
-constexpr double kMusicLimit = 0.08;       // seconds
+constexpr double kMinLateEnergy = 1e-6;  // of all: below it a clarity is that of the filter
 constexpr double kMinSpeechHz = 90.0;
 constexpr double kMaxSpeechHz = 11000.0;
 
@@ -33,44 +32,45 @@ double centre_of(std::span<const double> squared, std::size_t onset, double samp
 
 }  // namespace
 
-std::string band_name(const Bands& bands, std::size_t band) {
-    std::string text = std::to_string(bands.nominal_hz()[band]);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') {
-        text.pop_back();
-    }
-    return text + " Hz";
+void MetricsReader::add(const char* metric, std::optional<std::size_t> band, std::string text) {
+    notes_.push_back({.metric = metric,
+                      .band_hz = band ? std::optional(bands_.nominal_hz()[*band]) : std::nullopt,
+                      .text = std::move(text)});
 }
 
 void MetricsReader::note_extent(double after_onset) {
-    const std::string too_short = ": the response ends within ";
-    if (after_onset < kSpeechLimit) {
-        notes_.push_back("c50, d50" + too_short + in_ms(kSpeechLimit) + " of the direct sound");
-    }
-    if (after_onset < kMusicLimit) {
-        notes_.push_back("c80, ts, g" + too_short + in_ms(kMusicLimit) + " of the direct sound");
-    }
+    const auto note = [&](std::initializer_list<const char*> metrics, double limit) {
+        for (const char* metric : metrics) {
+            if (after_onset < limit) {
+                add(metric,
+                    {},
+                    "the response ends within " + in_ms(limit) + " of the direct sound");
+            }
+        }
+    };
+    note({"c50", "d50"}, kSpeechLimit);
+    note({"c80", "ts", "g"}, kMusicLimit);
 }
 
 void MetricsReader::read_times(const DecayCurve& curve,
                                const BandDecay& decay,
                                std::size_t band,
                                BandMetrics& out) {
-    const std::string name = band_name(bands_, band);
     bool ends_early = false;
     const auto time = [&](const DecayRange& range) -> std::optional<double> {
         constexpr int kRoomDb = 10;
         if (decay.noise.energy > 0.0 && decay.noise.peak_to_noise_db < range.to_db + kRoomDb) {
-            notes_.push_back(std::string(range.name) + " at " + name + ": noise " +
-                             std::to_string(std::lround(decay.noise.peak_to_noise_db)) +
-                             " dB below the decay's start, " +
-                             std::to_string(range.to_db + kRoomDb) + " dB needed");
+            add(range.name,
+                band,
+                "noise " + std::to_string(std::lround(decay.noise.peak_to_noise_db)) +
+                    " dB below the decay's start, " + std::to_string(range.to_db + kRoomDb) +
+                    " dB needed");
             return std::nullopt;
         }
-        const DecayCurve::Reading reading = curve.read(range, decay.bandwidth_hz, decay.full_decay);
+        DecayCurve::Reading reading = curve.read(range, decay.bandwidth_hz, decay.full_decay);
         ends_early = ends_early || reading.ends_early;
         if (!reading.time) {
-            notes_.push_back(std::string(range.name) + " at " + name + ": " + reading.why_not);
+            add(range.name, band, std::move(reading.why_not));
         }
         return reading.time;
     };
@@ -85,10 +85,11 @@ void MetricsReader::read_times(const DecayCurve& curve,
 // Ratio of the energy before and after the limit.
 std::optional<double> MetricsReader::clarity_db(const DecayCurve& curve,
                                                 double limit,
-                                                const std::string& name_and_band) {
+                                                const char* metric,
+                                                std::size_t band) {
     const double late = curve.energy_from(limit);
     if (late < kMinLateEnergy * curve.energy()) {
-        notes_.push_back(name_and_band + ": no energy after " + in_ms(limit));
+        add(metric, band, "no energy after " + in_ms(limit));
         return std::nullopt;
     }
     return 10.0 * math::log10((curve.energy() - late) / late);
@@ -96,15 +97,14 @@ std::optional<double> MetricsReader::clarity_db(const DecayCurve& curve,
 
 BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
     const DecayCurve curve(decay.squared, decay.onset, decay.sample_rate, decay.noise.tail_energy);
-    const std::string at_band = " at " + band_name(bands_, band);
     BandMetrics out;
     read_times(curve, decay, band, out);
     if (decay.after_onset >= kSpeechLimit) {
-        out.clarity_c50_db = clarity_db(curve, kSpeechLimit, "c50" + at_band);
+        out.clarity_c50_db = clarity_db(curve, kSpeechLimit, "c50", band);
         out.definition_d50 = 1.0 - curve.energy_from(kSpeechLimit) / curve.energy();
     }
     if (decay.after_onset >= kMusicLimit) {
-        out.clarity_c80_db = clarity_db(curve, kMusicLimit, "c80" + at_band);
+        out.clarity_c80_db = clarity_db(curve, kMusicLimit, "c80", band);
         out.centre_time = centre_of(decay.squared, decay.onset, decay.sample_rate);
         out.strength_db = 10.0 * math::log10(curve.energy() / (kReferenceEnergy * decay.reference));
     }
@@ -113,11 +113,12 @@ BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
 
 bool MetricsReader::note_early_ends() {
     if (any_ends_early_) {
-        notes_.emplace_back(
-            "c50, c80, d50, ts, g: of the response as it is, which ends before its decay does");
+        for (const char* metric : {"c50", "c80", "d50", "ts", "g"}) {
+            add(metric, {}, "of the response as it is, which ends before its decay does");
+        }
     }
     if (speech_ends_early_) {
-        notes_.emplace_back("sti: the response ends before its decay does");
+        add("sti", {}, "the response ends before its decay does");
     }
     return speech_ends_early_;
 }

@@ -2,20 +2,19 @@
 #pragma once
 
 #include "earshot/audio/bands.h"
-#include "earshot/audio/energy_histogram.h"
-#include "earshot/audio/impulse_response.h"
-#include "earshot/audio/speech.h"
+#include "earshot/audio/metric_note.h"
 
+#include <array>
 #include <optional>
 #include <span>
-#include <string>
+#include <string_view>
 #include <vector>
 
 namespace earshot::audio {
 
-/// ISO 3382-1 metrics of one band. A value the response cannot support is empty: a decay time where
-/// the decay ends too early or is shorter than the band's filter rings, the others where the
-/// response ends before their limit (docs/algorithms/audio.md).
+/// ISO 3382-1 metrics of one band. A value that is not supported is empty: a decay time where the
+/// decay ends too early or is shorter than the band's filter rings, the others where the response
+/// ends before their limit (docs/algorithms/audio.md).
 struct BandMetrics {
     std::optional<double> early_decay_time;        ///< EDT, seconds
     std::optional<double> reverberation_time_t20;  ///< T20, seconds
@@ -27,40 +26,50 @@ struct BandMetrics {
     std::optional<double> strength_db;             ///< G, re free field at 10 m
 };
 
-struct RoomMetrics {
-    std::vector<BandMetrics> bands;                   ///< one per band, in order
-    std::optional<double> speech_transmission_index;  ///< STI, see speech.h
-    std::vector<std::string> notes;  ///< why a value is empty, e.g. "t20 at 63 Hz: decay range ..."
+/// What is to be known of a metric whatever its value.
+struct BandMetricKind {
+    std::string_view key;  ///< in metrics.json
+    std::optional<double> BandMetrics::*value = nullptr;
+    /// Just-noticeable difference (ISO 3382-1:2009, table A.1), a share of the value or in its
+    /// unit.
+    double just_noticeable_difference = 0.0;
+    bool relative = false;
+    std::string_view unit{};
 };
 
-struct MetricsOptions {
-    /// The response was measured: it ends in steady noise, which is estimated and taken out (ISO
-    /// 3382-1:2009, 5.3.3; Lundeby et al. 1995). Decay times that the noise does not leave room
-    /// for, 10 dB below their range, are empty.
-    bool ends_in_noise = false;
-    /// The response is known to hold the whole decay: it is not looked for signs that it was cut
-    /// off.
-    bool full_decay = false;
-    /// For the speech transmission index.
-    std::optional<SpeechLevels> speech{};
+inline constexpr std::array<BandMetricKind, 8> kBandMetricKinds = {
+    {{"edt", &BandMetrics::early_decay_time, 0.05, true, "s"},
+     {"t20", &BandMetrics::reverberation_time_t20, 0.05, true, "s"},
+     {"t30", &BandMetrics::reverberation_time_t30, 0.05, true, "s"},
+     {"c50", &BandMetrics::clarity_c50_db, 1.0, false, "dB"},
+     {"c80", &BandMetrics::clarity_c80_db, 1.0, false, "dB"},
+     {"d50", &BandMetrics::definition_d50, 0.05, false, ""},
+     {"ts", &BandMetrics::centre_time, 0.01, false, "s"},
+     {"g", &BandMetrics::strength_db, 1.0, false, "dB"}}};
+
+/// Just-noticeable difference of the speech transmission index (Bradley, Reich and Norcross 1999).
+inline constexpr double kSpeechJustNoticeableDifference = 0.03;
+
+/// A number for each metric: its value or its standard error.
+struct MetricValues {
+    std::vector<BandMetrics> bands{};  ///< one per band, in order
+    BandMetrics mid{};                 ///< single numbers, see mid_frequency_means()
+    std::optional<double> speech_transmission_index{};  ///< STI, see speech.h
 };
 
-/// Metrics per band by zero-phase octave or third-octave filters, the onset of the direct sound
-/// (20 dB below the largest sample) and backward integration (ISO 3382-1:2009, 5.3.3 and annex A).
-/// Ts counts from the onset; G takes a pressure of 1 as free field at 1 m. Every value that is
-/// empty is explained in the notes; a silent response has none and one note.
-RoomMetrics room_metrics(const Bands& bands,
-                         const ImpulseResponse& response,
-                         const MetricsOptions& options = {});
+struct RoomMetrics : MetricValues {
+    /// Of the values above, where they are estimated by rays. A value is empty if twice its
+    /// standard error exceeds its just-noticeable difference; the error is not.
+    MetricValues standard_error{};
+    std::vector<MetricNote> notes{};  ///< why a value is empty, and the like
+};
 
-/// The same metrics of the energies that arrive, on a grid of a tenth of a millisecond: what a
-/// response has on average over small changes of place, without the interference of its arrivals,
-/// the chance of its noise and the ringing of filters, as programs of geometrical room acoustics
-/// give them. The onset is the first energy less than 20 dB below the largest of an instant in its
-/// band. STI only for octaves.
-RoomMetrics energy_metrics(const Bands& bands,
-                           std::span<const Arrival> arrivals,
-                           const EnergyHistogram& late);
+/// Single numbers: each metric's mean over the octaves 500 Hz and 1 kHz, or the thirds from 400 Hz
+/// to 1250 Hz (ISO 3382-1:2009, table A.1); empty if it lacks one of them. `values`: one per band.
+BandMetrics mid_frequency_means(const Bands& bands, std::span<const BandMetrics> values);
+
+/// The same mean of any quantity that every band has. Precondition: values.size() >= bands.count().
+double mid_frequency_mean(const Bands& bands, std::span<const double> values);
 
 /// Frequency above which the room's modes overlap and sound follows rays (Schroeder and Kuttruff
 /// 1962): 2000 sqrt(time / volume), hertz, of the mean T30 (or T20, else EDT) of the octaves or
@@ -68,11 +77,5 @@ RoomMetrics energy_metrics(const Bands& bands,
 std::optional<double> schroeder_frequency_hz(const Bands& bands,
                                              const RoomMetrics& metrics,
                                              double volume);
-
-/// The single number of a metric: the mean of the octaves 500 Hz and 1 kHz, or of the thirds from
-/// 400 Hz to 1250 Hz (ISO 3382-1:2009, table A.1); empty if one of them is.
-std::optional<double> mid_frequency_mean(const Bands& bands,
-                                         const RoomMetrics& metrics,
-                                         std::optional<double> BandMetrics::*value);
 
 }  // namespace earshot::audio

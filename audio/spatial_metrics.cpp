@@ -53,8 +53,8 @@ std::optional<double> coefficient(std::span<const double> left,
     return largest / std::sqrt(energies);
 }
 
-std::string at(const Bands& bands, std::size_t band) {
-    return " at band " + std::to_string(band + 1) + " of " + std::to_string(bands.count());
+MetricNote note_at(const char* metric, const Bands& bands, std::size_t band, const char* text) {
+    return {.metric = metric, .band_hz = bands.nominal_hz()[band], .text = text};
 }
 
 }  // namespace
@@ -70,7 +70,8 @@ LateralMetrics lateral_metrics(const Bands& bands,
     const auto onset = find_onset(pressure.samples);
     const std::size_t early = samples_in(kEarlyEnd, rate);
     if (!onset || pressure.samples.size() - *onset < early) {
-        metrics.notes.emplace_back("lf: silent, or it ends within 80 ms of the direct sound");
+        metrics.notes.push_back(
+            {.metric = "lf", .text = "silent, or it ends within 80 ms of the direct sound"});
         return metrics;
     }
     const BandEnergy of_pressure(bands, pressure.samples, rate);
@@ -79,13 +80,14 @@ LateralMetrics lateral_metrics(const Bands& bands,
     const std::size_t lateral = samples_in(kLateralBegin, rate);
     for (std::size_t band = 0; band < bands.count(); ++band) {
         if (!of_pressure.covers(band)) {
-            metrics.notes.push_back("lf" + at(bands, band) + ": reaches past half the sample rate");
+            metrics.notes.push_back(
+                note_at("lf", bands, band, "reaches past half the sample rate"));
             continue;
         }
         const auto omni = of_pressure.filtered(band);
         const double whole = energy_of(std::span(omni).first(begin + early));
         if (!(whole > 0.0)) {
-            metrics.notes.push_back("lf" + at(bands, band) + ": silent");
+            metrics.notes.push_back(note_at("lf", bands, band, "silent"));
             continue;
         }
         const auto eight = of_eight.filtered(band);
@@ -107,8 +109,9 @@ BinauralMetrics binaural_metrics(const Bands& bands,
     const std::size_t early = samples_in(kEarlyEnd, left.sample_rate);
     if (!left_onset || !right_onset ||
         left.samples.size() - std::min(*left_onset, *right_onset) <= early) {
-        metrics.notes.emplace_back(
-            "iacc: an ear is silent, or it ends within 80 ms of the direct sound");
+        metrics.notes.push_back(
+            {.metric = "iacc",
+             .text = "an ear is silent, or it ends within 80 ms of the direct sound"});
         return metrics;
     }
     const BandEnergy at_left(bands, left.samples, left.sample_rate);
@@ -117,8 +120,8 @@ BinauralMetrics binaural_metrics(const Bands& bands,
     const std::size_t max_delay = samples_in(kMaxDelay, left.sample_rate);
     for (std::size_t band = 0; band < bands.count(); ++band) {
         if (!at_left.covers(band)) {
-            metrics.notes.push_back("iacc" + at(bands, band) +
-                                    ": reaches past half the sample rate");
+            metrics.notes.push_back(
+                note_at("iacc", bands, band, "reaches past half the sample rate"));
             continue;
         }
         const auto l = at_left.filtered(band);
@@ -127,7 +130,7 @@ BinauralMetrics binaural_metrics(const Bands& bands,
         metrics.iacc_late[band] = coefficient(l, r, begin + early, l.size(), max_delay);
         metrics.iacc[band] = coefficient(l, r, begin, l.size(), max_delay);
         if (!metrics.iacc[band]) {
-            metrics.notes.push_back("iacc" + at(bands, band) + ": an ear is silent");
+            metrics.notes.push_back(note_at("iacc", bands, band, "an ear is silent"));
         }
     }
     return metrics;

@@ -3,9 +3,9 @@
 
 #include "earshot/audio/bands.h"
 #include "earshot/audio/impulse_response.h"
+#include "earshot/audio/metric_note.h"
 
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace earshot::audio {
@@ -13,7 +13,7 @@ namespace earshot::audio {
 /// Per band; empty where the response does not support it.
 struct LateralMetrics {
     std::vector<std::optional<double>> lateral_fraction;  ///< LF (J_LF)
-    std::vector<std::string> notes;                       ///< why a value is empty
+    std::vector<MetricNote> notes;                        ///< why a value is empty
 };
 
 /// Early lateral energy fraction: energy of the figure-of-eight from 5 to 80 ms after the direct
@@ -29,7 +29,7 @@ struct BinauralMetrics {
     std::vector<std::optional<double>> iacc_early;  ///< of the first 80 ms
     std::vector<std::optional<double>> iacc_late;   ///< from 80 ms on
     std::vector<std::optional<double>> iacc;        ///< of the whole response
-    std::vector<std::string> notes;                 ///< why a value is empty
+    std::vector<MetricNote> notes;                  ///< why a value is empty
 };
 
 /// Interaural cross-correlation coefficients: the largest magnitude of the normalised correlation

@@ -2,23 +2,23 @@
 #include "earshot/audio/speech.h"
 
 #include "earshot/audio/internal/band_energy.h"
+#include "earshot/audio/internal/modulation.h"
 #include "earshot/audio/internal/noise_floor.h"
+#include "earshot/audio/speech_levels.h"
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace earshot::audio {
 
 namespace {
 
-constexpr std::size_t kFirstOctave = 2;  // 125 Hz among Bands::octaves()
 constexpr double kTurn = 6.283185307179586;
 
-// IEC 60268-16:2011, tables A.1 and A.3 and clause 4.
-constexpr std::array<double, 14> kModulationHz = {
-    0.63, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.15, 4.0, 5.0, 6.3, 8.0, 10.0, 12.5};
+// IEC 60268-16:2011, tables A.1 and A.3.
 constexpr SpeechSpectrum kWeight = {0.085, 0.127, 0.230, 0.233, 0.309, 0.224, 0.173};
 constexpr std::array<double, kSpeechBands - 1> kRedundancy = {
     0.085, 0.078, 0.065, 0.011, 0.047, 0.095};
@@ -49,17 +49,10 @@ Envelope envelope_of(std::span<const double> squared, double sample_rate) {
 }
 
 /// What is left of a modulation (Schroeder 1981).
-double modulation_transfer(const Envelope& envelope, double frequency_hz) {
-    double energy = 0.0;
-    double in_phase = 0.0;
-    double in_quadrature = 0.0;
-    for (std::size_t n = 0; n < envelope.energy.size(); ++n) {
-        const double angle = kTurn * frequency_hz * envelope.step * static_cast<double>(n);
-        energy += envelope.energy[n];
-        in_phase += envelope.energy[n] * math::cos(angle);
-        in_quadrature += envelope.energy[n] * math::sin(angle);
-    }
-    return std::sqrt(in_phase * in_phase + in_quadrature * in_quadrature) / energy;
+double modulation_transfer(const ModulationSums& sums, std::size_t frequency) {
+    const double in_phase = sums.in_phase[frequency];
+    const double in_quadrature = sums.in_quadrature[frequency];
+    return std::sqrt(in_phase * in_phase + in_quadrature * in_quadrature) / sums.energy;
 }
 
 /// Truncates a band at the cross point of its decay with the noise.
@@ -112,17 +105,30 @@ double transmission_index(double modulation) {
 
 }  // namespace
 
-SpeechTransmission speech_transmission(std::span<const std::vector<double>> squared,
-                                       double sample_rate,
+ModulationSums modulation_sums(std::span<const double> squared, double sample_rate) {
+    const Envelope envelope = envelope_of(squared, sample_rate);
+    ModulationSums sums;
+    for (const double energy : envelope.energy) {
+        sums.energy += energy;
+    }
+    for (std::size_t k = 0; k < kModulationHz.size(); ++k) {
+        for (std::size_t n = 0; n < envelope.energy.size(); ++n) {
+            const double angle = kTurn * kModulationHz[k] * envelope.step * static_cast<double>(n);
+            sums.in_phase[k] += envelope.energy[n] * math::cos(angle);
+            sums.in_quadrature[k] += envelope.energy[n] * math::sin(angle);
+        }
+    }
+    return sums;
+}
+
+SpeechTransmission speech_transmission(const std::array<ModulationSums, kSpeechBands>& octaves,
                                        const std::optional<SpeechLevels>& levels) {
-    EARSHOT_ASSERT(squared.size() == kSpeechBands && sample_rate > 0.0);
     SpeechTransmission result;
     for (std::size_t band = 0; band < kSpeechBands; ++band) {
-        const Envelope envelope = envelope_of(squared[band], sample_rate);
         const double factor = levels ? level_factor(*levels, band) : 1.0;
-        for (const double frequency_hz : kModulationHz) {
+        for (std::size_t k = 0; k < kModulationHz.size(); ++k) {
             result.modulation[band] +=
-                transmission_index(factor * modulation_transfer(envelope, frequency_hz)) /
+                transmission_index(factor * modulation_transfer(octaves[band], k)) /
                 static_cast<double>(kModulationHz.size());
         }
         result.index += kWeight[band] * result.modulation[band];
@@ -135,29 +141,67 @@ SpeechTransmission speech_transmission(std::span<const std::vector<double>> squa
     return result;
 }
 
-std::optional<SpeechTransmission> speech_transmission(const ImpulseResponse& response,
-                                                      const std::optional<SpeechLevels>& levels,
-                                                      bool ends_in_noise) {
+SpeechTransmission speech_transmission(std::span<const std::vector<double>> squared,
+                                       double sample_rate,
+                                       const std::optional<SpeechLevels>& levels) {
+    EARSHOT_ASSERT(squared.size() == kSpeechBands && sample_rate > 0.0);
+    std::array<ModulationSums, kSpeechBands> octaves;
+    for (std::size_t band = 0; band < kSpeechBands; ++band) {
+        octaves[band] = modulation_sums(squared[band], sample_rate);
+    }
+    return speech_transmission(octaves, levels);
+}
+
+std::optional<SpeechTransmission> speech_transmission(
+    const ImpulseResponse& response,
+    const std::optional<SpeechConditions>& conditions,
+    bool ends_in_noise) {
     if (response.samples.empty()) {
         return std::nullopt;
     }
     const BandEnergy energy(Bands::octaves(), response.samples, response.sample_rate);
-    std::vector<std::vector<double>> squared;
+    std::array<ModulationSums, kSpeechBands> octaves;
+    SpeechSpectrum gain{};
     for (std::size_t band = 0; band < kSpeechBands; ++band) {
-        if (!energy.covers(kFirstOctave + band)) {
+        const std::size_t octave = kFirstSpeechOctave + band;
+        if (!energy.covers(octave)) {
             return std::nullopt;
         }
-        squared.push_back(energy.squared(kFirstOctave + band));
+        std::vector<double> squared = energy.squared(octave);
         if (ends_in_noise) {
-            cut_noise(squared.back(), energy.lead(), response);
+            cut_noise(squared, energy.lead(), response);
         }
-        if (std::all_of(squared.back().begin(), squared.back().end(), [](double e) {
-                return !(e > 0.0);
-            })) {
+        octaves[band] = modulation_sums(squared, response.sample_rate);
+        if (!(octaves[band].energy > 0.0)) {
             return std::nullopt;
+        }
+        gain[band] = octaves[band].energy / energy.of_unit_impulse(octave);
+    }
+    return speech_transmission(
+        octaves, conditions ? std::optional(levels_at_listener(*conditions, gain)) : std::nullopt);
+}
+
+std::string_view sti_letter(double index) noexcept {
+    constexpr double kTop = 0.76;
+    constexpr std::array<std::pair<double, std::string_view>, 10> kLowerLimits = {{{0.72, "A"},
+                                                                                   {0.68, "B"},
+                                                                                   {0.64, "C"},
+                                                                                   {0.60, "D"},
+                                                                                   {0.56, "E"},
+                                                                                   {0.52, "F"},
+                                                                                   {0.48, "G"},
+                                                                                   {0.44, "H"},
+                                                                                   {0.40, "I"},
+                                                                                   {0.36, "J"}}};
+    if (index > kTop) {
+        return "A+";
+    }
+    for (const auto& [lower, letter] : kLowerLimits) {
+        if (index >= lower) {
+            return letter;
         }
     }
-    return speech_transmission(squared, response.sample_rate, levels);
+    return "U";
 }
 
 }  // namespace earshot::audio

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace earshot::audio {
@@ -19,6 +20,16 @@ using SpeechSpectrum = std::array<double, kSpeechBands>;
 struct SpeechLevels {
     SpeechSpectrum speech_db{};
     SpeechSpectrum noise_db{};
+};
+
+/// How loud speech and noise are.
+struct SpeechConditions {
+    /// A-weighted level of a voice of the male spectrum, decibels: 1 m in front of the talker in
+    /// free field, or at the listener.
+    double speech_level_db = 60.0;
+    bool at_listener = false;
+    /// Per octave, at the listener; empty: there is none.
+    std::optional<SpeechSpectrum> noise_db{};
 };
 
 struct SpeechTransmission {
@@ -41,7 +52,12 @@ SpeechTransmission speech_transmission(std::span<const std::vector<double>> squa
 /// out.
 std::optional<SpeechTransmission> speech_transmission(
     const ImpulseResponse& response,
-    const std::optional<SpeechLevels>& levels = {},
+    const std::optional<SpeechConditions>& conditions = {},
     bool ends_in_noise = false);
+
+/// Qualification band of an index, "A+" (above 0.76), "A", "B", ... "J", each 0.04 lower, and "U"
+/// (below 0.36): IEC 60268-16:2011, annex F. An index on a limit belongs to the higher band,
+/// but 0.76 is "A".
+std::string_view sti_letter(double index) noexcept;
 
 }  // namespace earshot::audio

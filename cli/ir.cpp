@@ -9,6 +9,7 @@
 #include "earshot/cli/response_job.h"
 #include "earshot/cli/response_summary.h"
 #include "earshot/cli/scene_choice.h"
+#include "earshot/cli/speech_options.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/io/sofa.h"
@@ -31,7 +32,8 @@ constexpr std::string_view kAuto = "auto";
 constexpr std::size_t kMaxAutoRays = 1000000;
 
 constexpr const char* kFooter =
-    "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json.\n"
+    "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json, and prints\n"
+    "a table of metrics with their standard errors.\n"
     "Reflections up to --order are exact; rays add later and scattered sound.\n\n"
     "Examples:\n"
     "  earshot ir scenes/concert_hall.gltf -o out\n"
@@ -59,6 +61,7 @@ public:
         add_late_options();
         add_format_options();
         add_sound_options();
+        add_metrics_options();
         app().footer(kFooter);
     }
 
@@ -214,6 +217,13 @@ private:
             "--no-air-absorption", no_air_absorption_, "ignore the absorption of sound by air");
     }
 
+    void add_metrics_options() {
+        app().add_flag("--no-metrics",
+                       no_metrics_,
+                       "write no metrics.json; saves time where there are many pairs");
+        speech_.add_to(app(), "1 m in front of the talker");
+    }
+
     propagation::Options simulation_options(std::size_t rays) const {
         return {
             .specular_order = static_cast<int>(order_),
@@ -255,7 +265,9 @@ private:
         constexpr std::string_view kAmbisonic = "ambisonic:";
         propagation::ResponseFormat format = {.sample_rate = static_cast<double>(sample_rate_hz_),
                                               .length = length_,
-                                              .seed = static_cast<std::uint64_t>(common().seed)};
+                                              .seed = static_cast<std::uint64_t>(common().seed),
+                                              .report_metrics = !no_metrics_,
+                                              .speech = speech_.conditions(app())};
         if (format_ == "binaural") {
             format.channels = Channels::binaural;
             format.hrir_set =
@@ -317,7 +329,9 @@ private:
     bool transmission_ = false;
     double max_length_ = 0.0;
     double min_level_db_ = -std::numeric_limits<double>::infinity();
-    std::string rays_ = "20000";
+    bool no_metrics_ = false;
+    SpeechOptions speech_;
+    std::string rays_ = "auto";
     double rays_error_percent_ = 2.0;
     std::int64_t order_ = 4;
     std::int64_t resolution_ = 0;

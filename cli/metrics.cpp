@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/audio/room_metrics.h"
+#include "earshot/io/metrics.h"
+
+#include "earshot/audio/response_metrics.h"
 #include "earshot/audio/spatial_metrics.h"
 #include "earshot/base/error.h"
 #include "earshot/cli/commands.h"
+#include "earshot/cli/note_lines.h"
 #include "earshot/cli/output.h"
-#include "earshot/io/results.h"
+#include "earshot/cli/speech_options.h"
 #include "earshot/io/wav.h"
 
 #include <array>
@@ -20,14 +23,16 @@ using audio::BandMetrics;
 using audio::RoomMetrics;
 
 constexpr const char* kFooter =
-    "Prints EDT, T20, T30 (s), C50, C80 (dB), D50, Ts (s), G (dB) per band and STI of every "
-    "channel.\n"
+    "Prints EDT, T20, T30 (s), C50, C80 (dB), D50, Ts (s), G (dB) per band, their means of 500 Hz\n"
+    "and 1 kHz, and STI with its qualification letter, of every channel.\n"
     "A value that the response does not support is omitted, and the reason is given.\n\n"
     "Examples:\n"
     "  earshot metrics measured.wav\n"
     "      steady noise at the end is estimated and taken out\n"
     "  earshot metrics out/source__listener.wav --noise-free --json\n"
-    "      of a computed response, as earshot ir does";
+    "      of a computed response, as earshot ir does\n"
+    "  earshot metrics measured.wav --noise NC-30 --speech-level 58\n"
+    "      STI of speech that reaches the listener with 58 dB(A), in noise";
 
 struct Row {
     const char* name;
@@ -62,9 +67,9 @@ std::string row_of(const std::string& name, const std::vector<std::optional<doub
     return text + "\n";
 }
 
-std::string lines_of(const std::vector<std::string>& notes) {
+std::string lines_of(const std::vector<audio::MetricNote>& notes) {
     std::string text;
-    for (const std::string& note : notes) {
+    for (const std::string& note : note_lines(notes)) {
         text += "  " + note + "\n";
     }
     return text;
@@ -78,19 +83,27 @@ std::string heads(const audio::Bands& bands) {
     return text + "\n";
 }
 
-/// A line per value, a column per band.
+/// A line per value, a column per band and one for the mean of 500 Hz and 1 kHz.
 std::string table(const audio::Bands& bands, const RoomMetrics& metrics) {
     std::string text = heads(bands);
+    text.insert(text.size() - 1, std::string(6, ' ') + "mid");
     for (const Row& row : kRows) {
+        const auto cell = [&](const BandMetrics& band) {
+            const auto& value = band.*row.value;
+            return value ? formatted(row.format, *value) : std::string(8, ' ') + "-";
+        };
         text += head_of(row.name);
         for (const BandMetrics& band : metrics.bands) {
-            const auto& value = band.*row.value;
-            text += value ? formatted(row.format, *value) : std::string(8, ' ') + "-";
+            text += cell(band);
         }
-        text += "\n";
+        text += cell(metrics.mid) + "\n";
     }
     const auto& sti = metrics.speech_transmission_index;
-    return text + row_of("STI", {sti}) + lines_of(metrics.notes);
+    text += row_of("STI", {sti});
+    if (sti) {
+        text.insert(text.size() - 1, " " + std::string(audio::sti_letter(*sti)));
+    }
+    return text + lines_of(metrics.notes);
 }
 
 std::string binaural_table(const audio::Bands& bands, const audio::BinauralMetrics& metrics) {
@@ -119,6 +132,11 @@ public:
             ->capture_default_str();
         app().add_flag(
             "--noise-free", is_noise_free_, "the response is computed and has no noise floor");
+        app().add_flag("--calibrated",
+                       calibrated_,
+                       "a sample of 1 is the pressure of the talker 1 m in front in free field, as "
+                       "earshot ir writes: --speech-level is meant there, not at the listener");
+        speech_.add_to(app(), "at the listener");
         app().footer(kFooter);
     }
 
@@ -131,14 +149,22 @@ public:
         }
         const audio::Bands& bands =
             bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves();
-        io::SoundMetrics metrics;
+        io::SoundMetrics metrics = {.file = std::filesystem::path(file_).filename().string(),
+                                    .sample_rate = sound.sample_rate,
+                                    .speech = speech_.conditions(app())};
+        if (metrics.speech) {
+            metrics.speech->at_listener = !calibrated_;
+        }
         std::string text;
         for (std::size_t channel = 0; channel < channels; ++channel) {
             if (channel_ != 0 && static_cast<std::size_t>(channel_) != channel + 1) {
                 continue;
             }
-            metrics.channels.push_back(audio::room_metrics(
-                bands, response_of(sound, channel), {.ends_in_noise = !is_noise_free_}));
+            metrics.channel_numbers.push_back(channel + 1);
+            metrics.channels.push_back(audio::response_metrics(
+                bands,
+                response_of(sound, channel),
+                {.ends_in_noise = !is_noise_free_, .speech = metrics.speech}));
             text += (channels > 1 ? "channel " + std::to_string(channel + 1) + "\n" : "") +
                     table(bands, metrics.channels.back());
         }
@@ -154,12 +180,7 @@ public:
             text += heads(bands) + row_of("LF", metrics.lateral->lateral_fraction) +
                     lines_of(metrics.lateral->notes);
         }
-        write_output(common().json ? io::encode_sound_metrics(
-                                         std::filesystem::path(file_).filename().string(),
-                                         sound.sample_rate,
-                                         bands,
-                                         metrics)
-                                   : text);
+        write_output(common().json ? io::encode_sound_metrics(bands, metrics) : text);
     }
 
 private:
@@ -189,6 +210,8 @@ private:
     std::string bands_ = "octave";
     std::string listening_ = "any";
     bool is_noise_free_ = false;
+    bool calibrated_ = false;
+    SpeechOptions speech_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "earshot/base/stage_progress.h"
 #include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
+#include "earshot/io/metrics.h"
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
 #include "earshot/io/whole_file.h"
@@ -75,6 +76,9 @@ public:
             summary_.trace_seconds += trace_seconds;
             summary_.update_seconds.push_back(prepare_seconds + trace_seconds);
             add_statistics(simulator);
+            if (frame == 0 && job_.format.report_metrics) {
+                summary_.room = room_at(job_.times[frame], simulator);
+            }
             for (const PairResult& pair : pairs) {
                 summary_.visible_volume = std::max(summary_.visible_volume, pair.visible_volume);
             }
@@ -99,6 +103,20 @@ private:
         summary_.statistics.frusta += simulator.statistics().frusta;
         summary_.statistics.candidates += simulator.statistics().candidates;
         summary_.statistics.paths += simulator.statistics().paths;
+    }
+
+    std::optional<propagation::RoomStatistics> room_at(double time,
+                                                       const propagation::Simulator& simulator) {
+        std::vector<geometry::Vec3> sources;
+        for (const propagation::Emitter& source : job_.scene.sources) {
+            sources.push_back(job_.scene.pose_at(source, time).position);
+        }
+        return propagation::room_statistics(simulator.ray_scene(),
+                                            sources,
+                                            {.bands = job_.simulation.bands,
+                                             .air = job_.simulation.air,
+                                             .air_absorption = job_.simulation.air_absorption},
+                                            executor_);
     }
 
     /// Visible sets only ever leave paths out.
@@ -164,7 +182,9 @@ private:
                 ++summary_.paths_of_order[static_cast<std::size_t>(path.order)];
             }
             write(name + (job_.is_sequence ? frame_suffix(frame) : "") + ".wav", sounds[i]);
-            metrics_.push_back(std::move(responses[i].metrics));
+            if (job_.format.report_metrics) {
+                summary_.metrics.push_back(std::move(responses[i].metrics));
+            }
             if (job_.write_sofa) {
                 measurements_.push_back(
                     {.source =
@@ -182,7 +202,14 @@ private:
             .bands = job_.simulation.bands,
             .speed_of_sound = propagation::speed_of_sound(job_.simulation.air)};
         write("paths.json", io::encode_paths(header, all_pairs_));
-        write("metrics.json", io::encode_metrics(header, metrics_));
+        if (job_.format.report_metrics) {
+            write("metrics.json",
+                  io::encode_metrics({.scene = job_.scene,
+                                      .bands = job_.simulation.bands,
+                                      .room = summary_.room,
+                                      .speech = job_.format.speech},
+                                     summary_.metrics));
+        }
         if (job_.write_histograms) {
             write("histograms.json", io::encode_histograms(header, all_pairs_));
         }
@@ -198,7 +225,6 @@ private:
     ResultNames names_;
     propagation::ResponseRenderer renderer_;
     std::vector<PairResult> all_pairs_;
-    std::vector<propagation::PairMetrics> metrics_;
     std::vector<io::RoomMeasurement> measurements_;
     ResponseSummary summary_;
 };

@@ -3,9 +3,11 @@
 
 #include "earshot/base/progress.h"
 #include "earshot/propagation/response.h"
+#include "earshot/propagation/room_statistics.h"
 #include "earshot/propagation/simulator.h"
 
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 namespace earshot::cli {
@@ -35,14 +37,18 @@ struct ResponseSummary {
     /// Of the air that a source sees, cubic metres: the largest of all sources; 0 without rays.
     double visible_volume = 0.0;
     frustum::TraceStatistics statistics;  ///< over all times
-    double prepare_seconds = 0.0;         ///< clean-up, facets and hierarchy
+    /// Per pair and time, as files; empty unless ResponseFormat::report_metrics.
+    std::vector<propagation::PairMetrics> metrics;
+    std::optional<propagation::RoomStatistics> room;  ///< at the first time, with metrics
+    double prepare_seconds = 0.0;                     ///< clean-up, facets and hierarchy
     double trace_seconds = 0.0;
     std::vector<double> update_seconds;  ///< preparing and tracing, per time
     double response_seconds = 0.0;       ///< synthesis, metrics and writing
 };
 
 /// Simulates, writes SOURCE__LISTENER.wav per pair (and time), paths.json and metrics.json,
-/// and responses.sofa if asked. Throws Error; every file that exists afterwards is whole.
+/// if ResponseFormat::report_metrics, and responses.sofa if asked. Throws Error; every file that
+/// exists afterwards is whole.
 ResponseSummary run_response_job(const ResponseJob& job, Executor& executor, Progress& progress);
 
 }  // namespace earshot::cli

@@ -2,6 +2,7 @@
 #include "earshot/cli/response_summary.h"
 
 #include "earshot/cli/output.h"
+#include "earshot/cli/pair_metrics_table.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <nlohmann/json.hpp>
@@ -118,7 +119,7 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
     for (const std::filesystem::path& file : summary.files) {
         text += "  " + file.string() + "\n";
     }
-    return text;
+    return text + pair_metrics_text(job, summary);
 }
 
 std::string summary_json(const ResponseJob& job, const ResponseSummary& summary) {
@@ -159,6 +160,7 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
     if (job.check_visibility) {
         json["paths_lost_to_visible_sets"] = summary.paths_lost;
     }
+    json.update(pair_metrics_json(job, summary));
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

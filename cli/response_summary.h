@@ -8,7 +8,7 @@
 namespace earshot::cli {
 
 /// What `earshot ir` prints at its end for a person: scene, clean-up, paths per order, times,
-/// files.
+/// files, metrics of the pairs.
 std::string summary_text(const ResponseJob& job, const ResponseSummary& summary);
 
 /// The same as a JSON object for a program (`--json`).

@@ -30,8 +30,7 @@ Room load(const std::filesystem::path& file) {
 }
 
 std::optional<double> Response::t30() const {
-    return audio::mid_frequency_mean(
-        audio::Bands::octaves(), metrics.energy, &audio::BandMetrics::reverberation_time_t30);
+    return metrics.expected.mid.reverberation_time_t30;
 }
 
 void Response::write_wav(const std::filesystem::path& file) const {

@@ -1,20 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/bands.h"
 #include "earshot/audio/impulse_response.h"
-#include "earshot/audio/room_metrics.h"
-#include "earshot/audio/spatial_metrics.h"
-#include "earshot/propagation/pair_metrics.h"
 #include "earshot/propagation/pair_result.h"
 #include "earshot/propagation/scene.h"
 
-#include <optional>
 #include <string>
 #include <vector>
 
 namespace earshot::io {
 
-/// What paths.json and metrics.json say about the run as a whole.
+/// What paths.json and histograms.json say about the run as a whole.
 struct ResultHeader {
     const propagation::Scene& scene;
     const audio::Bands& bands;
@@ -30,24 +27,8 @@ std::string encode_paths(const ResultHeader& header,
 std::string encode_histograms(const ResultHeader& header,
                               const std::vector<propagation::PairResult>& pairs);
 
-/// The text of metrics.json; a value that the response cannot support is null.
-std::string encode_metrics(const ResultHeader& header,
-                           const std::vector<propagation::PairMetrics>& pairs);
-
 /// The bytes of the WAV file of a response, as encode_wav(). Precondition: there is a channel, and
 /// all have one sample rate and size.
 std::string encode_response(const std::vector<audio::ImpulseResponse>& channels);
-
-/// The metrics of a sound file, a set per channel, as `earshot metrics --json` prints them: the
-/// fields of metrics.json for each channel, and those of the channels together.
-struct SoundMetrics {
-    std::vector<audio::RoomMetrics> channels;
-    std::optional<audio::LateralMetrics> lateral{};
-    std::optional<audio::BinauralMetrics> binaural{};
-};
-std::string encode_sound_metrics(const std::string& file,
-                                 double sample_rate,
-                                 const audio::Bands& bands,
-                                 const SoundMetrics& metrics);
 
 }  // namespace earshot::io

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/propagation/response.h"
 
+#include "earshot/audio/energy_metrics.h"
 #include "earshot/audio/late_noise.h"
+#include "earshot/audio/response_metrics.h"
 #include "earshot/audio/spatial.h"
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
@@ -37,6 +39,30 @@ void add_late(const Signals& late, bool fixed_length, std::vector<ImpulseRespons
         for (std::size_t n = 0; n < std::min(size, late[channel].size()); ++n) {
             samples[n] += late[channel][n];
         }
+    }
+}
+
+/// The values of a response stay where those that are expected are too uncertain: they are what was
+/// written. It is told that another seed would give others.
+void note_uncertain(const audio::Bands& bands, PairMetrics& metrics) {
+    const auto note = [&](std::string metric, std::optional<double> band_hz) {
+        metrics.response.notes.push_back(
+            {.metric = std::move(metric),
+             .band_hz = band_hz,
+             .text = "of one realisation, whose expected value is too uncertain"});
+    };
+    // An error without a value: it was withheld.
+    const audio::RoomMetrics& expected = metrics.expected;
+    for (const audio::BandMetricKind& kind : audio::kBandMetricKinds) {
+        for (std::size_t band = 0; band < bands.count(); ++band) {
+            if (expected.standard_error.bands[band].*kind.value &&
+                !(expected.bands[band].*kind.value)) {
+                note(std::string(kind.key), bands.nominal_hz()[band]);
+            }
+        }
+    }
+    if (expected.standard_error.speech_transmission_index && !expected.speech_transmission_index) {
+        note("sti", {});
     }
 }
 
@@ -84,32 +110,47 @@ public:
         metrics.listener = pair_.listener;
         metrics.time = pair_.time;
         std::vector<ImpulseResponse>& channels = response.channels;
-        const audio::MetricsOptions options = {.full_decay = pair_.late.full_decay};
         switch (format_.channels) {
             case Channels::mono:
                 channels.push_back(mono());
-                metrics.metrics = room_metrics(bands_, channels.front(), options);
                 break;
             case Channels::ambisonic:
                 channels = ambisonic();
-                metrics.metrics = room_metrics(bands_, channels.front(), options);
-                if (format_.ambisonic_order > 0) {
-                    metrics.lateral = lateral_metrics(bands_, channels[0], channels[1]);
-                }
                 break;
             case Channels::binaural:
-                // ISO 3382-1 measures the room without the head.
                 channels = binaural();
-                metrics.metrics = room_metrics(bands_, mono(), options);
-                metrics.binaural = binaural_metrics(bands_, channels[0], channels[1]);
                 break;
         }
-        metrics.energy = energy_metrics(bands_, arrivals_, pair_.late);
-        if (pair_.visible_volume > 0.0) {
-            metrics.schroeder_hz =
-                schroeder_frequency_hz(bands_, metrics.energy, pair_.visible_volume);
+        if (format_.report_metrics) {
+            measure(channels, metrics);
         }
         return response;
+    }
+
+private:
+    void measure(const std::vector<ImpulseResponse>& channels, PairMetrics& metrics) const {
+        metrics.expected =
+            energy_metrics(bands_,
+                           arrivals_,
+                           pair_.late,
+                           {.replicates = &pair_.late_replicates, .speech = format_.speech});
+        // ISO 3382-1 measures the room without the head: at two ears, the pressure at its centre.
+        const bool binaural = format_.channels == Channels::binaural;
+        metrics.response =
+            response_metrics(bands_,
+                             binaural ? mono() : channels.front(),
+                             {.full_decay = pair_.late.full_decay, .speech = format_.speech});
+        note_uncertain(bands_, metrics);
+        if (format_.channels == Channels::ambisonic && format_.ambisonic_order > 0) {
+            metrics.lateral = lateral_metrics(bands_, channels[0], channels[1]);
+        }
+        if (binaural) {
+            metrics.binaural = binaural_metrics(bands_, channels[0], channels[1]);
+        }
+        if (pair_.visible_volume > 0.0) {
+            metrics.schroeder_hz =
+                schroeder_frequency_hz(bands_, metrics.expected, pair_.visible_volume);
+        }
     }
 
 private:

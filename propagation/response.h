@@ -3,12 +3,14 @@
 
 #include "earshot/audio/binaural.h"
 #include "earshot/audio/impulse_response.h"
+#include "earshot/audio/speech.h"
 #include "earshot/base/parallel.h"
 #include "earshot/propagation/pair_metrics.h"
 #include "earshot/propagation/pair_result.h"
 #include "earshot/propagation/pose.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace earshot::propagation {
@@ -25,10 +27,14 @@ struct ResponseFormat {
     double sample_rate = 48000.0;  ///< hertz, 1000 ... 768000
     /// Seconds; 0: long enough for the last arrival, the ringing of its filter and the late sound.
     double length = 0.0;
-    std::uint64_t seed = 1;  ///< of the noise that stands for late sound
+    std::uint64_t seed = 1;      ///< of the noise that stands for late sound
+    bool report_metrics = true;  ///< beside the channels; they take time
+    /// For the speech transmission index of the metrics.
+    std::optional<audio::SpeechConditions> speech{};
 };
 
-/// The impulse response of one pair, the channels equally long, and its metrics.
+/// The impulse response of one pair, the channels equally long, and its metrics,
+/// of which only the pair is told unless ResponseFormat::report_metrics.
 struct Response {
     std::vector<audio::ImpulseResponse> channels;
     PairMetrics metrics;

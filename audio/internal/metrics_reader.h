@@ -5,14 +5,17 @@
 #include "earshot/audio/internal/noise_floor.h"
 #include "earshot/audio/room_metrics.h"
 
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace earshot::audio {
 
-/// "31.5 Hz"
-std::string band_name(const Bands& bands, std::size_t band);
+inline constexpr double kSpeechLimit = 0.05;      ///< of C50 and D50, seconds
+inline constexpr double kMusicLimit = 0.08;       ///< of C80, seconds
+inline constexpr double kReferenceEnergy = 0.01;  ///< free field at 10 m, pressure 1 at 1 m
 
 /// Energy over time in one band of a response.
 struct BandDecay {
@@ -29,9 +32,11 @@ struct BandDecay {
 /// Reads the metrics of band after band; what they lack is explained in `notes`.
 class MetricsReader {
 public:
-    MetricsReader(const Bands& bands, std::vector<std::string>& notes)
+    MetricsReader(const Bands& bands, std::vector<MetricNote>& notes)
         : bands_(bands), notes_(notes) {}
 
+    /// Says that a band has none.
+    void note_band(std::size_t band, std::string text) { add("all", band, std::move(text)); }
     /// Says which metrics so short a response cannot have.
     void note_extent(double after_onset);
     BandMetrics read(std::size_t band, const BandDecay& decay);
@@ -46,10 +51,12 @@ private:
                     BandMetrics& out);
     std::optional<double> clarity_db(const DecayCurve& curve,
                                      double limit,
-                                     const std::string& name_and_band);
+                                     const char* metric,
+                                     std::size_t band);
+    void add(const char* metric, std::optional<std::size_t> band, std::string text);
 
     const Bands& bands_;
-    std::vector<std::string>& notes_;
+    std::vector<MetricNote>& notes_;
     bool any_ends_early_ = false;
     bool speech_ends_early_ = false;
 };

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/energy_histogram.h"
 
+#include "earshot/audio/energy_metrics.h"
 #include "earshot/audio/late_noise.h"
-#include "earshot/audio/room_metrics.h"
 #include "earshot/base/random.h"
 
 #include <gtest/gtest.h>

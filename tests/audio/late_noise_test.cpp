@@ -2,7 +2,7 @@
 #include "earshot/audio/late_noise.h"
 
 #include "earshot/audio/internal/band_energy.h"
-#include "earshot/audio/room_metrics.h"
+#include "earshot/audio/response_metrics.h"
 
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ TEST(LateNoise, HasTheEnergyOfAnArrivalOfTheSamePressure) {
 
 TEST(LateNoise, DecaysAsTheHistogramDoes) {
     const auto samples = late_noise(Bands::octaves(), decay(0.8, 1.6, flat(1e-4)), kSampleRate, 2);
-    const RoomMetrics metrics = room_metrics(Bands::octaves(), {kSampleRate, samples});
+    const RoomMetrics metrics = response_metrics(Bands::octaves(), {kSampleRate, samples});
     for (std::size_t band = 4; band < 9; ++band) {
         ASSERT_TRUE(metrics.bands[band].reverberation_time_t30) << band;
         EXPECT_NEAR(*metrics.bands[band].reverberation_time_t30, 0.8, 0.05) << band;

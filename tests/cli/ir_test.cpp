@@ -45,8 +45,15 @@ protected:
 };
 
 TEST_F(Ir, WritesResponsesPathsAndMetrics) {
-    const RunResult result =
-        run_earshot({"ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "2", "--quiet"});
+    const RunResult result = run_earshot({"ir",
+                                          kScenes + "shoebox.gltf",
+                                          "-o",
+                                          out(),
+                                          "--order",
+                                          "2",
+                                          "--rays",
+                                          "20000",
+                                          "--quiet"});
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(result.out + result.err, "");
 
@@ -71,9 +78,21 @@ TEST_F(Ir, WritesResponsesPathsAndMetrics) {
         last_delay = path["delay"].get<double>();
     }
     const Json metrics = json_of("metrics.json");
+    EXPECT_EQ(metrics["version"], 2);
+    EXPECT_NEAR(metrics["room"]["volume"].get<double>(), 168.0, 1.0);
+    EXPECT_NEAR(metrics["room"]["surface"].get<double>(), 194.0, 1.0);
+    const Json& of_pair = metrics["pairs"][0];
     for (const char* name : {"edt", "t20", "t30", "c50", "c80", "d50", "ts", "g"}) {
-        EXPECT_EQ(metrics["pairs"][0][name].size(), 10U) << name;
+        EXPECT_EQ(of_pair[name].size(), 10U) << name;
+        EXPECT_EQ(of_pair["response"][name].size(), 10U) << name;
+        EXPECT_EQ(of_pair["standard_error"][name].size(), 10U) << name;
+        EXPECT_NEAR(of_pair["single"][std::string(name) + "_mid"].get<double>(),
+                    0.5 * (of_pair[name][4].get<double>() + of_pair[name][5].get<double>()),
+                    1e-12)
+            << name;
     }
+    EXPECT_GT(of_pair["standard_error"]["t30"][5].get<double>(), 0.0);
+    EXPECT_GT(of_pair["standard_error"]["sti"].get<double>(), 0.0);
     const std::string wav =
         pair["source"].get<std::string>() + "__" + pair["listener"].get<std::string>() + ".wav";
     EXPECT_EQ(read_file(folder_ / "out" / wav).substr(0, 4), "RIFF");
@@ -91,6 +110,8 @@ TEST_F(Ir, TheDirectSoundArrivesWhenAndAsLoudAsItShould) {
                                           "0,0,0",
                                           "--listener",
                                           "far=10,0,0",
+                                          "--rays",
+                                          "1000",
                                           "--no-air-absorption",
                                           "--sample-rate",
                                           "34320",
@@ -122,15 +143,25 @@ TEST_F(Ir, SilenceIsAnAnswer) {
     std::ofstream(scene)
         << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
            "f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 4 8 5\n";
-    const RunResult result = run_earshot(
-        {"ir", scene.string(), "-o", out(), "--source", "5,1,1", "--listener", "in=1,1.1,0.9"});
+    const RunResult result = run_earshot({"ir",
+                                          scene.string(),
+                                          "-o",
+                                          out(),
+                                          "--source",
+                                          "5,1,1",
+                                          "--listener",
+                                          "in=1,1.1,0.9",
+                                          "--rays",
+                                          "1000"});
     EXPECT_EQ(result.status, 0);
     EXPECT_NE(result.err.find("earshot: warning: source1__in: no path"), std::string::npos)
         << result.err;
     EXPECT_TRUE(json_of("paths.json")["pairs"][0]["paths"].empty());
     const Json metrics = json_of("metrics.json")["pairs"][0];
     EXPECT_TRUE(metrics["c80"][3].is_null());
-    EXPECT_FALSE(metrics["notes"].empty());
+    EXPECT_TRUE(metrics["response"]["c80"][3].is_null());
+    EXPECT_EQ(metrics["notes"][0],
+              Json({{"metric", "all"}, {"band_hz", nullptr}, {"text", "the response is silent"}}));
     const std::string wav = read_file(folder_ / "out" / "source1__in.wav");
     const std::string samples = wav.substr(wav.find("data") + 8);
     EXPECT_FALSE(samples.empty());
@@ -240,7 +271,7 @@ TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
                                           "--order",
                                           "1",
                                           "--rays",
-                                          "2000",
+                                          "20000",
                                           "--format",
                                           "ambisonic:2",
                                           "--histograms",
@@ -257,7 +288,7 @@ TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
     }
     EXPECT_TRUE(pair["lf"][5].is_number());
     EXPECT_TRUE(pair["t30"][5].is_number());
-    EXPECT_TRUE(pair["energy"]["t30"][5].is_number());
+    EXPECT_TRUE(pair["response"]["t30"][5].is_number());
     EXPECT_GT(pair["schroeder_hz"].get<double>(), 20.0);
     EXPECT_TRUE(fs::exists(folder_ / "out" / "responses.sofa"));
     const Json histogram = json_of("histograms.json")["pairs"][0];
@@ -309,16 +340,21 @@ TEST_F(Ir, ThirdOctavesGiveThirtyOneBands) {
                            "0",
                            "--bands",
                            "third",
+                           "--rays",
+                           "2000",
                            "--quiet"})
                   .status,
               0);
     EXPECT_EQ(json_of("paths.json")["pairs"][0]["paths"][0]["pressure"].size(), 31U);
+    const Json metrics = json_of("metrics.json")["pairs"][0];
+    EXPECT_EQ(metrics["t30"].size(), 31U);
+    EXPECT_TRUE(metrics["sti"].is_number());
 }
 
 TEST_F(Ir, LimitsLeaveOutWhatIsLongerOrFainter) {
     const auto paths_with = [&](std::vector<std::string> extra) {
         std::vector<std::string> arguments = {
-            "ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "3", "--quiet"};
+            "ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "3", "--rays", "0", "--quiet"};
         arguments.insert(arguments.end(), extra.begin(), extra.end());
         EXPECT_EQ(run_earshot(arguments).status, 0);
         return json_of("paths.json")["pairs"][0]["paths"];
@@ -352,7 +388,8 @@ TEST_F(Ir, TransmissionGoesThroughWallsThatLetSoundThrough) {
     }
     std::ofstream(file) << scene.dump();
     const auto kinds_with = [&](std::vector<std::string> extra) {
-        std::vector<std::string> arguments = {"ir", file, "-o", out(), "--order", "3", "--quiet"};
+        std::vector<std::string> arguments = {
+            "ir", file, "-o", out(), "--order", "3", "--rays", "0", "--quiet"};
         arguments.insert(arguments.end(), extra.begin(), extra.end());
         EXPECT_EQ(run_earshot(arguments).status, 0);
         std::map<std::string, int> kinds;
@@ -400,16 +437,8 @@ TEST_F(Ir, RaysAddTheDecayTheSameForAnyNumberOfThreads) {
 
 TEST_F(Ir, TracesRaysUntilTheErrorIsSmallOrSaysSo) {
     // A box without scattering needs few; the errors are of late sound beyond order 1.
-    const RunResult result = run_earshot({"ir",
-                                          kScenes + "shoebox.gltf",
-                                          "-o",
-                                          out(),
-                                          "--order",
-                                          "1",
-                                          "--rays",
-                                          "auto",
-                                          "--rays-error",
-                                          "5"});
+    const RunResult result = run_earshot(
+        {"ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "1", "--rays-error", "5"});
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(result.err.find("standard error"), std::string::npos) << result.err;
 }
@@ -490,6 +519,8 @@ TEST_F(Ir, AFileNameNeverLeavesTheFolder) {
                                           "-o",
                                           out(),
                                           "--order",
+                                          "0",
+                                          "--rays",
                                           "0",
                                           "--quiet",
                                           "--source",

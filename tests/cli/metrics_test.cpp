@@ -50,7 +50,7 @@ TEST_F(Metrics, OfEveryChannelAsJson) {
     const RunResult result = run_earshot({"metrics", write_decays({0.4, 0.9}), "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json json = Json::parse(result.out);
-    EXPECT_EQ(json["version"], 1);
+    EXPECT_EQ(json["version"], 2);
     EXPECT_EQ(json["file"], "decays.wav");
     EXPECT_EQ(json["bands_hz"].size(), 10U);
     ASSERT_EQ(json["channels"].size(), 2U);
@@ -89,7 +89,8 @@ TEST_F(Metrics, OfSilenceAreEmptyWithANote) {
     ASSERT_EQ(result.status, 0) << result.err;
     const Json json = Json::parse(result.out);
     EXPECT_TRUE(json["channels"][0]["sti"].is_null());
-    EXPECT_EQ(json["channels"][0]["notes"][0], "the response is silent");
+    EXPECT_EQ(json["channels"][0]["notes"][0]["metric"], "all");
+    EXPECT_EQ(json["channels"][0]["notes"][0]["text"], "the response is silent");
 }
 
 }  // namespace

@@ -81,24 +81,6 @@ TEST(EncodePaths, APairWithoutPathsHasAnEmptyList) {
     EXPECT_EQ(json["pairs"][0]["paths"], Json::array());
 }
 
-TEST(EncodeMetrics, WhatIsNotSupportedIsNull) {
-    const Fixture fixture;
-    propagation::PairMetrics pair;
-    pair.metrics.bands.resize(10);
-    pair.metrics.bands[3].clarity_c80_db = -1.5;
-    pair.metrics.bands[4].early_decay_time = 0.7;
-    pair.metrics.notes = {"a note"};
-    const Json json = Json::parse(encode_metrics(fixture.header, {pair}));
-    const Json& read = json["pairs"][0];
-    EXPECT_EQ(read["source"], "s");
-    EXPECT_EQ(read["c80"].size(), 10U);
-    EXPECT_EQ(read["c80"][3], -1.5);
-    EXPECT_EQ(read["edt"][4], 0.7);
-    EXPECT_TRUE(read["c80"][2].is_null());
-    EXPECT_TRUE(read["sti"].is_null());
-    EXPECT_EQ(read["notes"][0], "a note");
-}
-
 TEST(Results, ResponsesAreWavFilesOfInterleavedChannels) {
     const std::vector<audio::ImpulseResponse> channels = {{8000.0, {0.5, -0.25}},
                                                           {8000.0, {1.0, 0.125}}};

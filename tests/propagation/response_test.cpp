@@ -101,7 +101,7 @@ TEST(Response, GivesLateSoundItsEnergyAndDecay) {
     // Noise that falls by 60 dB in 0.4 s has some 2800 samples until it is 4.3 dB down, so one
     // standard deviation of its energy is about 3 %.
     EXPECT_NEAR(energy_of(response.channels[0].samples) / late, 1.0, 0.12);
-    const auto& expected = response.metrics.energy.bands[5].reverberation_time_t30;
+    const auto& expected = response.metrics.expected.bands[5].reverberation_time_t30;
     ASSERT_TRUE(expected);
     EXPECT_NEAR(*expected, 0.4, 0.004);
 }
@@ -144,8 +144,8 @@ TEST(Response, ForTwoEarsIsMeasuredWithoutTheHead) {
                 0.25,
                 1e-9);
     EXPECT_TRUE(response.metrics.binaural);
-    EXPECT_EQ(response.metrics.metrics.bands[5].clarity_c80_db,
-              mono.metrics.metrics.bands[5].clarity_c80_db);
+    EXPECT_EQ(response.metrics.response.bands[5].clarity_c80_db,
+              mono.metrics.response.bands[5].clarity_c80_db);
 }
 
 TEST(Response, TakesHeadResponsesOfALowerSampleRate) {

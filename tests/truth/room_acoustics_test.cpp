@@ -2,7 +2,7 @@
 // Metrics of exact early paths and rays together, against sums over all image sources of a box
 // (Allen and Berkley 1979). Differences are counted in just-noticeable ones (ISO 3382-1:2009, table
 // A.1): 5 % of EDT, T20 and T30, 1 dB of C50, C80 and G, 0.05 of D50, 10 ms of Ts.
-#include "earshot/audio/room_metrics.h"
+#include "earshot/audio/energy_metrics.h"
 #include "earshot/propagation/simulator.h"
 
 #include <glm/geometric.hpp>
@@ -58,7 +58,22 @@ propagation::Scene scene_of(const BoxCase& box) {
     return scene;
 }
 
-Values found_values(const BoxCase& box, int order, std::uint64_t seed = 1) {
+Values values_of(const audio::BandMetrics& band, double missing) {
+    const auto value = [&](const std::optional<double>& metric) {
+        return metric.value_or(missing);
+    };
+    return {value(band.early_decay_time),
+            value(band.reverberation_time_t20),
+            value(band.reverberation_time_t30),
+            value(band.clarity_c50_db),
+            value(band.clarity_c80_db),
+            value(band.definition_d50),
+            value(band.centre_time),
+            value(band.strength_db)};
+}
+
+/// As metrics.json has them: a value that is withheld is far off.
+audio::RoomMetrics metrics_of(const BoxCase& box, int order, std::uint64_t seed = 1) {
     const propagation::Scene scene = scene_of(box);
     const double temperature_c = 293.15 * (kSpeed / 343.2) * (kSpeed / 343.2) - 273.15;
     const propagation::Options options = {.specular_order = order,
@@ -69,18 +84,14 @@ Values found_values(const BoxCase& box, int order, std::uint64_t seed = 1) {
     Executor executor(2);
     propagation::Simulator simulator(scene, options, executor);
     const auto pair = simulator.run(executor).front();
-    const auto metrics =
-        audio::energy_metrics(options.bands, propagation::arrivals_of(pair), pair.late);
-    const audio::BandMetrics& band = metrics.bands[kBand];
-    const auto value = [](const std::optional<double>& metric) { return metric.value_or(1e9); };
-    return {value(band.early_decay_time),
-            value(band.reverberation_time_t20),
-            value(band.reverberation_time_t30),
-            value(band.clarity_c50_db),
-            value(band.clarity_c80_db),
-            value(band.definition_d50),
-            value(band.centre_time),
-            value(band.strength_db)};
+    return audio::energy_metrics(options.bands,
+                                 propagation::arrivals_of(pair),
+                                 pair.late,
+                                 {.replicates = &pair.late_replicates});
+}
+
+Values found_values(const BoxCase& box, int order, std::uint64_t seed = 1) {
+    return values_of(metrics_of(box, order, seed).bands[kBand], 1e9);
 }
 
 /// Time for 60 dB of a straight line through the levels of a range.
@@ -170,6 +181,21 @@ void expect_near(const Values& found, const Values& expected, double most, const
     }
 }
 
+/// Two estimates of each metric are within 3.5 of their combined standard errors.
+void expect_within_errors(const audio::RoomMetrics& a,
+                          const audio::RoomMetrics& b,
+                          const std::string& what) {
+    const Values of_a = values_of(a.bands[kBand], 0.0), of_b = values_of(b.bands[kBand], 0.0);
+    const Values error_a = values_of(a.standard_error.bands[kBand], 0.0);
+    const Values error_b = values_of(b.standard_error.bands[kBand], 0.0);
+    for (std::size_t metric = 0; metric < of_a.size(); ++metric) {
+        EXPECT_GT(error_a[metric], 0.0) << what << ": " << kNames[metric];
+        EXPECT_LT(std::abs(of_a[metric] - of_b[metric]),
+                  3.5 * std::hypot(error_a[metric], error_b[metric]))
+            << what << ": " << kNames[metric];
+    }
+}
+
 /// Walls of one absorption each, points off the walls.
 BoxCase random_box(Dice& dice) {
     BoxCase box;
@@ -246,10 +272,42 @@ TEST(RoomAcoustics, TheOrderOfExactPathsMovesNoMetric) {
                          .listener = {5.5, 1.3, 3.6},
                          .absorption = {0.3, 0.2, 0.25, 0.4, 0.3, 0.2},
                          .scattering = 0.2};
-    const Values reference = found_values(box, 4);
+    const audio::RoomMetrics reference = metrics_of(box, 4);
     for (const int order : {0, 1, 2, 3}) {
         const std::string what = "order " + std::to_string(order);
-        expect_near(found_values(box, order), reference, 0.5, what.c_str());
+        const audio::RoomMetrics metrics = metrics_of(box, order);
+        expect_near(values_of(metrics.bands[kBand], 1e9),
+                    values_of(reference.bands[kBand], 1e9),
+                    0.5,
+                    what.c_str());
+        expect_within_errors(metrics, reference, what);
+    }
+}
+
+// Few rays: the errors that are told are the spread over seeds.
+TEST(RoomAcoustics, StandardErrorsAreTheSpreadOverSeeds) {
+    const BoxCase box = {.size = {4, 2.6, 3},
+                         .source = {1.1, 1.5, 0.8},
+                         .listener = {2.9, 1.3, 2.1},
+                         .absorption = {0.3, 0.2, 0.25, 0.4, 0.3, 0.2},
+                         .scattering = 0.3};
+    constexpr std::size_t kSeeds = 30;
+    std::vector<audio::RoomMetrics> found;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+        found.push_back(metrics_of(box, 0, seed));
+    }
+    for (std::size_t metric = 0; metric < kNames.size(); ++metric) {
+        double mean = 0.0, variance = 0.0, claimed = 0.0;
+        for (const audio::RoomMetrics& metrics : found) {
+            mean += values_of(metrics.bands[kBand], 0.0)[metric] / kSeeds;
+        }
+        for (const audio::RoomMetrics& metrics : found) {
+            variance += std::pow(values_of(metrics.bands[kBand], 0.0)[metric] - mean, 2);
+            claimed += std::pow(values_of(metrics.standard_error.bands[kBand], 0.0)[metric], 2);
+        }
+        // Of 30 seeds the spread itself is uncertain by 13 %.
+        EXPECT_NEAR(std::sqrt(variance / (kSeeds - 1.0) / (claimed / kSeeds)), 1.0, 0.3)
+            << kNames[metric];
     }
 }
 
