@@ -109,8 +109,9 @@ void closest(const BoxPairs& trees, DistanceSearch& search) {
     std::size_t count = 1;
     stack[0] = {{0, 0}, 0.0F};
     while (count > 0) {
-        const auto [pair, squared] = stack[--count];
-        if (squared > search.squared_bound()) {
+        const StackEntry entry = stack[--count];
+        const BoxPair pair = entry.pair;
+        if (entry.squared > search.squared_bound()) {
             continue;
         }
         const Slot a(trees.a, pair.a);
