@@ -110,27 +110,47 @@ IndexLoop joined(Points points, std::vector<IndexLoop> loops) {
     return std::move(loops.front());
 }
 
-/// A polygon from which ears are cut off.
+/// A polygon from which ears are cut off. For each corner it knows another that keeps it from being
+/// an ear: until that one is cut off or a neighbour changes, the corner need not be tested again,
+/// and those tested before it do not hinder. So all tests take O(n^2).
 class EarClipper {
 public:
-    EarClipper(Points points, IndexLoop loop) : points_(points), loop_(std::move(loop)) {}
+    EarClipper(Points points, const IndexLoop& loop) : points_(points) {
+        for (const std::size_t point : loop) {
+            loop_.push_back(corners_.size());
+            corners_.push_back({.point = point});
+        }
+    }
 
     std::size_t corner_count() const noexcept { return loop_.size(); }
 
     std::array<std::size_t, 3> cut(EarOrder order) {
         const std::size_t i =
             order == EarOrder::successive ? successive_ear() : ear_of_shortest_diagonal();
-        const std::array<std::size_t, 3> ear{before(i), loop_[i], after(i)};
+        Corner& before = corners_[before_of(i)];
+        Corner& ear = corners_[loop_[i]];
+        Corner& after = corners_[after_of(i)];
+        ear.is_cut = true;
+        before.tested = after.tested = 0;
         loop_.erase(loop_.begin() + static_cast<std::ptrdiff_t>(i));
         next_ = i;
-        return ear;
+        return {before.point, ear.point, after.point};
     }
 
 private:
-    std::size_t before(std::size_t i) const { return loop_[(i + loop_.size() - 1) % loop_.size()]; }
-    std::size_t after(std::size_t i) const { return loop_[(i + 1) % loop_.size()]; }
+    struct Corner {
+        std::size_t point = 0;
+        bool is_cut = false;
+        std::size_t tested = 0;  // the corners before this number do not keep it from being an ear
+    };
 
-    std::size_t successive_ear() const {
+    std::size_t before_of(std::size_t i) const {
+        return loop_[(i + loop_.size() - 1) % loop_.size()];
+    }
+    std::size_t after_of(std::size_t i) const { return loop_[(i + 1) % loop_.size()]; }
+    const glm::dvec2& point_of(std::size_t corner) const { return points_[corners_[corner].point]; }
+
+    std::size_t successive_ear() {
         std::size_t i = next_ % loop_.size();
         for (std::size_t tried = 0; tried < loop_.size() && !is_ear(i); ++tried) {
             i = (i + 1) % loop_.size();
@@ -138,14 +158,14 @@ private:
         return i;
     }
 
-    std::size_t ear_of_shortest_diagonal() const {
+    std::size_t ear_of_shortest_diagonal() {
         if (loop_.size() == 3) {
             return 1;  // what is left, from its first corner on
         }
         std::size_t best = next_ % loop_.size();
         double shortest = kInfinity;
         for (std::size_t i = 0; i < loop_.size(); ++i) {
-            const double diagonal = squared_distance(points_[before(i)], points_[after(i)]);
+            const double diagonal = squared_distance(point_of(before_of(i)), point_of(after_of(i)));
             if (diagonal < shortest && is_ear(i)) {
                 shortest = diagonal;
                 best = i;
@@ -156,23 +176,29 @@ private:
 
     /// The corner is convex and no other corner lies in its triangle or on it. Corners that
     /// coincide with the triangle's (the two sides of a bridge) do not hinder.
-    bool is_ear(std::size_t i) const {
-        const glm::dvec2& a = points_[before(i)];
-        const glm::dvec2& b = points_[loop_[i]];
-        const glm::dvec2& c = points_[after(i)];
+    bool is_ear(std::size_t i) {
+        const glm::dvec2& a = point_of(before_of(i));
+        const glm::dvec2& b = point_of(loop_[i]);
+        const glm::dvec2& c = point_of(after_of(i));
         if (orient2d(a, b, c) <= 0) {
             return false;
         }
-        return std::none_of(loop_.begin(), loop_.end(), [&](std::size_t corner) {
-            const glm::dvec2& p = points_[corner];
-            return p != a && p != b && p != c && orient2d(a, b, p) >= 0 && orient2d(b, c, p) >= 0 &&
-                   orient2d(c, a, p) >= 0;
-        });
+        const auto hinders = [&](const Corner& corner) {
+            const glm::dvec2& p = points_[corner.point];
+            return !corner.is_cut && p != a && p != b && p != c && orient2d(a, b, p) >= 0 &&
+                   orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
+        };
+        std::size_t& tested = corners_[loop_[i]].tested;
+        while (tested < corners_.size() && !hinders(corners_[tested])) {
+            ++tested;
+        }
+        return tested == corners_.size();
     }
 
     Points points_;
-    IndexLoop loop_;
-    std::size_t next_ = 1;  // where the search for a successive ear begins
+    std::vector<Corner> corners_;    // all of them, cut off or not
+    std::vector<std::size_t> loop_;  // those that are left, in order
+    std::size_t next_ = 1;           // where the search for a successive ear begins
 };
 
 /// The area vector of a closed polygon, planar or not, relative to its first corner (Sutherland,

@@ -24,8 +24,8 @@ using IndexLoop = std::vector<std::size_t>;
 /// 1975) decided by orient2d(), whose magnitudes apply. Every corner is used and no point is made,
 /// so neighbours that share corners fit without T-junctions. Where an outline crosses itself and
 /// has no ear, any corner is cut off: the number of triangles is always that of all corners, minus
-/// 2, plus 2 per hole. Fewer than three corners give nothing. O(n^2) for n corners where convex, up
-/// to O(n^3).
+/// 2, plus 2 per hole. Fewer than three corners give nothing. O(n^2) for n corners of an outline;
+/// joining holes to it takes more.
 std::vector<std::array<std::size_t, 3>> triangulate(std::span<const glm::dvec2> points,
                                                     std::vector<IndexLoop> loops,
                                                     EarOrder order);

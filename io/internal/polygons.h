@@ -30,7 +30,7 @@ PolygonMesh parse_ply(std::string_view bytes, const std::string& file);
 PolygonMesh parse_stl(std::string_view bytes, const std::string& file);
 PolygonMesh parse_off(std::string_view bytes, const std::string& file);
 
-/// More corners than any modelled face has; ear clipping takes up to their cube.
+/// More corners than any modelled face has; ear clipping takes their square.
 inline constexpr std::size_t kMaxPolygonCorners = 1000;
 
 /// Refuses a position that no geometry can be made of: throws Error. Numbers below kMinCoordinate

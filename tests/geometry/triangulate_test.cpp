@@ -3,11 +3,15 @@
 
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
+#include "earshot/geometry/predicates.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
@@ -170,6 +174,65 @@ void expect_fills(const Loops& loops, EarOrder order) {
 void expect_fills(const Loops& loops) {
     expect_fills(loops, EarOrder::successive);
     expect_fills(loops, EarOrder::shortest_diagonal);
+}
+
+bool is_ear(const Loop& points, const IndexLoop& loop, std::size_t i) {
+    const std::size_t count = loop.size();
+    const glm::dvec2& a = points[loop[(i + count - 1) % count]];
+    const glm::dvec2& b = points[loop[i]];
+    const glm::dvec2& c = points[loop[(i + 1) % count]];
+    return orient2d(a, b, c) > 0 && std::none_of(loop.begin(), loop.end(), [&](std::size_t corner) {
+               const glm::dvec2& p = points[corner];
+               return p != a && p != b && p != c && orient2d(a, b, p) >= 0 &&
+                      orient2d(b, c, p) >= 0 && orient2d(c, a, p) >= 0;
+           });
+}
+
+/// Ear clipping that tests every corner anew for every ear.
+std::vector<std::array<std::size_t, 3>> clipped(const Loop& points, EarOrder order) {
+    IndexLoop loop(points.size());
+    std::iota(loop.begin(), loop.end(), std::size_t{0});
+    std::vector<std::array<std::size_t, 3>> triangles;
+    for (std::size_t next = 1; loop.size() >= 3;) {
+        const std::size_t count = loop.size();
+        std::size_t best = next % count;
+        double shortest = std::numeric_limits<double>::infinity();
+        for (std::size_t k = 0; k < count; ++k) {
+            const bool is_successive = order == EarOrder::successive;
+            const std::size_t i = is_successive ? (next + k) % count : k;
+            const glm::dvec2 diagonal =
+                points[loop[(i + 1) % count]] - points[loop[(i + count - 1) % count]];
+            const double length = is_successive ? 0.0 : glm::dot(diagonal, diagonal);
+            if (length < shortest && is_ear(points, loop, i)) {
+                shortest = length;
+                best = i;
+            }
+        }
+        best = count == 3 && order == EarOrder::shortest_diagonal ? 1 : best;
+        triangles.push_back(
+            {loop[(best + count - 1) % count], loop[best], loop[(best + 1) % count]});
+        loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(best));
+        next = best;
+    }
+    return triangles;
+}
+
+// Points on a coarse grid, so that many coincide or are collinear; most outlines cross themselves.
+TEST(TriangulateLoops, CutsTheSameEarsAsTestingEveryCornerAnew) {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        const std::uint64_t size = 3 + random_bits(seed, 0, 0) % 40;
+        const std::uint64_t grid = 3 + random_bits(seed, 0, 1) % 20;
+        Loop points;
+        for (std::uint64_t i = 0; i < size; ++i) {
+            points.emplace_back(static_cast<double>(random_bits(seed, 1, i) % grid),
+                                static_cast<double>(random_bits(seed, 2, i) % grid));
+        }
+        IndexLoop loop(points.size());
+        std::iota(loop.begin(), loop.end(), std::size_t{0});
+        for (const EarOrder order : {EarOrder::successive, EarOrder::shortest_diagonal}) {
+            ASSERT_EQ(triangulate(points, {loop}, order), clipped(points, order)) << seed;
+        }
+    }
 }
 
 TEST(TriangulateLoops, FillsConvexAndConcavePolygons) {
