@@ -2,6 +2,7 @@
 #include "earshot/io/internal/acoustics_extras.h"
 
 #include "earshot/base/spelling.h"
+#include "earshot/io/internal/json_depth.h"
 
 #include <algorithm>
 #include <array>
@@ -35,6 +36,10 @@ Json unpacked(const Json& value, const Place& place, const std::string& key) {
     const std::string& text = value.get_ref<const std::string&>();
     if (text.find('{') == std::string::npos) {
         return value;
+    }
+    if (exceeds_json_depth(text)) {
+        place.fail(key + " is nested more than " + std::to_string(kMaxJsonDepth) + " levels deep",
+                   R"(write a library name, or as in {"absorption": 0.1})");
     }
     Json json = Json::parse(text, nullptr, false);
     if (!json.is_object()) {
@@ -71,7 +76,10 @@ void warn_of_near_misses(const Json& extras,
         });
         const bool is_known_alone =
             std::find(known.begin(), known.end(), lower) != known.end() && lower != "role";
-        const bool is_near = key != "acoustics" && edit_distance(lower, "acoustics") <= kMaxEdits;
+        // A key takes memory in proportion to its length there; a longer one is not near.
+        constexpr std::string_view kWanted = "acoustics";
+        const bool is_near = key != kWanted && key.size() <= kWanted.size() + kMaxEdits &&
+                             edit_distance(lower, kWanted) <= kMaxEdits;
         const bool is_bad_prefix = !key.starts_with(kFlatPrefix) && lower.starts_with("acoustic") &&
                                    lower.find('_') != std::string::npos;
         if (is_known_alone || is_near || is_bad_prefix) {
@@ -229,6 +237,10 @@ Material material_of(const Json& acoustics, const Place& place, Warnings& warnin
 
 std::string nearest_library_names(const std::string& name) {
     constexpr std::size_t kSuggestions = 3;
+    constexpr std::size_t kMaxNameLength = 100;  // no library name is near a longer one
+    if (name.size() > kMaxNameLength) {
+        return "see earshot materials";
+    }
     std::vector<std::string> names;
     for (const propagation::LibraryMaterial& row : propagation::material_library()) {
         names.emplace_back(row.name);

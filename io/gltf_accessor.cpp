@@ -121,7 +121,7 @@ const tinygltf::Accessor& checked(const GltfFile& file, int index, std::size_t c
             name_of(index),
             "componentType " + std::to_string(accessor.componentType) + " is not one of glTF's");
     }
-    if (accessor.bufferView < 0 && accessor.count > kMaxUnbackedElements) {
+    if (accessor.bufferView < 0 && accessor.count > kMaxUnbackedNumbers / components) {
         file.fail(name_of(index),
                   "it claims " + std::to_string(accessor.count) + " elements without a bufferView");
     }
@@ -188,6 +188,7 @@ std::vector<double> read_numbers(const GltfFile& file,
     std::vector<double> numbers;
     const auto reserve_once = [&] {
         if (numbers.empty()) {
+            file.spend(name_of(index), GltfCost::numbers, accessor.count, components);
             numbers.resize(accessor.count * components);
         }
     };

@@ -234,6 +234,7 @@ void load_gltf_buffers(GltfFile& file, const SceneFolder& folder, std::string_vi
                       "copy or export the file again");
         }
         data.resize(length);
+        file.size += length;
     }
 }
 

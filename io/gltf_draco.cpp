@@ -139,6 +139,9 @@ private:
             fail(std::to_string(bytes.size()) + " bytes of Draco cannot hold " +
                  std::to_string(*triangles) + " triangles");
         }
+        // Indices, and as many positions as a mesh of separate triangles has.
+        constexpr std::size_t kBytesPerTriangle = 3 * (sizeof(std::uint32_t) + 3 * sizeof(float));
+        file_.spend(element_, GltfCost::decoded_bytes, *triangles, kBytesPerTriangle);
     }
 
     std::unique_ptr<draco::Mesh> decoded_mesh() const {

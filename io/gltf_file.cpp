@@ -2,9 +2,12 @@
 #include "earshot/io/internal/gltf_file.h"
 
 #include "earshot/base/error.h"
+#include "earshot/io/internal/json_depth.h"
 #include "earshot/io/internal/text.h"
 #include "earshot/io/whole_file.h"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -21,7 +24,6 @@ static_assert(std::endian::native == std::endian::little, "glTF numbers are read
 constexpr std::string_view kMagic = "glTF";
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
 constexpr std::uint32_t kBinaryChunk = 0x004E4942;
-constexpr int kMaxJsonDepth = 100;  // levels; tinygltf and the writer of JSON text are recursive
 constexpr const char* kTruncated = "copy or export the file again";
 
 std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
@@ -48,31 +50,12 @@ std::string_view take_chunk(std::string_view& rest, std::uint32_t type, const st
     return chunk;
 }
 
-void refuse_deep_nesting(std::string_view json, const std::string& name) {
-    int depth = 0;
-    bool is_in_string = false;
-    for (std::size_t i = 0; i < json.size(); ++i) {
-        const char c = json[i];
-        if (is_in_string) {
-            i += c == '\\' ? 1 : 0;
-            is_in_string = c != '"';
-        } else if (c == '"') {
-            is_in_string = true;
-        } else if (c == '[' || c == '{') {
-            if (++depth > kMaxJsonDepth) {
-                throw Error(
-                    name,
+Json parse_json(std::string_view text, const std::string& name) {
+    if (exceeds_json_depth(text)) {
+        throw Error(name,
                     "JSON is nested more than " + std::to_string(kMaxJsonDepth) + " levels deep",
                     "export the file again");
-            }
-        } else if (c == ']' || c == '}') {
-            --depth;
-        }
     }
-}
-
-Json parse_json(std::string_view text, const std::string& name) {
-    refuse_deep_nesting(text, name);
     try {
         return Json::parse(text);
     } catch (const Json::exception& error) {
@@ -185,6 +168,32 @@ void GltfFile::fail(const std::string& element,
     throw Error(name, element.empty() ? what : element + ": " + what, remedy);
 }
 
+void GltfFile::spend(const std::string& element,
+                     GltfCost cost,
+                     std::size_t count,
+                     std::size_t each) const {
+    struct Limit {
+        std::size_t amount;
+        std::size_t per_byte;
+        const char* what;
+    };
+    constexpr std::array<Limit, 3> kLimits{
+        {{std::size_t{1} << 27U, 64, " numbers of accessors"},
+         {std::size_t{1} << 29U, 64, " bytes of decoded data"},
+         {std::size_t{3} << 29U, 32, " bytes of vertices and triangles"}}};
+    const auto kind = static_cast<std::size_t>(cost);
+    const Limit& limit = kLimits[kind];
+    const std::size_t largest = std::max(limit.amount, limit.per_byte * size);
+    const std::size_t left = largest - spent[kind];
+    if (each != 0 && count > left / each) {
+        fail(element,
+             "with it the file asks for more than " + std::to_string(largest) + limit.what +
+                 ", which its size does not warrant",
+             "split the scene");
+    }
+    spent[kind] += count * each;
+}
+
 namespace {
 
 std::string_view decoded_json(std::string_view bytes, const std::string& name) {
@@ -233,6 +242,7 @@ GltfFile read_gltf_file(const std::filesystem::path& path, const SceneFolder& fo
     const std::string bytes = read_whole_file(path);
     GltfFile file;
     file.name = path.string();
+    file.size = bytes.size();
     const GltfChunks chunks = split_gltf(bytes, file.name);
     file.json = parse_json(chunks.json, file.name);
     write_whole_numbers_whole(file.json);

@@ -56,7 +56,7 @@ public:
         Warnings& warnings = is_seen_[mesh_index] ? repeated : warnings_;
         is_seen_[mesh_index] = true;
         std::vector<GltfPrimitive> primitives = read_primitives(node, mesh, warnings);
-        check_instances(node_index, primitives);
+        spend(node_index, primitives);
         for (const int mesh_node : nodes_.mesh_nodes[node_index]) {
             for (GltfPrimitive& primitive : primitives) {
                 place(node_index, mesh_node, mesh, primitive);
@@ -90,21 +90,24 @@ private:
         return primitives;
     }
 
-    /// A few bytes can ask for many instances of a large mesh.
-    void check_instances(std::size_t node_index,
-                         const std::vector<GltfPrimitive>& primitives) const {
-        constexpr std::size_t kMaxInstancedVertices = std::size_t{1} << 28U;
-        const std::size_t instances = nodes_.mesh_nodes[node_index].size();
-        std::size_t vertices = 0;
+    /// What the parts of a node take in memory, all instances together.
+    void spend(std::size_t node_index, const std::vector<GltfPrimitive>& primitives) const {
+        // The vertex in the part and in the world, the mesh of each.
+        constexpr std::size_t kVertexBytes = 2 * sizeof(geometry::Vec3) + sizeof(std::uint32_t);
+        constexpr std::size_t kTriangleBytes =
+            sizeof(geometry::Triangle) + 2 * sizeof(std::uint32_t);
+        std::size_t bytes = 0;
         for (const GltfPrimitive& primitive : primitives) {
-            vertices += std::max(primitive.part.positions.size(), primitive.triangles.size());
+            const geometry::Part& part = primitive.part;
+            bytes += sizeof part + primitive.triangles.size() * kTriangleBytes +
+                     part.positions.size() *
+                         (kVertexBytes + part.targets.size() * sizeof(geometry::Vec3) +
+                          part.influences_per_vertex * sizeof(geometry::JointWeight));
         }
-        if (instances > 1 && vertices > kMaxInstancedVertices / instances) {
-            file_.fail("node " + std::to_string(node_index),
-                       std::to_string(instances) + " instances of " + std::to_string(vertices) +
-                           " vertices are more than 2^28",
-                       "split the scene");
-        }
+        file_.spend("node " + std::to_string(node_index),
+                    GltfCost::scene_bytes,
+                    nodes_.mesh_nodes[node_index].size(),
+                    bytes);
     }
 
     /// Puts a part under its node and gives it its skin and morph weights.

@@ -9,7 +9,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::size_t kMaxInstances = std::size_t{1} << 20U;  // of one node
+constexpr std::size_t kMaxInstances = std::size_t{1} << 20U;  // of all nodes
 
 /// The attributes that place instances; empty where not given.
 struct InstanceAttributes {
@@ -99,6 +99,7 @@ geometry::Transform transform_of(const GltfFile& file,
 }  // namespace
 
 void read_instances(const GltfFile& file, GltfNodes& nodes, Warnings& warnings) {
+    const std::size_t own_nodes = nodes.nodes.size();
     for (std::size_t i = 0; i < file.model.nodes.size(); ++i) {
         const std::string element = "node " + std::to_string(i);
         const Json* extension =
@@ -116,6 +117,9 @@ void read_instances(const GltfFile& file, GltfNodes& nodes, Warnings& warnings) 
             file.fail(element, "the attributes of its instances are missing");
         }
         const InstanceAttributes read = AttributeReader(file, *attributes, element).read();
+        if (read.count > kMaxInstances - (nodes.nodes.size() - own_nodes)) {
+            file.fail(element, "with it the scene has more than 2^20 instances", "split the scene");
+        }
         std::vector<int>& mesh_nodes = nodes.mesh_nodes[i];
         mesh_nodes.clear();
         for (std::size_t k = 0; k < read.count; ++k) {

@@ -136,6 +136,7 @@ void decode_meshopt_views(GltfFile& file) {
         }
         const CompressedView view = read_view(file, *extension, element);
         check_view(file, view, file.model.bufferViews[i].byteLength);
+        file.spend(element, GltfCost::decoded_bytes, view.count, view.stride);
         const int plain = append_buffer_view(file.model, decoded(file, view));
         const std::size_t stride = file.model.bufferViews[i].byteStride;
         file.model.bufferViews[i] = file.model.bufferViews[static_cast<std::size_t>(plain)];

@@ -58,6 +58,8 @@ std::vector<geometry::MorphTarget> read_targets(const GltfFile& file,
                                                 const std::vector<bool>& is_used) {
     const std::size_t vertex_count = is_used.size();
     std::vector<geometry::MorphTarget> targets;
+    // Those without displacements too.
+    file.spend(element, GltfCost::numbers, primitive.targets.size(), 3 * vertex_count);
     for (std::size_t i = 0; i < primitive.targets.size(); ++i) {
         geometry::MorphTarget target;
         const auto found = primitive.targets[i].find("POSITION");

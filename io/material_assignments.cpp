@@ -2,6 +2,7 @@
 #include "earshot/io/material_assignments.h"
 
 #include "earshot/io/internal/acoustics_extras.h"
+#include "earshot/io/internal/json_depth.h"
 #include "earshot/io/whole_file.h"
 
 #include <nlohmann/json.hpp>
@@ -16,6 +17,11 @@ using OrderedJson = nlohmann::ordered_json;
 
 OrderedJson parse(const std::filesystem::path& file) {
     const std::string text = read_whole_file(file);
+    if (exceeds_json_depth(text)) {
+        throw Error(file.string(),
+                    "is nested more than " + std::to_string(kMaxJsonDepth) + " levels deep",
+                    "mend the file");
+    }
     OrderedJson json;
     try {
         json = OrderedJson::parse(text);

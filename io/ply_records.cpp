@@ -153,13 +153,10 @@ void LinePlyRecords::read(const PlyElement& element, const PlyProperty* wanted, 
     if (trimmed(line_).empty()) {
         return;
     }
-    const auto found = std::find_if(surplus_.begin(), surplus_.end(), [&](const Surplus& s) {
-        return s.element == element.name;
-    });
-    if (found == surplus_.end()) {
+    if (surplus_.empty() || surplus_.back().element != element.name) {
         surplus_.push_back({.element = element.name, .where = where(), .count = 1});
     } else {
-        ++found->count;
+        ++surplus_.back().count;
     }
 }
 

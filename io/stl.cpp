@@ -20,6 +20,19 @@ void add_triangle(PolygonMesh& mesh, const std::array<geometry::Vec3, 3>& corner
     mesh.mesh.triangles.push_back({first, first + 1, first + 2});
 }
 
+/// Of a word in lower case.
+std::size_t find_ignoring_case(std::string_view text, std::string_view word) {
+    const auto lower = [](char c) {
+        return static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    };
+    const auto* found =
+        std::search(text.begin(), text.end(), word.begin(), word.end(), [&](char a, char b) {
+            return lower(a) == b;
+        });
+    return found == text.end() ? std::string_view::npos
+                               : static_cast<std::size_t>(found - text.begin());
+}
+
 std::size_t claimed_triangles(std::string_view bytes) {
     std::uint32_t count = 0;
     std::memcpy(&count, bytes.data() + kHeaderBytes - sizeof count, sizeof count);
@@ -93,7 +106,9 @@ private:
 
     /// Goes to the next line that is not blank if this one is used up; false at the end.
     bool advance() {
-        while (trimmed(line_).empty()) {
+        // take_word() stops at the first word, where trimmed() would pass all blanks at the end
+        // too.
+        for (std::string_view ahead = line_; take_word(ahead).empty(); ahead = line_) {
             const auto next = lines_.next();
             if (!next) {
                 return false;
@@ -116,14 +131,31 @@ private:
 
     /// A name may hold any word: it ends with its line, or where a facet begins on that line.
     void skip_name(const std::string& keyword) {
-        const std::string lower = lower_case(line_);
-        const std::size_t facet = lower.find(" facet normal ");
-        const std::size_t solid = keyword == "endsolid" ? lower.find(" solid ") : std::string::npos;
-        const std::string_view name = line_.substr(0, std::min(facet, solid));
+        const std::size_t facet = begin_of_facet();
+        const std::string_view before_facet = line_.substr(0, facet);
+        const std::size_t solid = keyword == "endsolid"
+                                      ? find_ignoring_case(before_facet, " solid ")
+                                      : std::string_view::npos;
+        const std::string_view name = before_facet.substr(0, solid);
         if (keyword == "solid" && !mesh_.stated_unit) {
             mesh_.stated_unit = unit_in_comment(name);
         }
-        line_ = facet == std::string::npos ? std::string_view() : line_.substr(name.size());
+        line_ = facet == std::string_view::npos ? std::string_view() : line_.substr(name.size());
+    }
+
+    /// Where the next facet begins on what is left of the line; npos if none does. The place is
+    /// kept until the reader is past it: a line may hold many solids before a facet.
+    std::size_t begin_of_facet() {
+        const std::size_t end = line_number_of_facet_ == lines_.number() ? facet_rest_ : 0;
+        if (end == 0 || line_.size() < end) {
+            const std::size_t found = find_ignoring_case(line_, " facet normal ");
+            if (found == std::string_view::npos) {
+                return found;  // the rest of the line is a name, so that nobody asks again
+            }
+            line_number_of_facet_ = lines_.number();
+            facet_rest_ = line_.size() - found;
+        }
+        return line_.size() - facet_rest_;
     }
 
     /// What the numbers are does not matter; some writers leave them out or write no numbers.
@@ -196,6 +228,8 @@ private:
     bool is_ended_ = false;  // by endsolid
     std::size_t lines_left_out_ = 0;
     std::string first_left_out_;
+    std::size_t line_number_of_facet_ = 0;  // of the last facet that begin_of_facet() found
+    std::size_t facet_rest_ = 0;            // characters from there to the end of the line
 };
 
 /// Whether a byte-order mark or the first letter of `solid` in UTF-16 tells a text.

@@ -17,6 +17,9 @@ namespace earshot::io {
 namespace {
 
 constexpr std::size_t kFramesPerBlock = 16384;
+constexpr std::size_t kSamplesPerBlock = 65536;  // of all channels, of which there are fewer
+// Compressed formats hold hours of silence in a few bytes. 46 minutes of one channel at 48 kHz.
+constexpr std::size_t kMaxSamplesRead = std::size_t{1} << 27U;
 
 // A RIFF file says how long it is, and libsndfile quietly reads less where that is more than there
 // is. Other formats are checked by the number of frames they promise.
@@ -71,16 +74,20 @@ Sound read_sound(const std::filesystem::path& file) {
     const SoundHandle handle = open_sound(file, info);
     Sound sound{static_cast<double>(info.samplerate), info.channels, {}};
     // Block by block: the number of frames in a header may be a lie.
-    std::vector<double> block(kFramesPerBlock * static_cast<std::size_t>(info.channels));
+    const auto channels = static_cast<std::size_t>(info.channels);
+    std::vector<double> block(kSamplesPerBlock / channels * channels);
     const auto block_size = static_cast<sf_count_t>(block.size());
     for (sf_count_t read = block_size; read == block_size;) {
         read = sf_read_double(handle.get(), block.data(), block_size);
+        if (static_cast<std::size_t>(read) > kMaxSamplesRead - sound.samples.size()) {
+            throw Error(file.string(),
+                        "holds more than " + std::to_string(kMaxSamplesRead) + " samples",
+                        "cut it, or reduce its channels or its sample rate");
+        }
         sound.samples.insert(sound.samples.end(), block.begin(), block.begin() + read);
     }
-    const auto frames =
-        static_cast<sf_count_t>(sound.samples.size() / static_cast<std::size_t>(info.channels));
-    const bool has_whole_frames =
-        sound.samples.size() % static_cast<std::size_t>(info.channels) == 0;
+    const auto frames = static_cast<sf_count_t>(sound.samples.size() / channels);
+    const bool has_whole_frames = sound.samples.size() % channels == 0;
     if (sf_error(handle.get()) != SF_ERR_NO_ERROR || frames < info.frames || !has_whole_frames) {
         throw Error(file.string(), "is cut off or damaged", "copy or export it again");
     }

@@ -9,9 +9,9 @@
 
 namespace earshot::io {
 
-/// Limit of the elements of an accessor without a bufferView (all zeros but for sparse values), so
+/// Limit of the numbers of an accessor without a bufferView (all zeros but for sparse values), so
 /// that a few characters of JSON cannot ask for all memory.
-inline constexpr std::size_t kMaxUnbackedElements = std::size_t{1} << 24U;
+inline constexpr std::size_t kMaxUnbackedNumbers = std::size_t{1} << 24U;
 
 /// The numbers of a glTF accessor (2.0 section 3.6.2) with `components` each (1 SCALAR, 3 VEC3, 4
 /// VEC4, 16 MAT4), element after element: floats as they are, normalised integers as fractions,

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,6 +16,14 @@ namespace earshot::io {
 
 class SceneFolder;
 
+/// What the parts of a file may ask for together. Accessors, compressed data and meshes may be
+/// named any number of times, so that a few bytes could ask for all time and memory.
+enum class GltfCost {
+    numbers,        ///< read from accessors; 2^27, or 64 per byte of the file
+    decoded_bytes,  ///< of compressed data; 2^29, or 64 per byte of the file
+    scene_bytes,    ///< of vertices, triangles and parts; 3 * 2^29, or 32 per byte of the file
+};
+
 /// A glTF file whose structure has been checked: every index points at something, every count is a
 /// whole number. The bytes of the buffers are checked by those who read them.
 struct GltfFile {
@@ -21,6 +31,14 @@ struct GltfFile {
     nlohmann::json json;    ///< as written; extras and extensions are read from here
     tinygltf::Model model;  ///< without images and cameras, which no sound needs
     Warnings warnings;
+    std::size_t size = 0;                        ///< bytes of the file and of its buffers
+    mutable std::array<std::size_t, 3> spent{};  ///< of each GltfCost so far
+
+    /// Throws Error if `element` takes more than is left. `each` times `count` may overflow.
+    void spend(const std::string& element,
+               GltfCost cost,
+               std::size_t count,
+               std::size_t each = 1) const;
 
     /// Throws Error about one element, as in "accessor 3".
     [[noreturn]] void fail(const std::string& element,
