@@ -22,12 +22,15 @@ using geometry::Vec3;
 
 constexpr std::array kConventions = {
     "SimpleFreeFieldHRIR", "FreeFieldHRIR", "GeneralFIR", "GeneralFIR-E", "GeneralFIRE"};
+constexpr const char* kSmaller = "use a smaller set";
 constexpr const char* kRemedy = "use a file of the convention SimpleFreeFieldHRIR";
 
 // netCDF's value of what was never written is 9.97e36.
 constexpr double kMaxSample = 1e30;
-constexpr double kMaxSampleRate = 1e7;  // hertz
-constexpr double kMaxDelay = 1.0;       // seconds that may stand beside a response
+constexpr double kMinSampleRate = 1.0;  // hertz
+constexpr double kMaxSampleRate = 1e7;
+constexpr double kMaxDelay = 1.0;  // seconds that may stand beside a response
+constexpr std::size_t kMaxDirections = std::size_t{1} << 20U;
 // Ears that lie less far to the left and right of each other than this are not told apart, metres.
 constexpr double kMinEarDistance = 1e-3;
 
@@ -61,6 +64,7 @@ public:
         read_responses();
         read_sample_rates();
         read_delays();
+        check_size();
         audio::HrirSet set;
         set.sample_rate = *std::max_element(rates_.begin(), rates_.end());
         add_measurements(set);
@@ -146,8 +150,8 @@ private:
         }
         for (std::size_t m = 0; m < responses_.measurements; ++m) {
             const double rate = data.values[data.values.size() == 1 ? 0 : m];
-            if (!(rate > 0.0 && rate <= kMaxSampleRate)) {
-                fail("its sample rate is not between 0 and 10 MHz");
+            if (!(rate >= kMinSampleRate && rate <= kMaxSampleRate)) {
+                fail("its sample rate is not between 1 Hz and 10 MHz");
             }
             rates_.push_back(rate);
         }
@@ -173,6 +177,27 @@ private:
             if (!(delay >= 0.0 && delay <= max)) {
                 fail("Data.Delay is not between 0 and 1 s everywhere (it counts samples)");
             }
+        }
+    }
+
+    // A small file may ask for long delays or to be resampled to a rate that is many times higher.
+    void check_size() const {
+        if (responses_.measurements > kMaxDirections / responses_.emitters) {
+            fail("has more than " + std::to_string(kMaxDirections) + " directions", kSmaller);
+        }
+        double length = static_cast<double>(responses_.length);
+        if (delays_ != nullptr) {
+            length += *std::max_element(delays_->values.begin(), delays_->values.end());
+        }
+        const double highest = *std::max_element(rates_.begin(), rates_.end());
+        double samples = 0.0;
+        for (const double rate : rates_) {
+            samples += 2.0 * static_cast<double>(responses_.emitters) * length * (highest / rate);
+        }
+        if (!(samples <= static_cast<double>(kMaxSofaValues))) {
+            fail("comes to more than " + std::to_string(kMaxSofaValues) +
+                     " samples with its delays and at its highest sample rate",
+                 kSmaller);
         }
     }
 

@@ -39,54 +39,28 @@ Texts read_texts(ByteReader& reader) {
     return texts;
 }
 
-void send(const SofaFile& sofa, const ByteSink& sink) {
-    ByteWriter head;
-    head.fixed(static_cast<std::uint64_t>(Reply::file), 1);
-    write_texts(sofa.attributes, head);
-    head.leb128(sofa.variables.size());
-    sink(head.bytes());
-    for (const auto& [name, variable] : sofa.variables) {
-        ByteWriter writer;
-        writer.string(name);
-        write_texts(variable.attributes, writer);
-        writer.leb128(variable.shape.size());
-        for (const std::size_t size : variable.shape) {
-            writer.leb128(size);
-        }
-        writer.leb128(variable.values.size());
-        sink(writer.bytes());
-        // Both processes are of one machine: doubles go as they are.
-        sink({reinterpret_cast<const char*>(variable.values.data()),
-              variable.values.size() * sizeof(double)});
-    }
-}
-
 SofaVariable receive_variable(ByteReader& reader) {
     SofaVariable variable;
     variable.attributes = read_texts(reader);
     std::size_t product = 1;
     for (std::size_t left = reader.count(1); left > 0; --left) {
         variable.shape.push_back(reader.leb128());
+        // No product of sizes that fit overflows.
+        if (variable.shape.back() > kMaxSofaValues || product > kMaxSofaValues) {
+            reader.fail("a variable is too large");
+        }
         product *= variable.shape.back();
     }
     const std::size_t count = reader.count(sizeof(double));
     if (count != product) {
         reader.fail("a variable is incomplete");
     }
-    variable.values.resize(count);
     const std::string_view bytes = reader.raw(count * sizeof(double));
-    std::memcpy(variable.values.data(), bytes.data(), bytes.size());
-    return variable;
-}
-
-SofaFile receive(ByteReader& reader) {
-    SofaFile sofa;
-    sofa.attributes = read_texts(reader);
-    for (std::size_t left = reader.count(1); left > 0; --left) {
-        std::string name = reader.string();
-        sofa.variables[std::move(name)] = receive_variable(reader);
+    if (count > 0) {
+        variable.values.resize(count);
+        std::memcpy(variable.values.data(), bytes.data(), bytes.size());
     }
-    return sofa;
+    return variable;
 }
 
 [[noreturn]] void throw_end(const std::string& file, ChildEnd end, const ChildLimits& limits) {
@@ -134,12 +108,53 @@ void require_readable(const fs::path& file) {
 
 }  // namespace
 
+void send_sofa_reply(const SofaFile& sofa, const ByteSink& sink) {
+    ByteWriter head;
+    head.fixed(static_cast<std::uint64_t>(Reply::file), 1);
+    write_texts(sofa.attributes, head);
+    head.leb128(sofa.variables.size());
+    sink(head.bytes());
+    for (const auto& [name, variable] : sofa.variables) {
+        ByteWriter writer;
+        writer.string(name);
+        write_texts(variable.attributes, writer);
+        writer.leb128(variable.shape.size());
+        for (const std::size_t size : variable.shape) {
+            writer.leb128(size);
+        }
+        writer.leb128(variable.values.size());
+        sink(writer.bytes());
+        // Both processes are of one machine: doubles go as they are.
+        sink({reinterpret_cast<const char*>(variable.values.data()),
+              variable.values.size() * sizeof(double)});
+    }
+}
+
+SofaFile decode_sofa_reply(std::string_view bytes, const std::string& file) {
+    ByteReader reader(bytes, file);
+    const auto kind = static_cast<Reply>(reader.fixed(1));
+    if (kind == Reply::error) {
+        const std::string what = reader.string();
+        throw Error(file, what, reader.string());
+    }
+    if (kind != Reply::file) {
+        reader.fail("the reading process says neither what it has read nor why not");
+    }
+    SofaFile sofa;
+    sofa.attributes = read_texts(reader);
+    for (std::size_t left = reader.count(1); left > 0; --left) {
+        std::string name = reader.string();
+        sofa.variables[std::move(name)] = receive_variable(reader);
+    }
+    return sofa;
+}
+
 SofaFile read_sofa(const fs::path& file) {
     require_readable(file);
     const ChildLimits limits;
     const ChildResult result = run_in_child(limits, [&](const ByteSink& sink) {
         try {
-            send(read_sofa_in_process(file), sink);
+            send_sofa_reply(read_sofa_in_process(file), sink);
         } catch (const Error& error) {
             ByteWriter writer;
             writer.fixed(static_cast<std::uint64_t>(Reply::error), 1);
@@ -151,12 +166,7 @@ SofaFile read_sofa(const fs::path& file) {
     if (result.end != ChildEnd::finished) {
         throw_end(file.string(), result.end, limits);
     }
-    ByteReader reader(result.output, file.string());
-    if (static_cast<Reply>(reader.fixed(1)) == Reply::error) {
-        const std::string what = reader.string();
-        throw Error(file.string(), what, reader.string());
-    }
-    return receive(reader);
+    return decode_sofa_reply(result.output, file.string());
 }
 
 }  // namespace earshot::io

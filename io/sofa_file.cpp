@@ -58,7 +58,7 @@ private:
 
     [[noreturn]] void fail_to_read(const std::string& subject) const {
         if (is_out_of_memory()) {
-            fail(subject + " needs more memory than a SOFA file may take", "export it again");
+            fail("HDF5 runs out of memory over " + subject, "fetch or export it again");
         }
         fail("is damaged: HDF5 cannot read " + subject, "fetch or export it again");
     }

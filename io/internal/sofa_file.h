@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/io/whole_file.h"
+
 #include <cstddef>
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace earshot::io {
@@ -39,5 +42,12 @@ SofaFile read_sofa(const std::filesystem::path& file);
 
 /// The same in this process: for files that are known to be sound, and for tests of the reader.
 SofaFile read_sofa_in_process(const std::filesystem::path& file);
+
+/// Gives what has been read to the sink, as the child process does.
+void send_sofa_reply(const SofaFile& sofa, const ByteSink& sink);
+
+/// The file in the bytes that the child process hands back. Throws the Error in them, or one that
+/// names `file` if they are incomplete: what a damaged file has made of the child is not trusted.
+SofaFile decode_sofa_reply(std::string_view bytes, const std::string& file);
 
 }  // namespace earshot::io

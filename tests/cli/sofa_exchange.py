@@ -196,7 +196,23 @@ def check_read(folder):
     assert responses[0] == responses[1]
 
 
+def check_damaged(folder):
+    """A damaged file is one error that names it."""
+    whole = open(os.path.join(folder, "h5py.sofa"), "rb").read()
+    path = os.path.join(folder, "damaged.sofa")
+    for cut in (0, 100, 3000, len(whole) // 2):
+        open(path, "wb").write(whole[:cut])
+        run = subprocess.run([PROGRAM, "ir", os.path.join(folder, "far.obj"), "-o", folder + "/none",
+                              "--source", "s=0,0,0", "--listener", "l=2,0,0", "--rays", "0",
+                              "--format", "binaural", "--hrtf", path],
+                             capture_output=True, text=True, check=False, timeout=60)
+        assert run.returncode == 1 and run.stdout == "", run
+        assert run.stderr.startswith(f"earshot: error: {path}: "), run.stderr
+        assert run.stderr.count("\n") == 1, run.stderr
+
+
 with tempfile.TemporaryDirectory() as scratch:
     check_read(scratch)
+    check_damaged(scratch)
     check_written(scratch)
 print(f"h5py {h5py.__version__}, netCDF4 {netCDF4.__version__} and {MYSOFA} exchange SOFA files")

@@ -4,7 +4,9 @@
 #include "earshot/base/error.h"
 
 #include <gtest/gtest.h>
+#include <mysofa.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <filesystem>
@@ -57,6 +59,28 @@ double lag(const std::vector<double>& first, const std::vector<double>& second) 
 TEST_F(Kemar, IsReadAsPublished) {
     EXPECT_EQ(head.directions.size(), 710U);
     EXPECT_EQ(head.sample_rate, 44100.0);
+}
+
+// libmysofa has a reader of its own, in single precision.
+TEST_F(Kemar, IsReadAsLibmysofaReadsIt) {
+    int fault = MYSOFA_OK;
+    MYSOFA_HRTF* sofa = mysofa_load(kKemar.c_str(), &fault);
+    ASSERT_NE(sofa, nullptr);
+    mysofa_tocartesian(sofa);
+    ASSERT_EQ(sofa->M, head.directions.size());
+    for (std::size_t m = 0; m < head.directions.size(); ++m) {
+        const audio::Hrir& hrir = head.directions[m];
+        EXPECT_NEAR(hrir.distance, 1.4, 1e-12);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            ASSERT_NEAR(hrir.towards[axis] * hrir.distance,
+                        sofa->SourcePosition.values[3 * m + axis],
+                        1e-6);
+        }
+        const float* samples = sofa->DataIR.values + 2 * m * sofa->N;
+        ASSERT_TRUE(std::equal(hrir.left.begin(), hrir.left.end(), samples));
+        ASSERT_TRUE(std::equal(hrir.right.begin(), hrir.right.end(), samples + sofa->N));
+    }
+    mysofa_free(sofa);
 }
 
 TEST_F(Kemar, HearsASourceFirstAndLoudestInTheNearerEar) {
