@@ -43,7 +43,8 @@ struct RayOptions {
     /// exact paths.
     int specular_order = 4;
     /// Of the ball about a listener that counts rays, metres. A wider ball counts more rays; in
-    /// rooms that are not convex it holds more of what the listener itself does not receive.
+    /// rooms that are not convex, long chains of reflections count with the energy of the ball in
+    /// place of the listener's.
     double receiver_radius = 1.0;
     /// Seconds in which the sound decays by 60 dB, roughly: rays that are faint compared with that
     /// decay end by Russian roulette. 0: unknown.

@@ -22,8 +22,6 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr std::uint64_t kNearScatteringStream = std::uint64_t{1} << 63;  // of no reflection
-
 /// A ray from the listener, reflected specularly.
 struct SpecularRay {
     std::size_t start = 0;

@@ -114,9 +114,10 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
         .branch = {options_.seed, kStreams * bounce + 1},
         .direction = {options_.seed, kStreams * bounce + kDirectionStream},
         .roulette = {options_.seed, kStreams * bounce + 3},
-        .chord = {options_.seed, kStreams * bounce + 4}};
+        .chord = {options_.seed, kStreams * bounce + 4},
+        .trials = {options_.seed, kFirstTrialStream + bounce}};
     find_chords(random.chord);
-    record_chords();
+    record_chords(random.trials);
     std::size_t kept = 0;
     for (std::size_t i = 0; i < rays_.size(); ++i) {
         if (!hits_[i]) {
@@ -216,13 +217,17 @@ bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     } else if (passes) {
         attenuate(surface, surface.transmitted, probabilities.transmitted, energy);
         ++path.specular_bounces;
-        path.reflections_of_image += kMaxNearReflections + 1;
+        constexpr int kTooMany = 1000;
+        path.reflections_of_image += kTooMany;
         ray.origin = hit_point - tracer_.self_intersection_offset_ * normal;
     } else {
         attenuate(surface, surface.specular, probabilities.specular, energy);
         ++path.specular_bounces;
         ray.origin = point.from;
         ray.direction = renormalised(ray.direction - 2.0 * along * triangle.normal);
+        if (path.reflections_of_image < kMaxTestedReflections) {
+            path.mirrors[static_cast<std::size_t>(path.reflections_of_image)] = hit.triangle;
+        }
         ++path.reflections_of_image;
         path.scattering_normal -=
             2.0 * glm::dot(path.scattering_normal, triangle.normal) * triangle.normal;

@@ -90,7 +90,7 @@ void RayBatch<kBands>::find_chord(std::size_t i,
 }
 
 template <std::size_t kBands>
-void RayBatch<kBands>::record_chords() {
+void RayBatch<kBands>::record_chords(const RandomStream& trials) {
     occluded_.resize(shadow_rays_.size());
     bvh::occluded(tracer_.wide_, scene_.mesh, shadow_rays_, occluded_);
     for (std::size_t j = 0; j < chords_.size(); ++j) {
@@ -101,9 +101,30 @@ void RayBatch<kBands>::record_chords() {
                    chord.travelled,
                    chord.towards,
                    energies_[chord.ray],
-                   chord.share);
+                   chord.share * image_weight(chord, trials));
         }
     }
+}
+
+/// The correction for parts of the ball that do not see the image. Chains of many reflections go
+/// without: there, images are many and the correction is noisier than the bias.
+template <std::size_t kBands>
+double RayBatch<kBands>::image_weight(const Chord& chord, const RandomStream& trials) const {
+    const Receiver& receiver = receivers_[chord.receiver];
+    const Path& path = paths_[chord.ray];
+    if (receiver.ball_points.empty() || path.reflections_of_image > kMaxTestedReflections) {
+        return 1.0;
+    }
+    const Ray& ray = rays_[chord.ray];
+    ImageChain chain{
+        .image = ray.origin - path.image_distance * ray.direction,
+        .mirrors =
+            std::span(path.mirrors).first(static_cast<std::size_t>(path.reflections_of_image)),
+        .surfaces = surfaces_};
+    if (path.scattered_before) {
+        chain.scattering_normal = path.scattering_normal;
+    }
+    return tracer_.image_weight(receiver, chain, trials.bits(path.id));
 }
 
 /// The share of a path that was scattered at a point which the receiver hears from `distance`, past
@@ -263,14 +284,14 @@ void RayBatch<kBands>::cast_diffuse_rain() {
 
 // Octaves and thirds.
 template void RayBatch<10>::find_chords(const RandomStream&);
-template void RayBatch<10>::record_chords();
+template void RayBatch<10>::record_chords(const RandomStream&);
 template void RayBatch<10>::record_near_field(std::size_t,
                                               const RaySurface&,
                                               const Vec3&,
                                               const Vec3&);
 template void RayBatch<10>::cast_diffuse_rain();
 template void RayBatch<31>::find_chords(const RandomStream&);
-template void RayBatch<31>::record_chords();
+template void RayBatch<31>::record_chords(const RandomStream&);
 template void RayBatch<31>::record_near_field(std::size_t,
                                               const RaySurface&,
                                               const Vec3&,

@@ -97,6 +97,7 @@ RayTracer::RayTracer(const RayScene& scene,
                                 (wide_.max_abs_coordinate() + glm::length(source.pose.position))) {
     describe_surfaces();
     describe_triangles();
+    rectangular_room_ = find_rectangular_room();
     describe_receivers(listeners, executor);
     limit_roulette();
 }
@@ -104,9 +105,16 @@ RayTracer::RayTracer(const RayScene& scene,
 // A ball, and what part of it is visible from its centre.
 Receiver RayTracer::describe_receiver(const Vec3& position) const {
     const double radius = options_.receiver_radius;
+    const auto is_in_room = [&](const Vec3& point) {
+        return rectangular_room_ && rectangular_room_->contains(point);
+    };
+    const bool sees_every_image = is_in_room(position) && is_in_room(source_.pose.position);
     Receiver receiver{.position = position,
                       .radius_squared = radius * radius,
                       .inverse_volume = 0.75 / (math::kPi * radius * radius * radius)};
+    if (!sees_every_image) {
+        receiver.ball_points = draw_ball_points(position);
+    }
     if (!bvh::closest_point(scene_.tree, scene_.mesh, position, std::max(radius, kNearDistance))) {
         return receiver;
     }

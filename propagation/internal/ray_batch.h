@@ -78,7 +78,8 @@ private:
         double image_distance = 0.0;  // of that, since the image
         std::uint64_t id = 0;
         int specular_bounces = 0;
-        int reflections_of_image = 0;  // since then; a transmission counts as too many to be near
+        int reflections_of_image = 0;  // since then; a transmission counts as too many to test
+        std::array<geometry::TriangleId, kMaxTestedReflections> mirrors{};  // the first of them
         bool scattered_before = false;
         bool recorded_by_rain = false;          // the leg that begins
         geometry::Vec3 scattering_normal{0.0};  // at the image, mirrored along
@@ -118,7 +119,7 @@ private:
     };
     /// The streams of one reflection.
     struct RandomStreams {
-        RandomStream branch, direction, roulette, chord;
+        RandomStream branch, direction, roulette, chord, trials;
     };
 
     void find_hits(std::uint64_t bounce);
@@ -144,7 +145,8 @@ private:
     bool survives_roulette(const RandomStream& random, const Path& path, Energies& energy);
     void find_chords(const RandomStream& random);
     void find_chord(std::size_t i, std::size_t receiver, double hit_distance, double random);
-    void record_chords();
+    void record_chords(const RandomStream& trials);
+    double image_weight(const Chord& chord, const RandomStream& trials) const;
     void record_near_field(std::size_t i,
                            const RaySurface& surface,
                            const geometry::Vec3& hit_point,

@@ -8,7 +8,9 @@
 #include "earshot/propagation/late_energy.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,6 +19,11 @@ namespace earshot::propagation {
 
 /// Rays of a batch, at most; numbers are drawn for (batch, ray).
 inline constexpr std::uint64_t kMaxBatchRays = 2048;
+
+// Streams of random numbers of no reflection.
+inline constexpr std::uint64_t kNearScatteringStream = std::uint64_t{1} << 63;
+inline constexpr std::uint64_t kBallStream = kNearScatteringStream + 1;
+inline constexpr std::uint64_t kFirstTrialStream = std::uint64_t{1} << 62;  // one per reflection
 
 /// The result of a batch of rays.
 struct BatchResult {
@@ -35,6 +42,35 @@ struct Receiver {
     /// Rays that start here, re those of a batch: the share that is scattered of the sound from
     /// surfaces near here, in the loudest band. 0: none scatters.
     double near_scattering = 0.0;
+    /// Random points of that part of the ball; empty where every image that the receiver sees is
+    /// visible from all of it.
+    std::vector<geometry::Vec3> ball_points{};
+};
+
+/// Reflections since the source or the last scattering, at most, whose image is tested for
+/// visibility from the receiver.
+inline constexpr int kMaxTestedReflections = 4;
+
+/// An image of the source or of a point that scatters.
+struct ImageChain {
+    geometry::Vec3 image{0.0};
+    /// Of a point that scatters: unit normal, mirrored like the image.
+    std::optional<geometry::Vec3> scattering_normal{};
+    std::span<const geometry::TriangleId> mirrors{};  ///< in the order of the ray
+    std::span<const RaySurface> surfaces{};           ///< as in RayTracer
+};
+
+/// A box that walls of one material each enclose.
+struct RectangularRoom {
+    std::array<geometry::Vec3, 3> axes{};
+    /// Along each axis.
+    std::array<double, 3> low{kInfinity, kInfinity, kInfinity};
+    std::array<double, 3> high{-kInfinity, -kInfinity, -kInfinity};
+
+    bool contains(const geometry::Vec3& point) const noexcept;
+
+private:
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 };
 
 /// Where a ray that starts at a listener is scattered first.
@@ -92,6 +128,22 @@ private:
     std::vector<NearScattering> find_near_scattering(const geometry::Vec3& from,
                                                      std::span<const geometry::Vec3> directions,
                                                      std::uint64_t first_id) const;
+    geometry::Vec3 image_in(geometry::TriangleId triangle, const geometry::Vec3& point) const;
+    bool is_same_mirror(const ImageChain& chain,
+                        geometry::TriangleId one,
+                        geometry::TriangleId other,
+                        const geometry::Vec3& image,
+                        const geometry::Vec3& direction) const;
+    /// Whether a point sees an image by its mirrors, one after the other.
+    bool is_visible(const ImageChain& chain, const geometry::Vec3& from) const;
+    /// What to multiply the energy of an image with that a ray from it measured in the ball: 0 if
+    /// the receiver does not see it; else its mean is the inverse of the share of the ball that
+    /// does. Precondition: the receiver has ball_points.
+    double image_weight(const Receiver& receiver,
+                        const ImageChain& chain,
+                        std::uint64_t random_key) const;
+    std::vector<geometry::Vec3> draw_ball_points(const geometry::Vec3& centre) const;
+    std::optional<RectangularRoom> find_rectangular_room() const;
     void trace_reversed(std::size_t listener,
                         std::uint64_t index,
                         std::uint64_t rays,
@@ -110,9 +162,10 @@ private:
     Surfaces surfaces_;
     Surfaces reversed_surfaces_;                      // for rays against the direction of sound
     std::vector<TriangleSurface> triangle_surfaces_;  // per triangle
-    std::vector<Receiver> receivers_;                 // per listener
-    Receiver source_receiver_;                        // of reversed rays
-    std::optional<NearField> source_field_;           // where surfaces near the source scatter
+    std::optional<RectangularRoom> rectangular_room_;
+    std::vector<Receiver> receivers_;        // per listener
+    Receiver source_receiver_;               // of reversed rays
+    std::optional<NearField> source_field_;  // where surfaces near the source scatter
     /// Russian roulette begins below this share of a ray's first energy, per step of distance.
     std::vector<double> roulette_thresholds_;
     double roulette_steps_per_metre_ = 0.0;
