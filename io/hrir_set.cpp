@@ -27,9 +27,12 @@ constexpr const char* kRemedy = "use a file of the convention SimpleFreeFieldHRI
 
 // netCDF's value of what was never written is 9.97e36.
 constexpr double kMaxSample = 1e30;
-constexpr double kMinSampleRate = 1.0;  // hertz
-constexpr double kMaxSampleRate = 1e7;
-constexpr double kMaxDelay = 1.0;  // seconds that may stand beside a response
+constexpr double kMinSampleRate = 1e3;  // hertz, as of responses
+constexpr double kMaxSampleRate = 768e3;
+// Of one response that has to be resampled: a filter is made for every sample.
+constexpr double kMaxResampledLength = 1U << 18U;
+constexpr double kMaxDelay = 1.0;            // seconds that may stand beside a response
+constexpr double kMinSourceDistance = 1e-3;  // metres
 constexpr std::size_t kMaxDirections = std::size_t{1} << 20U;
 // Ears that lie less far to the left and right of each other than this are not told apart, metres.
 constexpr double kMinEarDistance = 1e-3;
@@ -151,7 +154,7 @@ private:
         for (std::size_t m = 0; m < responses_.measurements; ++m) {
             const double rate = data.values[data.values.size() == 1 ? 0 : m];
             if (!(rate >= kMinSampleRate && rate <= kMaxSampleRate)) {
-                fail("its sample rate is not between 1 Hz and 10 MHz");
+                fail("its sample rate is not between 1 kHz and 768 kHz");
             }
             rates_.push_back(rate);
         }
@@ -192,7 +195,12 @@ private:
         const double highest = *std::max_element(rates_.begin(), rates_.end());
         double samples = 0.0;
         for (const double rate : rates_) {
-            samples += 2.0 * static_cast<double>(responses_.emitters) * length * (highest / rate);
+            const double resampled_length = length * (highest / rate);
+            if (rate < highest && resampled_length > kMaxResampledLength) {
+                fail("has sample rates that differ and responses too long to resample",
+                     "export it at one sample rate");
+            }
+            samples += 2.0 * static_cast<double>(responses_.emitters) * resampled_length;
         }
         if (!(samples <= static_cast<double>(kMaxSofaValues))) {
             fail("comes to more than " + std::to_string(kMaxSofaValues) +
@@ -253,7 +261,7 @@ private:
 
     audio::Hrir measurement(const Vec3& source, std::size_t left, std::size_t m, std::size_t e) {
         const double distance = std::sqrt(glm::dot(source, source));
-        if (!(distance > 0.0 && std::isfinite(distance))) {
+        if (!(distance >= kMinSourceDistance && std::isfinite(distance))) {
             fail("measurement " + std::to_string(m + 1) + " has its source where the listener is");
         }
         audio::Hrir hrir;

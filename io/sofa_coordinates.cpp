@@ -21,6 +21,8 @@ using geometry::Vec3;
 // Sines of the angle between view and up below this leave the left undefined: directions in degrees
 // with single precision are off by some 1e-7.
 constexpr double kMinSine = 1e-4;
+// Of view and up, below which their squares lose digits. Their unit has no meaning.
+constexpr double kMinLength = 1e-100;
 
 // Of a unit of length or angle, the factor to metres or radians.
 struct Unit {
@@ -182,9 +184,13 @@ SofaAxes sofa_axes(const std::string& file,
                    const Vec3& view,
                    const Vec3& up) {
     const Vec3 side = glm::cross(up, view);
-    const double product = std::sqrt(glm::dot(view, view) * glm::dot(up, up));
+    const double product = std::sqrt(glm::dot(view, view)) * std::sqrt(glm::dot(up, up));
     const double sine_length = std::sqrt(glm::dot(side, side));
-    if (!(sine_length > kMinSine * product) || !std::isfinite(sine_length)) {
+    const auto is_short = [](const Vec3& vector) {
+        return !(glm::dot(vector, vector) > kMinLength * kMinLength);
+    };
+    if (is_short(view) || is_short(up) || !(sine_length > kMinSine * product) ||
+        !std::isfinite(product)) {
         throw Error(file,
                     name + "View and " + name + "Up do not say where the left is",
                     "export the file again");

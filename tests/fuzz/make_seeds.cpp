@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // earshot_fuzz_seeds FOLDER: writes the seeds that no text editor writes into FOLDER/READER.
+#include "earshot/io/internal/sofa_file.h"
 #include "earshot/io/visibility_file.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <map>
 
 namespace earshot::test {
 namespace {
@@ -84,6 +86,45 @@ void write_sounds(const fs::path& folder) {
     write(folder / "wav/integers.wav", plain_wav());
 }
 
+/// What is read of a file of three directions or, as emitters, of two.
+void write_sofa_replies(const fs::path& folder) {
+    const std::map<std::string, std::string> cartesian = {{"Type", "cartesian"},
+                                                          {"Units", "metre"}};
+    const std::map<std::string, std::string> spherical = {{"Type", "spherical"},
+                                                          {"Units", "degree, degree, metre"}};
+    io::SofaFile plain;
+    plain.attributes = {
+        {"Conventions", "SOFA"}, {"DataType", "FIR"}, {"SOFAConventions", "SimpleFreeFieldHRIR"}};
+    plain.variables = {
+        {"Data.IR",
+         {{3, 2, 4},
+          {0, 1, 0, .5, 0, .5, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, .5, 1, 0, 0, 0},
+          {}}},
+        {"Data.SamplingRate", {{3}, {48000, 44100, 48000}, {{"Units", "hertz"}}}},
+        {"Data.Delay", {{1, 2}, {0, 1.5}, {}}},
+        {"SourcePosition", {{3, 3}, {0, 0, 1, 90, 0, 1, 0, 90, 2}, spherical}},
+        {"ListenerPosition", {{1, 3}, {0, 0, 0}, cartesian}},
+        {"ListenerView", {{1, 3}, {1, 0, 0}, cartesian}},
+        {"ListenerUp", {{1, 3}, {0, 0, 1}, {}}},
+        {"ReceiverPosition", {{2, 3, 1}, {0, .09, 0, 0, -.09, 0}, cartesian}}};
+    io::SofaFile emitters = plain;
+    emitters.attributes["DataType"] = "FIR-E";
+    emitters.attributes["SOFAConventions"] = "FreeFieldHRIR";
+    emitters.variables["Data.IR"] = {{1, 2, 3, 2}, {1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0, 0}, {}};
+    emitters.variables["Data.SamplingRate"] = {{1}, {44100}, {}};
+    emitters.variables["Data.Delay"] = {{1, 2, 2}, {0, 1, 2, 3}, {}};
+    emitters.variables["SourcePosition"] = {{1, 3}, {0, 0, 0}, cartesian};
+    emitters.variables["SourceView"] = {{1, 3}, {0, 1, 0}, cartesian};
+    emitters.variables["SourceUp"] = {{1, 3}, {0, 0, 1}, {}};
+    emitters.variables["EmitterPosition"] = {{2, 3, 1}, {1, 0, 0, 0, 1, 1}, cartesian};
+    for (const auto& [name, sofa] :
+         {std::pair{"plain", &plain}, std::pair{"emitters", &emitters}}) {
+        std::string bytes;
+        io::send_sofa_reply(*sofa, [&](std::string_view part) { bytes += part; });
+        write(folder / "sofa_reply" / (std::string(name) + ".bin"), bytes);
+    }
+}
+
 void write_visible_sets(const fs::path& folder) {
     fs::create_directories(folder / "visible_sets");
     const auto cells = visibility::ViewCells::grid({{-1.0, 0.5, 2.0}, {3.0, 4.0, 8.0}}, {2, 2, 1});
@@ -115,6 +156,7 @@ int main(int argc, char** argv) {
         earshot::test::write_scenes(argv[1]);
         earshot::test::write_binary_meshes(argv[1]);
         earshot::test::write_sounds(argv[1]);
+        earshot::test::write_sofa_replies(argv[1]);
         earshot::test::write_visible_sets(argv[1]);
     } catch (const std::exception& fault) {
         std::fprintf(stderr, "earshot_fuzz_seeds: %s\n", fault.what());

@@ -4,11 +4,14 @@
 #include "earshot/base/error.h"
 #include "earshot/io/contact_queries.h"
 #include "earshot/io/directivity_file.h"
+#include "earshot/io/internal/hrir_set.h"
+#include "earshot/io/internal/sofa_file.h"
 #include "earshot/io/material_assignments.h"
 #include "earshot/io/points.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/io/visibility_file.h"
 #include "earshot/io/wav.h"
+#include "earshot/io/whole_file.h"
 
 #include "fuzz/input_file.h"
 #include "fuzz/repair.h"
@@ -127,6 +130,26 @@ void read_wav(const fs::path& file) {
             "sounds consist of whole frames");
 }
 
+/// What the process that reads a SOFA file by HDF5 hands back, and the set that is made of it.
+void read_sofa_reply(const fs::path& file) {
+    const std::string name = file.string();
+    const audio::HrirSet set =
+        io::hrir_set_of(io::decode_sofa_reply(io::read_whole_file(file), name), name);
+    require(std::isfinite(set.sample_rate) && set.sample_rate > 0.0, "sets have a sample rate");
+    for (const audio::Hrir& hrir : set.directions) {
+        const auto& [x, y, z] = hrir.towards;
+        require(std::abs(x * x + y * y + z * z - 1.0) < 1e-12, "directions are unit vectors");
+        require(std::isfinite(hrir.distance) && hrir.distance > 0.0, "distances are positive");
+        require(!hrir.left.empty() && hrir.left.size() == hrir.right.size(),
+                "both ears have responses of one length");
+        for (const auto* ear : {&hrir.left, &hrir.right}) {
+            for (const double sample : *ear) {
+                require(std::isfinite(sample), "responses are finite");
+            }
+        }
+    }
+}
+
 void read_visible_sets(const fs::path& file) {
     const visibility::VisibleSets sets = io::read_visible_sets(file);
     const std::size_t triangles = sets.objects().object_of_triangle().size();
@@ -166,6 +189,7 @@ const std::vector<Reader>& readers() {
         {"off", ".off", read_scene},
         {"ply", ".ply", read_scene},
         {"points", ".csv", read_points},
+        {"sofa_reply", ".bin", read_sofa_reply},
         {"stl", ".stl", read_scene, repair_stl},
         {"visible_sets", ".pvs", read_visible_sets, repair_visible_sets},
         {"wav", ".wav", read_wav, repair_wav},

@@ -455,11 +455,12 @@ TEST(SofaForms, WhatIsNoneIsRefusedWithTheReason) {
          [](SofaBuilder& file) {
              file.variables["Data.SamplingRate"].attributes["Units"] = "kilohertz";
          }},
-        {"comes to more than",
+        {"responses too long to resample",
          [](SofaBuilder& file) {
              file.variables["Data.SamplingRate"].shape = {kAll};
-             file.variables["Data.SamplingRate"].values = Values(kAll, 1e7);
-             file.variables["Data.SamplingRate"].values[3] = 1.0;
+             file.variables["Data.SamplingRate"].values = Values(kAll, 768e3);
+             file.variables["Data.SamplingRate"].values[3] = 1e3;
+             file.variables["Data.Delay"].values = {900.0, 0.0};
          }},
         {"Data.IR in another file", [](SofaBuilder& file) { file.external_file = "/dev/null"; }},
         {"declared with more than",
