@@ -186,5 +186,38 @@ TEST(NearScattering, SoundPassesAOneSidedSheetFromItsFrontAlone) {
     }
 }
 
+// Two rooms with a wall between them through which sound passes, the listener right behind it.
+TEST(NearScattering, SoundThroughAWallIsThatOfTheExchangedRun) {
+    geometry::Mesh mesh = box_mesh({6.0, 3.0, 4.0});
+    const auto first = static_cast<geometry::VertexId>(mesh.positions.size());
+    for (const Vec3& corner : {Vec3(3, 0, 0), Vec3(3, 3, 0), Vec3(3, 3, 4), Vec3(3, 0, 4)}) {
+        mesh.positions.push_back(corner);
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+    OneMaterialScene rooms(mesh, 0.2, 0.3);
+    rooms.materials.push_back(rooms.materials[0]);
+    rooms.materials[1].absorption = EnergyCoefficient(0.6);
+    rooms.materials[1].transmission = EnergyCoefficient(0.4);
+    rooms.material_of_triangle[12] = rooms.material_of_triangle[13] = 1;
+    const Vec3 source(1.2, 1.4, 1.1), listener(3.005, 1.7, 2.3);
+    const auto energy = [&](const Vec3& from, const Vec3& to) {
+        const RayOptions options = {.rays = 100000,
+                                    .length = 0.4,
+                                    .bin = kBin,
+                                    .specular_order = 0,
+                                    .air_absorption = false,
+                                    .transmission = true};
+        Executor executor(2);
+        return sum_of(trace_late_rays(rooms.scene(),
+                                      {.pose = {.position = from}},
+                                      std::vector<Vec3>{to},
+                                      options,
+                                      executor)
+                          .listeners[0]);
+    };
+    EXPECT_NEAR(energy(source, listener) / energy(listener, source), 1.0, 0.015);
+}
+
 }  // namespace
 }  // namespace earshot::propagation
