@@ -4,6 +4,7 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace earshot::audio {
@@ -52,6 +53,30 @@ std::array<double, kDelayTaps> fractional_impulse(double fraction) {
     }
     for (double& tap : taps) {
         tap /= sum;
+    }
+    return taps;
+}
+
+std::array<double, kAllpassTaps> allpass_impulse(double delay) {
+    EARSHOT_ASSERT(delay >= 0.0 && delay < kHalf);
+    // The filter is stable for delays above order - 1; its delay stays flat to the highest
+    // frequencies if the delay is a little below the order.
+    const auto order = static_cast<std::size_t>(std::max(1.0, std::floor(delay + 0.7)));
+    std::array<double, kDelayHalfLength + 1> a{};
+    a[0] = 1.0;
+    for (std::size_t k = 0; k < order; ++k) {
+        const double below = static_cast<double>(order - k);
+        const double next = static_cast<double>(k) + 1.0;
+        a[k + 1] = -a[k] * below / next * (delay - below) / (delay + next);
+    }
+    // The numerator has the coefficients of the denominator in reverse.
+    std::array<double, kAllpassTaps> taps{};
+    for (std::size_t n = 0; n < kAllpassTaps; ++n) {
+        double value = n <= order ? a[order - n] : 0.0;
+        for (std::size_t k = 1; k <= std::min(order, n); ++k) {
+            value -= a[k] * taps[n - k];
+        }
+        taps[n] = value;
     }
     return taps;
 }

@@ -66,6 +66,7 @@ struct Assembler::Impl {
     bool silent(const Arrival& arrival) const;
     bool flat(const Arrival& arrival) const;
     std::size_t response_samples(std::span<const Arrival> arrivals, double length) const;
+    void place_impulse(double position, std::span<double> piece) const;
     void render(const Arrival& arrival, std::span<double> piece) const;
     void add(const Arrival& arrival,
              double gain,
@@ -107,16 +108,28 @@ std::size_t Assembler::Impl::response_samples(std::span<const Arrival> arrivals,
     return checked_size(std::floor(last_delay * sample_rate) + ringing);
 }
 
-// The arrival's filter, delayed by the fraction of its first sample: piece[kDelayHalfLength - 1] is
-// the whole sample at or before the arrival. What the filter still has past the end of `piece`
-// (docs/algorithms/audio.md gives figures) wraps round to its beginning.
-void Assembler::Impl::render(const Arrival& arrival, std::span<double> piece) const {
-    const double position = arrival.delay * sample_rate;
-    const auto impulse = fractional_impulse(position - std::floor(position));
+// An impulse at the arrival's delay: piece[kDelayHalfLength - 1] is the whole sample at or before
+// it. One that would begin before sample 0 of the response is an allpass filter's from there on.
+void Assembler::Impl::place_impulse(double position, std::span<double> piece) const {
+    constexpr auto kLead = static_cast<double>(kDelayHalfLength - 1);
+    const double whole = std::floor(position);
     std::fill(piece.begin(), piece.end(), 0.0);
-    std::copy(impulse.begin(), impulse.end(), piece.begin());
+    if (whole < kLead && position > whole) {
+        const auto impulse = allpass_impulse(position);
+        const auto begin = static_cast<std::ptrdiff_t>(kLead - whole);
+        std::copy(impulse.begin(), impulse.end(), piece.begin() + begin);
+    } else {
+        const auto impulse = fractional_impulse(position - whole);
+        std::copy(impulse.begin(), impulse.end(), piece.begin());
+    }
+}
+
+// The arrival's filter, delayed by the fraction of its first sample. What the filter still has past
+// the end of `piece` (docs/algorithms/audio.md gives figures) wraps round to its beginning.
+void Assembler::Impl::render(const Arrival& arrival, std::span<double> piece) const {
+    place_impulse(arrival.delay * sample_rate, piece);
     if (flat(arrival)) {
-        for (double& sample : piece.first(kDelayTaps)) {
+        for (double& sample : piece.first(kDelayHalfLength + kAllpassTaps)) {
             sample *= arrival.pressure[0];
         }
         return;

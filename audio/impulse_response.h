@@ -68,11 +68,12 @@ private:
 /// minimum-phase filter whose magnitude passes through the arrival's band pressures
 /// (docs/algorithms/audio.md). Bands whose centre is not below half the sample rate are ignored.
 /// Arrivals are added in the order given, so the sum has the same bits on any machine and any
-/// number of threads. Arrivals past `length` are left out, and so is what an impulse would have
-/// before sample 0 (up to 64 samples of a delay shorter than that). Silence is an answer: without
-/// arrivals the response is zeros, `length` long or kSilenceLength if that is 0. Throws Error if an
-/// option is out of range, an arrival is not finite or negative, or the response would pass 2^31
-/// samples.
+/// number of threads. Arrivals past `length` are left out. Those earlier than 64 samples have no
+/// room for the ringing ahead of an impulse and become the impulse of an allpass filter, which has
+/// their pressure at all frequencies and their delay at all but the highest. Silence is an answer:
+/// without arrivals the response is zeros, `length` long or kSilenceLength if that is 0. Throws
+/// Error if an option is out of range, an arrival is not finite or negative, or the response would
+/// pass 2^31 samples.
 ImpulseResponse assemble(const Bands& bands,
                          std::span<const Arrival> arrivals,
                          const ResponseOptions& options = {},

@@ -6,11 +6,12 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <span>
 
 namespace earshot::audio {
 namespace {
 
-std::complex<double> gain_at(const std::array<double, kDelayTaps>& taps, double omega) {
+std::complex<double> gain_at(std::span<const double> taps, double omega) {
     std::complex<double> sum = 0.0;
     for (std::size_t n = 0; n < taps.size(); ++n) {
         sum += std::polar(taps[n], -omega * static_cast<double>(n));
@@ -53,6 +54,36 @@ TEST(FractionalImpulse, IsContinuousWhereTheSampleChanges) {
     const auto after = fractional_impulse(0.0);
     for (std::size_t n = 1; n < kDelayTaps; ++n) {
         EXPECT_NEAR(before[n], after[n - 1], 1e-11);
+    }
+}
+
+TEST(AllpassImpulse, HasUnitMagnitudeAtAllFrequencies) {
+    for (int step = 3; step < 6400; step += 7) {
+        const auto taps = allpass_impulse(step / 100.0);
+        for (int part = 0; part <= 20; ++part) {
+            const double gain = std::abs(gain_at(taps, part / 20.0 * std::numbers::pi));
+            EXPECT_NEAR(20.0 * std::log10(gain), 0.0, 0.002) << step << " " << part;
+        }
+    }
+}
+
+TEST(AllpassImpulse, HasItsDelayAtLowFrequencies) {
+    for (int step = 3; step < 6400; step += 7) {
+        const double delay = step / 100.0;
+        const auto taps = allpass_impulse(delay);
+        for (const double omega : {0.01, 0.1, 0.25 * std::numbers::pi}) {
+            const double phase = std::arg(gain_at(taps, omega) * std::polar(1.0, omega * delay));
+            EXPECT_NEAR(phase / omega, 0.0, omega < 0.5 ? 0.01 : 0.1) << delay;
+        }
+    }
+}
+
+TEST(AllpassImpulse, OfAWholeSampleIsOneTap) {
+    for (const std::size_t delay : {0U, 1U, 2U, 40U}) {
+        const auto taps = allpass_impulse(static_cast<double>(delay));
+        for (std::size_t n = 0; n < taps.size(); ++n) {
+            EXPECT_NEAR(taps[n], n == delay ? 1.0 : 0.0, 1e-12) << delay << " " << n;
+        }
     }
 }
 
