@@ -2,6 +2,7 @@
 #include "earshot/audio/internal/arrival_filter.h"
 
 #include "earshot/audio/internal/fractional_delay.h"
+#include "earshot/audio/internal/minimum_phase.h"
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 
@@ -57,23 +58,6 @@ Place place_of(double frequency_hz, std::span<const double> centres) {
     const double weight =
         math::log(frequency_hz / centres[band]) / math::log(centres[band + 1] / centres[band]);
     return {band, weight};
-}
-
-// Minimum phase from the log-magnitude: its real cepstrum folded onto positive times (Oppenheim and
-// Schafer 2010, section 13.5.4). `log_magnitude` holds the bins of `fft`; so does the result.
-std::vector<double> minimum_phase(const RealFft& fft, std::span<const Complex> log_magnitude) {
-    std::vector<double> cepstrum(fft.size());
-    fft.inverse(log_magnitude, cepstrum);
-    const std::size_t half = fft.size() / 2;
-    for (std::size_t n = 1; n < half; ++n) {
-        cepstrum[n] *= 2.0;
-        cepstrum[fft.size() - n] = 0.0;
-    }
-    std::vector<Complex> folded(fft.bins());
-    fft.forward(cepstrum, folded);
-    std::vector<double> phase(fft.bins());
-    std::transform(folded.begin(), folded.end(), phase.begin(), [](Complex c) { return c.imag(); });
-    return phase;
 }
 
 }  // namespace

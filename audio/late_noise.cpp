@@ -113,10 +113,19 @@ std::size_t samples_of(const EnergyHistogram& histogram, double sample_rate) {
         std::ceil(histogram.bin * sample_rate * static_cast<double>(histogram.energy.size())));
 }
 
-void add(std::span<const double> part, double gain, std::vector<double>& sum) {
-    sum.resize(std::max(sum.size(), part.size()), 0.0);
-    for (std::size_t n = 0; n < part.size(); ++n) {
-        sum[n] += gain * part[n];
+// Adds a part that begins at sample `begin`, without what comes before sample 0.
+void add(std::span<const double> part,
+         double gain,
+         std::vector<double>& sum,
+         std::ptrdiff_t begin = 0) {
+    const auto skipped = static_cast<std::size_t>(std::max<std::ptrdiff_t>(-begin, 0));
+    const auto first = static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0));
+    if (part.size() <= skipped) {
+        return;
+    }
+    sum.resize(std::max(sum.size(), first + part.size() - skipped), 0.0);
+    for (std::size_t n = skipped; n < part.size(); ++n) {
+        sum[first + n - skipped] += gain * part[n];
     }
 }
 
@@ -181,20 +190,20 @@ std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
 
 std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
                                                        const EnergyHistogram& histogram,
-                                                       const HrirSet& hrir_set,
+                                                       const HrirInterpolator& hrirs,
                                                        std::uint64_t seed,
                                                        const Orientation& orientation) {
-    EARSHOT_ASSERT(!hrir_set.directions.empty());
     std::array<std::vector<double>, 2> ears;
     for_each_part(bands,
                   histogram,
-                  hrir_set.sample_rate,
+                  hrirs.sample_rate(),
                   seed,
                   orientation,
                   [&](const std::vector<double>& noise, const std::array<double, 3>& from) {
-                      const Hrir& hrir = hrir_set.directions[closest_direction(hrir_set, from)];
-                      add(convolve(noise, hrir.left), 1.0, ears[0]);
-                      add(convolve(noise, hrir.right), 1.0, ears[1]);
+                      const InterpolatedHrir hrir = hrirs.at(from);
+                      for (std::size_t ear = 0; ear < 2; ++ear) {
+                          add(convolve(noise, hrir.ears[ear]), 1.0, ears[ear], hrir.begin);
+                      }
                   });
     return ears;
 }

@@ -34,12 +34,12 @@ std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
                                                       int order,
                                                       const Orientation& orientation = {});
 
-/// The late sound at both ears, left first, at the sample rate of the HRIR set: the noise of each
-/// part of the sphere is convolved with the HRIRs closest to the part's middle direction.
-/// Preconditions: as ambisonic_late_noise(); the HRIR set is not empty.
+/// The late sound at both ears, left first, at the sample rate of the HRIRs: the noise of each part
+/// of the sphere is convolved with the HRIRs of the part's middle direction. Preconditions: as
+/// ambisonic_late_noise().
 std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
                                                        const EnergyHistogram& histogram,
-                                                       const HrirSet& hrir_set,
+                                                       const HrirInterpolator& hrirs,
                                                        std::uint64_t seed,
                                                        const Orientation& orientation = {});
 

@@ -11,6 +11,7 @@
 #include "earshot/cli/scene_choice.h"
 #include "earshot/cli/speech_options.h"
 #include "earshot/cli/values.h"
+#include "earshot/io/default_hrir_set.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/io/sofa.h"
 #include "earshot/io/visibility_file.h"
@@ -43,7 +44,11 @@ constexpr const char* kFooter =
     "  earshot ir scenes/concert_hall.gltf --format binaural --look-at 0,1.5,0 -o out\n"
     "      binaural responses of listeners that face a point\n"
     "  earshot ir scenes/door.gltf --frames 0:2:0.1 -o out\n"
-    "      one response per instant of an animation";
+    "      one response per instant of an animation\n\n"
+    "Binaural responses without --hrtf use measurements of a KEMAR manikin by Bill Gardner and\n"
+    "Keith Martin, Copyright 1994 by the MIT Media Laboratory. It is provided free with no\n"
+    "restrictions on use, provided the authors are cited when the data is used in any research or\n"
+    "commercial application.";
 
 class IrCommand : public Command {
 public:
@@ -173,9 +178,14 @@ private:
             ->capture_default_str();
         app()
             .add_option("--hrtf",
-                        head_file_,
-                        "HRIR set for binaural responses, a SOFA file; default: a KEMAR manikin")
+                        hrtf_file_,
+                        "HRIR set for binaural responses, a SOFA file; default: a KEMAR manikin, "
+                        "diffuse-field equalised")
             ->type_name("FILE");
+        app().add_flag("--hrtf-raw",
+                       raw_hrtf_,
+                       "use the HRIR set as it was measured: without equalisation, and with the "
+                       "delay that all of its responses have in common");
         app().add_flag("--sofa", writes_sofa_, "also write all responses to responses.sofa");
     }
 
@@ -270,8 +280,7 @@ private:
                                               .speech = speech_.conditions(app())};
         if (format_ == "binaural") {
             format.channels = Channels::binaural;
-            format.hrir_set =
-                io::read_hrir_set(head_file_.empty() ? io::kDefaultHrirSet : head_file_);
+            format.hrir_set = hrir_set();
         } else if (format_.starts_with(kAmbisonic)) {
             const auto order = parse_integer(std::string_view(format_).substr(kAmbisonic.size()));
             if (!order || *order < 0 || *order > audio::kMaxAmbisonicOrder) {
@@ -285,6 +294,20 @@ private:
                 app(), "--format", "'" + format_ + "' is not one of mono, binaural, ambisonic:N");
         }
         return format;
+    }
+
+    /// A set of the user's is equalised already, if its author meant it to be, but its responses
+    /// begin at an instant of their own.
+    audio::HrirSet hrir_set() const {
+        if (hrtf_file_.empty() && !raw_hrtf_) {
+            return io::default_hrir_set();
+        }
+        audio::HrirSet set =
+            io::read_hrir_set(hrtf_file_.empty() ? io::kDefaultHrirSet : hrtf_file_);
+        if (!raw_hrtf_) {
+            set.centre_delay = audio::common_delay(set);
+        }
+        return set;
     }
 
     /// A unit that is not meant, or a listener in a table, is no error, but hardly what was wanted.
@@ -318,9 +341,10 @@ private:
 
     SceneChoice scene_;
     std::string directory_, mode_ = "complete", bands_ = "octave";
-    std::string format_ = "mono", head_file_;
+    std::string format_ = "mono", hrtf_file_;
     EmitterOptions emitters_;
     MaterialOptions materials_;
+    bool raw_hrtf_ = false;
     bool writes_sofa_ = false;
     bool writes_histograms_ = false;
     std::string visibility_file_;

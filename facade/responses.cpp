@@ -2,9 +2,9 @@
 #include "earshot/base/parallel.h"
 #include "earshot/base/stage_progress.h"
 #include "earshot/earshot.h"
+#include "earshot/io/default_hrir_set.h"
 #include "earshot/io/results.h"
 #include "earshot/io/scene_file.h"
-#include "earshot/io/sofa.h"
 #include "earshot/io/whole_file.h"
 #include "earshot/propagation/simulator.h"
 
@@ -63,7 +63,7 @@ Responses simulate(const Room& room, const SimulationOptions& options) {
     }
     propagation::ResponseFormat format = options.format;
     if (format.channels == Channels::binaural && format.hrir_set.directions.empty()) {
-        format.hrir_set = io::read_hrir_set(io::kDefaultHrirSet);
+        format.hrir_set = io::default_hrir_set();
     }
     const propagation::Options simulation = {.specular_order = options.order,
                                              .air = options.air,

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -66,23 +67,23 @@ void note_uncertain(const audio::Bands& bands, PairMetrics& metrics) {
     }
 }
 
-/// The format, checked, with head-related impulse responses at the sample rate of the response.
-ResponseFormat prepared(ResponseFormat format) {
+ResponseFormat checked(ResponseFormat format) {
     if (format.channels == Channels::ambisonic &&
         (format.ambisonic_order < 0 || format.ambisonic_order > audio::kMaxAmbisonicOrder)) {
         throw Error("ambisonic order",
                     "must lie in 0 ... " + std::to_string(audio::kMaxAmbisonicOrder) + ", not " +
                         std::to_string(format.ambisonic_order));
     }
-    if (format.channels == Channels::binaural) {
-        if (format.hrir_set.directions.empty()) {
-            throw Error("head-related impulse responses",
-                        "there are none",
-                        "read a SOFA file that has some");
-        }
-        format.hrir_set = audio::resampled(format.hrir_set, format.sample_rate);
-    }
     return format;
+}
+
+/// The head-related impulse responses of a binaural format at the sample rate of the response.
+std::optional<audio::HrirInterpolator> prepared_hrirs(const ResponseFormat& format) {
+    if (format.channels != Channels::binaural) {
+        return std::nullopt;
+    }
+    return audio::HrirInterpolator(
+        audio::resampled(audio::farthest_measurements(format.hrir_set), format.sample_rate));
 }
 
 }  // namespace
@@ -97,6 +98,7 @@ public:
         : bands_(renderer.bands_),
           format_(renderer.format_),
           assembler_(renderer.assembler_),
+          hrirs_(renderer.hrirs_),
           pair_(pair),
           arrivals_(arrivals_of(pair)),
           orientation_(orientation_of(listener)),
@@ -183,11 +185,10 @@ private:
 
     std::vector<ImpulseResponse> binaural() const {
         auto ears = render_binaural(
-            assembler_, arrivals_, format_.hrir_set, orientation_, format_.length, executor_);
+            assembler_, arrivals_, *hrirs_, orientation_, format_.length, executor_);
         std::vector<ImpulseResponse> channels{std::move(ears[0]), std::move(ears[1])};
         if (has_late()) {
-            auto late =
-                binaural_late_noise(bands_, pair_.late, format_.hrir_set, seed_, orientation_);
+            auto late = binaural_late_noise(bands_, pair_.late, *hrirs_, seed_, orientation_);
             add_late({std::move(late[0]), std::move(late[1])}, fixed_length(), channels);
         }
         return channels;
@@ -196,6 +197,7 @@ private:
     const audio::Bands& bands_;
     const ResponseFormat& format_;
     const audio::Assembler& assembler_;
+    const std::optional<audio::HrirInterpolator>& hrirs_;
     const PairResult& pair_;
     std::vector<audio::Arrival> arrivals_;
     audio::Orientation orientation_;
@@ -205,8 +207,9 @@ private:
 
 ResponseRenderer::ResponseRenderer(const audio::Bands& bands, ResponseFormat format)
     : bands_(bands),
-      format_(prepared(std::move(format))),
-      assembler_(bands_, format_.sample_rate) {}
+      format_(checked(std::move(format))),
+      assembler_(bands_, format_.sample_rate),
+      hrirs_(prepared_hrirs(format_)) {}
 
 Response ResponseRenderer::render(const PairResult& pair,
                                   const Pose& listener,

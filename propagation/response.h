@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/audio/binaural.h"
+#include "earshot/audio/hrir_interpolator.h"
+#include "earshot/audio/hrir_set.h"
 #include "earshot/audio/impulse_response.h"
 #include "earshot/audio/speech.h"
 #include "earshot/base/parallel.h"
@@ -23,7 +24,7 @@ enum class Channels { mono, binaural, ambisonic };
 struct ResponseFormat {
     Channels channels = Channels::mono;
     int ambisonic_order = 1;       ///< 0 ... audio::kMaxAmbisonicOrder
-    audio::HrirSet hrir_set{};     ///< for binaural, of any sample rate up to that of the response
+    audio::HrirSet hrir_set{};     ///< for binaural, of any sample rate
     double sample_rate = 48000.0;  ///< hertz, 1000 ... 768000
     /// Seconds; 0: long enough for the last arrival, the ringing of its filter and the late sound.
     double length = 0.0;
@@ -45,7 +46,7 @@ struct Response {
 class ResponseRenderer {
 public:
     /// Throws Error if the sample rate or the ambisonic order is out of range, or if a binaural
-    /// format has no head-related impulse responses or ones of a higher sample rate.
+    /// format has no head-related impulse responses.
     ResponseRenderer(const audio::Bands& bands, ResponseFormat format);
 
     /// Adds each path at its exact delay and late sound as noise whose energy follows the
@@ -62,6 +63,7 @@ private:
     audio::Bands bands_;
     ResponseFormat format_;
     audio::Assembler assembler_;
+    std::optional<audio::HrirInterpolator> hrirs_;
 };
 
 /// ResponseRenderer::render() for one pair.

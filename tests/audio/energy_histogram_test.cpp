@@ -83,7 +83,8 @@ TEST(AmbisonicLateNoise, ComesFromWhereTheEnergyDoes) {
 TEST(BinauralLateNoise, IsLouderInTheEarWhereItComesFrom) {
     HrirSet head;
     head.directions = {{{0.0, 1.0, 0.0}, {1.0}, {0.25}}, {{0.0, -1.0, 0.0}, {0.25}, {1.0}}};
-    const auto ears = binaural_late_noise(Bands::octaves(), turning_decay(), head, 1);
+    const auto ears =
+        binaural_late_noise(Bands::octaves(), turning_decay(), HrirInterpolator(head), 1);
     EXPECT_NEAR(energy(ears[0], 2400, 9600) / energy(ears[1], 2400, 9600), 16.0, 0.1);
 }
 

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <numeric>
 
 namespace earshot::test {
 namespace {
@@ -217,17 +218,27 @@ TEST_F(Ir, FramesMakeOneResponsePerInstant) {
     EXPECT_EQ(json_of("paths.json")["pairs"][0], paths["pairs"][listeners]);
 }
 
-/// Sum of squares per channel of a 32-bit float WAV.
-std::vector<double> channel_energies(const fs::path& file) {
+/// The samples per channel of a 32-bit float WAV.
+std::vector<std::vector<double>> read_channels(const fs::path& file) {
     const std::string wav = read_file(file);
-    std::uint16_t channels = 0;
-    std::memcpy(&channels, wav.data() + 22, sizeof channels);
-    std::vector<double> energies(channels);
+    std::uint16_t count = 0;
+    std::memcpy(&count, wav.data() + 22, sizeof count);
+    std::vector<std::vector<double>> channels(count);
     const std::size_t begin = wav.find("data") + 8;
     for (std::size_t n = 0; begin + (n + 1) * sizeof(float) <= wav.size(); ++n) {
         float sample = 0.0F;
         std::memcpy(&sample, wav.data() + begin + n * sizeof(float), sizeof sample);
-        energies[n % channels] += double{sample} * sample;
+        channels[n % count].push_back(sample);
+    }
+    return channels;
+}
+
+/// Sum of squares per channel.
+std::vector<double> channel_energies(const fs::path& file) {
+    std::vector<double> energies;
+    for (const std::vector<double>& samples : read_channels(file)) {
+        energies.push_back(
+            std::inner_product(samples.begin(), samples.end(), samples.begin(), 0.0));
     }
     return energies;
 }
@@ -261,6 +272,52 @@ TEST_F(Ir, TwoEarsHearWhereASourceIs) {
     EXPECT_GT(facing_plus_z[1], 4.0 * facing_plus_z[0]);
     const Json metrics = json_of("metrics.json")["pairs"].back();
     EXPECT_EQ(metrics["iacc"].size(), 10U);
+}
+
+// --hrtf-raw leaves the delay of the measurement in: the loudspeaker was 1.4 m away, and of its 4
+// ms the data still has 0.9 ms.
+TEST_F(Ir, RemovesTheDelayAndTheLoudspeakerOfTheDefaultHrirsUnlessTheyAreRaw) {
+    const auto ear = [&](std::vector<std::string> options) {
+        std::vector<std::string> arguments = {"ir",
+                                              kScenes + "shoebox.gltf",
+                                              "-o",
+                                              out(),
+                                              "--quiet",
+                                              "--order",
+                                              "0",
+                                              "--rays",
+                                              "0",
+                                              "--no-air-absorption",
+                                              "--source",
+                                              "a=3,1.5,0.5",
+                                              "--listener",
+                                              "b=3,1.5,2.5",
+                                              "--format",
+                                              "binaural"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        const RunResult result = run_earshot(arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return read_channels(folder_ / "out" / "a__b.wav").at(0);
+    };
+    const auto onset = [](const std::vector<double>& samples) {
+        double largest = 0.0;
+        for (const double sample : samples) {
+            largest = std::max(largest, std::abs(sample));
+        }
+        const auto first = std::find_if(samples.begin(), samples.end(), [&](double sample) {
+            return std::abs(sample) > 0.1 * largest;
+        });
+        return static_cast<double>(first - samples.begin()) / 48.0;  // milliseconds
+    };
+    const auto sum = [](const std::vector<double>& samples) {  // the pressure at 0 Hz
+        return std::accumulate(samples.begin(), samples.end(), 0.0);
+    };
+    const std::vector<double> equalised = ear({});
+    const std::vector<double> raw = ear({"--hrtf-raw"});
+    EXPECT_NEAR(onset(equalised), 2000.0 / 343.2, 0.1);
+    EXPECT_NEAR(onset(raw) - onset(equalised), 0.9, 0.1);
+    EXPECT_NEAR(sum(equalised), 0.5, 0.03);
+    EXPECT_LT(std::abs(sum(raw)), 0.05);
 }
 
 TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {

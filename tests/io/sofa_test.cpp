@@ -97,6 +97,7 @@ TEST_F(Kemar, HearsASourceFirstAndLoudestInTheNearerEar) {
 // A free field: an arrival of pressure 1 after a whole number of samples is the head response.
 TEST_F(Kemar, IsWhatASourceInAFreeFieldSoundsLike) {
     const audio::Assembler assembler(audio::Bands::octaves(), head.sample_rate);
+    const audio::HrirInterpolator interpolator(head);
     const audio::Orientation facing_y{{0.0, 1.0, 0.0}, {-1.0, 0.0, 0.0}, {0.0, 0.0, 1.0}};
     for (std::size_t i = 0; i < 24; ++i) {
         const auto& measured = head.directions[i * head.directions.size() / 24];
@@ -105,7 +106,7 @@ TEST_F(Kemar, IsWhatASourceInAFreeFieldSoundsLike) {
         arrival.delay = 441 / 44100.0;
         arrival.pressure.fill(1.0);
         arrival.direction = {y, -x, -z};  // from front x, left y as seen by who faces y
-        const auto ears = render_binaural(assembler, {&arrival, 1}, head, facing_y);
+        const auto ears = render_binaural(assembler, {&arrival, 1}, interpolator, facing_y);
         for (std::size_t n = 0; n < measured.left.size(); ++n) {
             ASSERT_NEAR(ears[0].samples[441 + n], measured.left[n], 1e-9) << i << " " << n;
             ASSERT_NEAR(ears[1].samples[441 + n], measured.right[n], 1e-9) << i << " " << n;
@@ -131,7 +132,6 @@ TEST_F(Kemar, KeepsItsSpectrumAtAnotherSampleRate) {
             transform(at_48k.directions[0].left, 2 * std::numbers::pi * hz / 48000.0);
         EXPECT_NEAR(std::abs(after - before) / scale, 0.0, 0.01) << hz;
     }
-    EXPECT_THROW(audio::resampled(head, 32000.0), Error);
 }
 
 TEST(Sofa, RefusesWhatIsNone) {
