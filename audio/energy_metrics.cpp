@@ -67,26 +67,22 @@ EnergyCourse course_of(const Bands& bands,
 std::optional<SpeechCourse> speech_of(const Bands& bands,
                                       const EnergyCourse& course,
                                       const std::optional<SpeechConditions>& conditions) {
-    SpeechCourse speech = {.conditions = conditions};
+    std::vector<std::vector<double>> octaves;
     for (std::size_t octave = 0; octave < kSpeechBands; ++octave) {
         const OctaveBands parts = bands_of_speech_octave(bands, octave);
-        std::vector<double> energy = course.energy[parts.first];
-        for (std::size_t i = 1; i < parts.count; ++i) {
+        std::vector<double>& energy = octaves.emplace_back(course.energy[parts.first].size());
+        for (std::size_t i = 0; i < parts.count; ++i) {
             for (std::size_t n = 0; n < energy.size(); ++n) {
-                energy[n] += course.energy[parts.first + i][n];
+                energy[n] += course.energy[parts.first + i][n] / static_cast<double>(parts.count);
             }
-        }
-        if (parts.count > 1) {
-            for (double& instant : energy) {
-                instant /= static_cast<double>(parts.count);
-            }
-        }
-        speech.octaves[octave] = modulation_sums(energy, course.sample_rate);
-        if (!(speech.octaves[octave].energy > 0.0)) {
-            return std::nullopt;
         }
     }
-    return speech;
+    SpeechCourse speech = {.octaves = modulation_sums(octaves, course.sample_rate),
+                           .conditions = conditions};
+    const bool complete = std::all_of(speech.octaves.begin(),
+                                      speech.octaves.end(),
+                                      [](const ModulationSums& sums) { return sums.energy > 0.0; });
+    return complete ? std::optional(speech) : std::nullopt;
 }
 
 double index_of(const SpeechCourse& speech) {

@@ -29,23 +29,20 @@ constexpr double kMaxRatioDb = 15.0;
 /// less than 2e-5.
 constexpr double kStep = 2.5e-4;  // seconds
 
-struct Envelope {
-    std::vector<double> energy;
-    double step = 0.0;  // seconds
-};
+std::size_t samples_per_step(double sample_rate) {
+    return static_cast<std::size_t>(std::max(1.0, std::floor(kStep * sample_rate)));
+}
 
-Envelope envelope_of(std::span<const double> squared, double sample_rate) {
-    const auto length = static_cast<std::size_t>(std::max(1.0, std::floor(kStep * sample_rate)));
-    Envelope envelope;
-    envelope.step = static_cast<double>(length) / sample_rate;
+std::vector<double> energy_per_step(std::span<const double> squared, std::size_t length) {
+    std::vector<double> energy;
     for (std::size_t begin = 0; begin < squared.size(); begin += length) {
         double sum = 0.0;
         for (std::size_t n = begin; n < std::min(begin + length, squared.size()); ++n) {
             sum += squared[n];
         }
-        envelope.energy.push_back(sum);
+        energy.push_back(sum);
     }
-    return envelope;
+    return energy;
 }
 
 /// What is left of a modulation (Schroeder 1981).
@@ -105,17 +102,33 @@ double transmission_index(double modulation) {
 
 }  // namespace
 
-ModulationSums modulation_sums(std::span<const double> squared, double sample_rate) {
-    const Envelope envelope = envelope_of(squared, sample_rate);
-    ModulationSums sums;
-    for (const double energy : envelope.energy) {
-        sums.energy += energy;
+std::array<ModulationSums, kSpeechBands> modulation_sums(
+    std::span<const std::vector<double>> squared, double sample_rate) {
+    EARSHOT_ASSERT(squared.size() == kSpeechBands && sample_rate > 0.0);
+    const std::size_t length = samples_per_step(sample_rate);
+    const double step = static_cast<double>(length) / sample_rate;
+    std::array<ModulationSums, kSpeechBands> sums;
+    std::array<std::vector<double>, kSpeechBands> energy;
+    std::size_t steps = 0;
+    for (std::size_t band = 0; band < kSpeechBands; ++band) {
+        energy[band] = energy_per_step(squared[band], length);
+        steps = std::max(steps, energy[band].size());
+        for (const double e : energy[band]) {
+            sums[band].energy += e;
+        }
     }
+    // Sines and cosines cost most: all octaves share them.
     for (std::size_t k = 0; k < kModulationHz.size(); ++k) {
-        for (std::size_t n = 0; n < envelope.energy.size(); ++n) {
-            const double angle = kTurn * kModulationHz[k] * envelope.step * static_cast<double>(n);
-            sums.in_phase[k] += envelope.energy[n] * math::cos(angle);
-            sums.in_quadrature[k] += envelope.energy[n] * math::sin(angle);
+        for (std::size_t n = 0; n < steps; ++n) {
+            const double angle = kTurn * kModulationHz[k] * step * static_cast<double>(n);
+            const double cosine = math::cos(angle);
+            const double sine = math::sin(angle);
+            for (std::size_t band = 0; band < kSpeechBands; ++band) {
+                if (n < energy[band].size()) {
+                    sums[band].in_phase[k] += energy[band][n] * cosine;
+                    sums[band].in_quadrature[k] += energy[band][n] * sine;
+                }
+            }
         }
     }
     return sums;
@@ -144,12 +157,7 @@ SpeechTransmission speech_transmission(const std::array<ModulationSums, kSpeechB
 SpeechTransmission speech_transmission(std::span<const std::vector<double>> squared,
                                        double sample_rate,
                                        const std::optional<SpeechLevels>& levels) {
-    EARSHOT_ASSERT(squared.size() == kSpeechBands && sample_rate > 0.0);
-    std::array<ModulationSums, kSpeechBands> octaves;
-    for (std::size_t band = 0; band < kSpeechBands; ++band) {
-        octaves[band] = modulation_sums(squared[band], sample_rate);
-    }
-    return speech_transmission(octaves, levels);
+    return speech_transmission(modulation_sums(squared, sample_rate), levels);
 }
 
 std::optional<SpeechTransmission> speech_transmission(
@@ -159,23 +167,24 @@ std::optional<SpeechTransmission> speech_transmission(
     if (response.samples.empty()) {
         return std::nullopt;
     }
-    const BandEnergy energy(Bands::octaves(), response.samples, response.sample_rate);
-    std::array<ModulationSums, kSpeechBands> octaves;
-    SpeechSpectrum gain{};
+    const BandEnergy filters(Bands::octaves(), response.samples, response.sample_rate);
+    std::vector<std::vector<double>> squared;
     for (std::size_t band = 0; band < kSpeechBands; ++band) {
-        const std::size_t octave = kFirstSpeechOctave + band;
-        if (!energy.covers(octave)) {
+        if (!filters.covers(kFirstSpeechOctave + band)) {
             return std::nullopt;
         }
-        std::vector<double> squared = energy.squared(octave);
+        squared.push_back(filters.squared(kFirstSpeechOctave + band));
         if (ends_in_noise) {
-            cut_noise(squared, energy.lead(), response);
+            cut_noise(squared.back(), filters.lead(), response);
         }
-        octaves[band] = modulation_sums(squared, response.sample_rate);
+    }
+    const auto octaves = modulation_sums(squared, response.sample_rate);
+    SpeechSpectrum gain{};
+    for (std::size_t band = 0; band < kSpeechBands; ++band) {
         if (!(octaves[band].energy > 0.0)) {
             return std::nullopt;
         }
-        gain[band] = octaves[band].energy / energy.of_unit_impulse(octave);
+        gain[band] = octaves[band].energy / filters.of_unit_impulse(kFirstSpeechOctave + band);
     }
     return speech_transmission(
         octaves, conditions ? std::optional(levels_at_listener(*conditions, gain)) : std::nullopt);

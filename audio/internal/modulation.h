@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace earshot::audio {
 
@@ -23,9 +24,11 @@ struct ModulationSums {
     std::array<double, kModulationHz.size()> in_quadrature{};
 };
 
-ModulationSums modulation_sums(std::span<const double> squared, double sample_rate);
+/// Of each octave.
+std::array<ModulationSums, kSpeechBands> modulation_sums(
+    std::span<const std::vector<double>> squared, double sample_rate);
 
-/// The index of octaves from 125 Hz on. Precondition: each has energy.
+/// The index of the octaves. Precondition: each has energy.
 SpeechTransmission speech_transmission(const std::array<ModulationSums, kSpeechBands>& octaves,
                                        const std::optional<SpeechLevels>& levels);
 
