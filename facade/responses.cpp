@@ -69,6 +69,7 @@ Responses simulate(const Room& room, const SimulationOptions& options) {
                                              .air = options.air,
                                              .transmission = options.transmission,
                                              .rays = options.rays,
+                                             .max_error = options.max_error,
                                              .seed = format.seed,
                                              .late_length = format.length,
                                              .late_directions = format.channels != Channels::mono};
