@@ -70,25 +70,25 @@ void SpeechOptions::add_to(CLI::App& app, const std::string& where) {
 }
 
 std::optional<audio::SpeechConditions> SpeechOptions::conditions(const CLI::App& app) const {
-    if (noise_.empty() && level_.empty()) {
+    if (!noise_ && !level_) {
         return std::nullopt;
     }
     audio::SpeechConditions conditions;
-    if (!noise_.empty()) {
-        conditions.noise_db = parse_noise(noise_);
+    if (noise_) {
+        conditions.noise_db = parse_noise(*noise_);
         if (!conditions.noise_db) {
             throw wrong_usage(
                 app,
                 "--noise",
-                "'" + noise_ + "' is neither NC-15 ... NC-70 nor seven levels L,L,L,L,L,L,L");
+                "'" + *noise_ + "' is neither NC-15 ... NC-70 nor seven levels L,L,L,L,L,L,L");
         }
     }
-    if (!level_.empty()) {
-        const auto level = parse_speech_level(level_);
+    if (level_) {
+        const auto level = parse_speech_level(*level_);
         if (!level) {
             throw wrong_usage(app,
                               "--speech-level",
-                              "'" + level_ + "' is none of normal, raised, loud and decibels");
+                              "'" + *level_ + "' is none of normal, raised, loud and decibels");
         }
         conditions.speech_level_db = *level;
     }

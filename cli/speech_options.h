@@ -20,7 +20,7 @@ public:
     std::optional<audio::SpeechConditions> conditions(const CLI::App& app) const;
 
 private:
-    std::string noise_, level_;
+    std::optional<std::string> noise_, level_;
 };
 
 }  // namespace earshot::cli

@@ -57,6 +57,45 @@ TEST_F(Metrics, OfEveryChannelAsJson) {
     EXPECT_NEAR(json["channels"][0]["t20"][5].get<double>(), 0.4, 0.03);
     EXPECT_NEAR(json["channels"][1]["t20"][5].get<double>(), 0.9, 0.06);
     EXPECT_NEAR(json["channels"][1]["sti"].get<double>(), 0.61, 0.03);
+    const Json& channel = json["channels"][1];
+    EXPECT_EQ(channel["channel"], 2);
+    EXPECT_EQ(channel["sti_letter"], channel["sti"] >= 0.6 ? "D" : "E");
+    EXPECT_NEAR(channel["single"]["t20_mid"].get<double>(),
+                0.5 * (channel["t20"][4].get<double>() + channel["t20"][5].get<double>()),
+                1e-12);
+    EXPECT_FALSE(json.contains("speech_level"));
+}
+
+TEST_F(Metrics, OfSpeechInNoiseDependOnTheLevelAtTheListener) {
+    const std::string file = write_decays({0.4});
+    const auto index = [&](std::vector<std::string> extra) {
+        std::vector<std::string> arguments = {"metrics", file, "--json"};
+        arguments.insert(arguments.end(), extra.begin(), extra.end());
+        const RunResult result = run_earshot(arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        const Json json = Json::parse(result.out);
+        EXPECT_EQ(json.contains("noise"), !extra.empty());
+        return json["channels"][0]["sti"].get<double>();
+    };
+    const double quiet = index({});
+    const double in_noise = index({"--noise", "NC-50"});
+    EXPECT_LT(in_noise, quiet - 0.1);
+    EXPECT_GT(index({"--noise", "NC-50", "--speech-level", "raised"}), in_noise + 0.05);
+    // A talker 1 m from whom a sample is 1 brings the gain of the response along.
+    EXPECT_NE(index({"--noise", "NC-50", "--calibrated"}), in_noise);
+    EXPECT_TRUE(failed_with(run_earshot({"metrics", file, "--noise", "NC"}), 2, "--noise"));
+}
+
+TEST_F(Metrics, NotesOfOneReasonAreOneLine) {
+    const fs::path file = folder_ / "brief.wav";
+    std::vector<double> samples(3000, 0.0);
+    samples[1000] = 1.0;
+    io::write_whole_file(file, io::encode_wav({.samples = samples}));
+    const RunResult result = run_earshot({"metrics", file.string(), "--noise-free"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    EXPECT_NE(result.out.find("c50, d50: the response ends within 50 ms"), std::string::npos)
+        << result.out;
+    EXPECT_NE(result.out.find("c80, ts, g: the response ends within 80 ms"), std::string::npos);
 }
 
 TEST_F(Metrics, OfOneChannelAsATable) {
