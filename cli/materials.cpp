@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace earshot::cli {
@@ -44,12 +45,16 @@ std::string columns_header() {
     return line;
 }
 
+std::string cell(double value) {
+    std::array<char, 16> text{};
+    std::snprintf(text.data(), text.size(), "%6.2f", value);
+    return text.data();
+}
+
 std::string columns(const EnergyCoefficient& coefficient) {
     std::string line;
     for (const double frequency_hz : kColumnsHz) {
-        std::array<char, 16> cell{};
-        std::snprintf(cell.data(), cell.size(), "%6.2f", coefficient.at(frequency_hz));
-        line += cell.data();
+        line += cell(coefficient.at(frequency_hz));
     }
     return line;
 }
@@ -59,21 +64,26 @@ std::string table(std::span<const LibraryMaterial> rows) {
     for (const LibraryMaterial& row : rows) {
         width = std::max(width, row.name.size());
     }
-    std::string text = "Energy absorption coefficients per octave (Hz):\n\n";
-    text += std::string(width, ' ') + columns_header() + "\n";
+    std::string text =
+        "Energy absorption coefficients per octave (Hz), and scattering coefficients at 1 kHz:\n\n";
+    text += std::string(width, ' ') + columns_header() + "  scat.\n";
     for (const LibraryMaterial& row : rows) {
-        text += padded(std::string(row.name), width) + columns(row.material.absorption) + "  " +
+        text += padded(std::string(row.name), width) + columns(row.material.absorption) + " " +
+                cell(row.material.scattering.at(1000.0)) +
+                (row.scattering_source.starts_with("estimate") ? "*  " : "   ") +
                 std::string(row.description) + "\n";
     }
     text += "\n" + std::to_string(rows.size()) +
-            " materials; earshot materials NAME gives the source of one.\n";
+            " materials; * estimate. earshot materials NAME gives all coefficients of one, with "
+            "sources.\n";
     return text;
 }
 
 std::string description(const LibraryMaterial& row) {
     const std::string name(row.name);
     std::string text = name + ": " + std::string(row.description) + "\n";
-    text += "Source: " + std::string(row.source) + "\n\n";
+    text += "Source: " + std::string(row.source) + "\n";
+    text += "Scattering: " + std::string(row.scattering_source) + "\n\n";
     text += "Hz          " + columns_header() + "\n";
     text += "absorption  " + columns(row.material.absorption) + "\n";
     text += "scattering  " + columns(row.material.scattering) + "\n";
@@ -96,6 +106,7 @@ std::string json_text(std::span<const LibraryMaterial> rows) {
         materials.push_back({{"name", row.name},
                              {"description", row.description},
                              {"source", row.source},
+                             {"scattering_source", row.scattering_source},
                              {"absorption", to_json(row.material.absorption)},
                              {"scattering", to_json(row.material.scattering)},
                              {"transmission", to_json(row.material.transmission)}});
@@ -108,44 +119,50 @@ public:
     explicit MaterialsCommand(CLI::App& program)
         : Command(program, "materials", "List the built-in library of acoustic materials") {
         app()
-            .add_option("NAME", name_, "show only this material, with its literature source")
+            .add_option(
+                "NAME",
+                name_,
+                "show only this material, with its sources, or all whose names contain this")
             ->type_name("");
         app().footer(
             "Examples:\n"
             "  earshot materials                  the whole table\n"
             "  earshot materials brick-painted    one material and where its numbers come from\n"
+            "  earshot materials curtain          all whose names contain the word\n"
             "  earshot materials --json           for a program\n\n"
             "A glTF material refers to one by its own name, or by\n"
             "  \"extras\": {\"acoustics\": {\"library\": \"brick-painted\"}}");
     }
 
     void run() override {
-        const std::span<const LibraryMaterial> rows = chosen_rows();
+        const std::vector<LibraryMaterial> rows = chosen_rows();
         if (common().json) {
             write_output(json_text(rows));
         } else {
-            write_output(name_.empty() ? table(rows) : description(rows.front()));
+            write_output(rows.size() == 1 ? description(rows.front()) : table(rows));
         }
     }
 
 private:
-    // All rows, or the named one.
-    std::span<const LibraryMaterial> chosen_rows() {
-        const std::span<const LibraryMaterial> rows = propagation::material_library();
-        if (name_.empty()) {
-            return rows;
-        }
+    // All rows, the named one, or those whose names contain the name.
+    std::vector<LibraryMaterial> chosen_rows() {
+        std::vector<LibraryMaterial> chosen;
         std::vector<std::string> names;
-        for (const LibraryMaterial& row : rows) {
+        for (const LibraryMaterial& row : propagation::material_library()) {
+            if (row.name == name_) {
+                return {row};
+            }
+            if (row.name.find(name_) != std::string_view::npos) {
+                chosen.push_back(row);
+            }
             names.emplace_back(row.name);
         }
-        const auto found = std::find(names.begin(), names.end(), name_);
-        if (found == names.end()) {
+        if (chosen.empty()) {
             throw UsageError(name_,
                              "no such material in the library",
                              did_you_mean(name_, names, "see earshot materials"));
         }
-        return rows.subspan(static_cast<std::size_t>(found - names.begin()), 1);
+        return chosen;
     }
 
     std::string name_;

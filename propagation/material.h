@@ -68,7 +68,9 @@ audio::Spectrum transmitted_pressure(const Material& material, const audio::Band
 struct LibraryMaterial {
     std::string_view name;  ///< "brick-painted": lower case, hyphens
     std::string_view description;
-    std::string_view source;  ///< literature: author, year, table
+    std::string_view source;  ///< of the absorption: author, year, table
+    /// Of the scattering: literature, or "estimate: " and the rule that it follows.
+    std::string_view scattering_source;
     Material material;
 };
 

@@ -20,8 +20,8 @@ LibraryMaterial material_of(const internal::MaterialRow& row) {
     Material material;
     material.name = row.name;
     material.absorption = coefficient(row.absorption);
-    material.scattering = coefficient(row.scattering);
-    return {row.name, row.description, row.source, std::move(material)};
+    material.scattering = coefficient(row.scattering.values);
+    return {row.name, row.description, row.source, row.scattering.source, std::move(material)};
 }
 
 std::vector<LibraryMaterial> make_library() {

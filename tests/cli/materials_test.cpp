@@ -28,6 +28,7 @@ TEST(Materials, JsonHoldsEveryRowInFull) {
         last = name;
         EXPECT_FALSE(material.at("description").get<std::string>().empty()) << name;
         EXPECT_FALSE(material.at("source").get<std::string>().empty()) << name;
+        EXPECT_FALSE(material.at("scattering_source").get<std::string>().empty()) << name;
         for (const char* coefficient : {"absorption", "scattering", "transmission"}) {
             EXPECT_FALSE(material.at(coefficient).empty()) << name;
             for (const auto& [frequency, value] : material.at(coefficient).items()) {
@@ -57,8 +58,24 @@ TEST(Materials, OneRowIsShownWithItsSource) {
     EXPECT_TRUE(result.out.starts_with(name + ": "));
     EXPECT_NE(result.out.find("Source: " + first.at("source").get<std::string>()),
               std::string::npos);
+    EXPECT_NE(result.out.find("Scattering: " + first.at("scattering_source").get<std::string>()),
+              std::string::npos);
     const Json alone = Json::parse(run_earshot({"materials", name, "--json"}).out);
     EXPECT_EQ(alone.at("materials"), Json::array({first}));
+}
+
+TEST(Materials, APartOfANameListsAllThatContainIt) {
+    const RunResult result = run_earshot({"materials", "curtain"});
+    EXPECT_EQ(result.status, 0);
+    std::size_t expected = 0;
+    for (const Json& material : all_materials()) {
+        const std::string name = material.at("name");
+        const bool contains = name.find("curtain") != std::string::npos;
+        expected += contains ? 1 : 0;
+        EXPECT_EQ(result.out.find("\n" + name + " ") != std::string::npos, contains) << name;
+    }
+    const Json found = Json::parse(run_earshot({"materials", "curtain", "--json"}).out);
+    EXPECT_EQ(found.at("materials").size(), expected);
 }
 
 TEST(Materials, NumbersDoNotDependOnTheLocale) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/test_paths.h"
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <fstream>
@@ -236,15 +237,61 @@ TEST(MaterialLibrary, CarriesThePrintedValues) {
 TEST(MaterialLibrary, IsTheTableOfItsPage) {
     std::ifstream file(test::source_file("docs/materials.md"));
     const std::string page(std::istreambuf_iterator<char>(file), {});
-    for (const LibraryMaterial& row : material_library()) {
-        std::ostringstream line;
-        line << "\n| `" << row.name << "` |";
-        for (const EnergyCoefficient::Point& point : row.material.absorption.points()) {
-            line << " " << point.value << " |";
+    const auto values = [](const EnergyCoefficient& coefficient) {
+        std::ostringstream text;
+        for (const EnergyCoefficient::Point& point : coefficient.points()) {
+            text << " " << point.value << " |";
         }
-        line << " " << row.source.front() << " | " << row.description << " |\n";
-        EXPECT_NE(page.find(line.str()), std::string::npos) << line.str();
+        return text.str();
+    };
+    for (const LibraryMaterial& row : material_library()) {
+        const std::string start = "\n| `" + std::string(row.name) + "` |" +
+                                  values(row.material.absorption) + " " + row.source.front() +
+                                  " | ";
+        const std::size_t found = page.find(start);
+        ASSERT_NE(found, std::string::npos) << start;
+        const std::size_t key = found + start.size();
+        const std::size_t end = page.find(" | ", key);
+        EXPECT_EQ(page.substr(end, row.description.size() + 6),
+                  " | " + std::string(row.description) + " |\n");
+        const std::string scattering = "\n| " + page.substr(key, end - key) + " |" +
+                                       values(row.material.scattering) + " " +
+                                       std::string(row.scattering_source) + " |\n";
+        EXPECT_NE(page.find(scattering), std::string::npos) << row.name << scattering;
     }
+}
+
+TEST(MaterialLibrary, ScatteringHasASourceOrIsCalledAnEstimate) {
+    for (const LibraryMaterial& row : material_library()) {
+        const bool has_year =
+            row.scattering_source.find_first_of("0123456789") != std::string_view::npos;
+        EXPECT_TRUE(row.scattering_source.starts_with("estimate: ") || has_year) << row.name;
+        EXPECT_EQ(row.material.scattering.points().size(), 7U) << row.name;
+        for (const EnergyCoefficient::Point& point : row.material.scattering.points()) {
+            EXPECT_TRUE(row.name == "opening" ? point.value == 0.0 : point.value >= 0.05)
+                << row.name;
+        }
+    }
+}
+
+// s = 0.5 sqrt(depth / wavelength), 0.05 ... 0.99, to two digits.
+TEST(MaterialLibrary, ScatteringOfStructuresFollowsTheFormula) {
+    std::size_t rows = 0;
+    for (const LibraryMaterial& row : material_library()) {
+        const std::string source(row.scattering_source);
+        if (source.find("sqrt") == std::string::npos) {
+            continue;
+        }
+        ++rows;
+        const std::string words = "a structure ";
+        const double depth = std::stod(source.substr(source.find(words) + words.size())) / 1000.0;
+        for (const EnergyCoefficient::Point& point : row.material.scattering.points()) {
+            const double expected = 0.5 * std::sqrt(depth * point.frequency_hz / 343.2);
+            EXPECT_NEAR(point.value, std::clamp(expected, 0.05, 0.99), 0.005 + 1e-9)
+                << row.name << " at " << point.frequency_hz;
+        }
+    }
+    EXPECT_EQ(rows, 14U);
 }
 
 TEST(MaterialLibrary, FindsEveryRowByNameAndNothingElse) {
