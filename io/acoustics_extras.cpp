@@ -209,7 +209,7 @@ bool read_flag(const Json& flag, const char* key, const Place& place) {
 /// A library row, and what is given beside it in its place.
 Material material_of(const Json& acoustics, const Place& place, Warnings& warnings) {
     warn_of_unknown_keys(acoustics, kMaterialKeys, place, warnings);
-    Material material;
+    Material material = default_material();
     if (acoustics.contains("library")) {
         material = library_material(acoustics["library"], place);
     }
@@ -252,9 +252,16 @@ std::string nearest_library_names(const std::string& name) {
     return text.empty() ? "see earshot materials" : text + " (see earshot materials)";
 }
 
+Material default_material() {
+    Material material;
+    material.absorption = EnergyCoefficient(0.1);
+    material.scattering = EnergyCoefficient(0.1);
+    return material;
+}
+
 ReadMaterial material_named(const std::string& name) {
     std::optional<Material> row = propagation::find_library_material(name);
-    ReadMaterial read{.material = row ? std::move(*row) : Material{}, .is_default = !row};
+    ReadMaterial read{.material = row ? std::move(*row) : default_material(), .is_default = !row};
     read.material.name = name;
     return read;
 }

@@ -114,7 +114,7 @@ Warnings warnings_of_acoustics(const LoadedScene& loaded) {
          (indices.size() == 1
               ? "material " + names + " has no acoustic data and takes"
               : std::to_string(indices.size()) + " materials have no acoustic " + "data and take") +
-             " absorption 0.1" + (indices.size() == 1 ? "" : ": " + names)});
+             " absorption 0.1 and scattering 0.1" + (indices.size() == 1 ? "" : ": " + names)});
     return warnings;
 }
 

@@ -17,7 +17,7 @@ struct LoadedScene {
     Warnings warnings;           ///< each names what was odd
     Warnings acoustic_warnings;  ///< the same of acoustic data; of no matter where none is used
     /// Indices into the scene's materials, ascending: those of a triangle that have no acoustic
-    /// data and take the default (propagation::Material{}).
+    /// data and take the default: absorption 0.1 and scattering 0.1.
     std::vector<std::uint32_t> default_materials;
 };
 

@@ -10,6 +10,10 @@
 
 namespace earshot::io {
 
+/// What a scene file's material is where the file does not say: absorption 0.1 and scattering 0.1
+/// in every band. Real walls are not mirrors; those of propagation::Material{} are.
+propagation::Material default_material();
+
 /// A material, and whether its acoustic data is the default for want of any.
 struct ReadMaterial {
     propagation::Material material;

@@ -139,10 +139,12 @@ TEST_F(ModelMeaning, MaterialsAreAssignedByPatternAndFile) {
     };
     const std::vector<std::string> plain = {"--up", "z", "--no-air-absorption"};
     ASSERT_EQ(ir({1.0}, plain).status, 0);
-    EXPECT_NEAR(first_pressure("Carpet floor"), std::sqrt(0.9), 1e-12);
+    // The default: absorption 0.1, and scattering 0.1 of what is reflected.
+    EXPECT_NEAR(first_pressure("Carpet floor"), std::sqrt(0.9 * 0.9), 1e-12);
 
     std::ofstream(folder_.path() / "room.materials.json")
-        << R"({"Carpet*": {"absorption": 0.36}, "Wall ?": {"absorption": 0.75}})";
+        << R"({"Carpet*": {"absorption": 0.36, "scattering": 0},
+                "Wall ?": {"absorption": 0.75, "scattering": 0}})";
     RunResult result = ir({1.0}, plain);
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_NEAR(first_pressure("Carpet floor"), 0.8, 1e-12);

@@ -42,6 +42,20 @@ TEST(AcousticsExtras, ReadsCoefficientsPerBandAndPlain) {
     EXPECT_EQ(loaded.scene.material_of_triangle, std::vector<std::uint32_t>{0});
 }
 
+// Real walls are not mirrors, unless the file says so.
+TEST(AcousticsExtras, OnlyAnExplicitZeroScattersNothing) {
+    const Material silent = load_with_acoustics({{"absorption", 0.3}}).scene.materials[0];
+    EXPECT_EQ(silent.scattering.at(500.0), 0.1);
+    const Material mirror =
+        load_with_acoustics({{"absorption", 0.3}, {"scattering", 0}}).scene.materials[0];
+    EXPECT_EQ(mirror.scattering.at(500.0), 0.0);
+    const Material nameless = load_with({{"name", "wall"}}).scene.materials[0];
+    EXPECT_EQ(nameless.scattering.at(500.0), 0.1);
+    const Material row = load_with_acoustics("marble").scene.materials[0];
+    EXPECT_EQ(row.scattering.at(500.0), 0.05);
+    EXPECT_EQ(Material{}.scattering.at(500.0), 0.0);
+}
+
 TEST(AcousticsExtras, RefusesMoreTransmissionThanAbsorption) {
     try {
         load_with_acoustics({{"absorption", 0.1}, {"transmission", 0.5}});
@@ -56,7 +70,9 @@ TEST(AcousticsExtras, RefusesMoreTransmissionThanAbsorption) {
 TEST(AcousticsExtras, CoefficientsNotGivenAreTheDefaults) {
     const Material wall = load_with_acoustics(Json::object()).scene.materials[0];
     EXPECT_EQ(wall.absorption.at(1000.0), 0.1);
-    EXPECT_EQ(wall.scattering.at(1000.0), 0.0);
+    for (const double frequency_hz : {31.5, 1000.0, 16000.0}) {
+        EXPECT_EQ(wall.scattering.at(frequency_hz), 0.1);
+    }
     EXPECT_EQ(wall.transmission.at(1000.0), 0.0);
     EXPECT_FALSE(wall.one_sided);
 }

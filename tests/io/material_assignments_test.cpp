@@ -72,6 +72,18 @@ TEST(MaterialAssignments, AnUnknownLibraryNameIsToldWithItsNeighbours) {
     }
 }
 
+TEST_F(MaterialFile, ScatteringNotGivenIsTheDefaultAndZeroStaysZero) {
+    Warnings warnings;
+    const auto read = read_material_assignments(
+        write(R"({"Wall": {"absorption": 0.3}, "Ice": {"absorption": 0.3, "scattering": 0},
+                  "Glass": "glass-3mm"})"),
+        warnings);
+    ASSERT_EQ(read.size(), 3U);
+    EXPECT_EQ(read[0].material.scattering.at(500.0), 0.1);
+    EXPECT_EQ(read[1].material.scattering.at(500.0), 0.0);
+    EXPECT_EQ(read[2].material.scattering.at(500.0), 0.05);
+}
+
 TEST(MaterialAssignments, TheLastMatchCounts) {
     LoadedScene loaded = scene_with({"Carpet red", "Carpet blue", "Wall"});
     const std::vector<MaterialAssignment> assignments = {

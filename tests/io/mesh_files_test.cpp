@@ -175,6 +175,8 @@ TEST(MeshFiles, TheSameCubeInEveryFormatIsTheSameScene) {
         EXPECT_EQ(loaded.scene.material_of_triangle, std::vector<std::uint32_t>(12, 0)) << name;
         ASSERT_EQ(loaded.scene.materials.size(), 1U) << name;
         EXPECT_EQ(loaded.scene.materials[0].name, "default");
+        EXPECT_EQ(loaded.scene.materials[0].absorption.at(500.0), 0.1) << name;
+        EXPECT_EQ(loaded.scene.materials[0].scattering.at(500.0), 0.1) << name;
         EXPECT_TRUE(loaded.warnings.empty()) << name;
         EXPECT_EQ(loaded.default_materials, std::vector<std::uint32_t>{0}) << name;
         EXPECT_EQ(loaded.scene.name, name);
