@@ -2,6 +2,7 @@
 #include "earshot/cli/response_job.h"
 
 #include "earshot/base/stage_progress.h"
+#include "earshot/cli/decay_notes.h"
 #include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/metrics.h"
@@ -88,6 +89,7 @@ public:
 
             start = std::chrono::steady_clock::now();
             write_responses(pairs, frame);
+            explain_decays(simulator, frame);
             std::move(pairs.begin(), pairs.end(), std::back_inserter(all_pairs_));
             summary_.response_seconds += seconds_since(start);
             start = std::chrono::steady_clock::now();
@@ -111,12 +113,13 @@ private:
         for (const propagation::Emitter& source : job_.scene.sources) {
             sources.push_back(job_.scene.pose_at(source, time).position);
         }
-        return propagation::room_statistics(simulator.ray_scene(),
-                                            sources,
-                                            {.bands = job_.simulation.bands,
-                                             .air = job_.simulation.air,
-                                             .air_absorption = job_.simulation.air_absorption},
-                                            executor_);
+        return propagation::room_statistics(
+            simulator.ray_scene(), sources, room_options(), executor_);
+    }
+    propagation::RoomStatisticsOptions room_options() const {
+        return {.bands = job_.simulation.bands,
+                .air = job_.simulation.air,
+                .air_absorption = job_.simulation.air_absorption};
     }
 
     /// Visible sets only ever leave paths out.
@@ -148,6 +151,15 @@ private:
             100.0 * errors.t30,
             errors.level_db);
         summary_.notes.push_back({name, text.data()});
+    }
+
+    /// Of the first time, of which the room is known.
+    void explain_decays(const propagation::Simulator& simulator, std::size_t frame) {
+        if (frame == 0 && summary_.room) {
+            const Warnings notes = explain_long_decays(
+                simulator, job_.scene, *summary_.room, room_options(), summary_.metrics, executor_);
+            summary_.notes.insert(summary_.notes.end(), notes.begin(), notes.end());
+        }
     }
 
     void write(const std::string& name, const std::string& bytes) {
