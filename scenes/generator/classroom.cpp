@@ -44,8 +44,10 @@ Faces desk(const Vec3& at, double width, std::size_t material) {
 }
 
 void furnish(SceneDraft& draft) {
-    const std::size_t board = draft.library_material("wood-panelling-16mm", kWood);
+    const std::size_t board = draft.library_material("wood-panelling-25mm", kWood);
     const std::size_t seat = draft.library_material("seats-wooden", kGold);
+    draft.take_scattering(board, "students-tablet-arm-chairs");
+    draft.take_scattering(seat, "students-tablet-arm-chairs");
     Faces desks;
     Faces chairs;
     for (int row = 0; row < 4; ++row) {
@@ -66,16 +68,20 @@ void furnish(SceneDraft& draft) {
 SceneDraft make_classroom(const ClassroomOptions& options) {
     SceneDraft draft;
     draft.name = "classroom";
-    const std::size_t plaster = draft.library_material("plaster-on-brick", kPlaster);
+    const std::size_t lining = draft.library_material("wood-panelling-16mm", kPlaster);
     const std::size_t linoleum = draft.library_material("linoleum-on-concrete", kGreen);
-    const std::size_t ceiling = draft.library_material("gypsum-board-perforated", kGrey);
+    const std::size_t ceiling = draft.library_material("acoustic-plaster-25mm", kGrey);
     const std::size_t glass = draft.library_material("glass-double-glazing", kGlass);
     const std::size_t door = draft.library_material("door-solid-wood", kDarkWood);
     const std::size_t slate = draft.library_material("steel", kGreen);
     const std::size_t cupboard = draft.library_material("plywood-10mm", kWood);
+    // Shelves, pictures, coats on their hooks: what stands and hangs at the walls, metres deep.
+    constexpr double kFittings = 0.15;
+    draft.set_structure(lining, kFittings);
+    draft.set_structure(cupboard, kFittings);
 
     const Box room{{0.0, 0.0, 0.0}, {7.2, 3.2, 9.0}};
-    Carving walls(plaster);
+    Carving walls(lining);
     walls.carve(room);
     walls.paint(room, linoleum, Facing::up);
     walls.paint(room, ceiling, Facing::down);
@@ -83,7 +89,7 @@ SceneDraft make_classroom(const ClassroomOptions& options) {
         const double z = 1.1 + 2.6 * window;
         const Box recess{{-0.18, 0.95, z}, {0.0, 2.75, z + 1.9}};
         walls.carve(recess);
-        walls.paint(recess, plaster);
+        walls.paint(recess, lining);
         walls.paint({recess.low, {-0.18, 2.75, z + 1.9}}, glass, Facing::right);
     }
     const Box doorway{{7.2, 0.0, 7.6}, {7.26, 2.05, 8.55}};

@@ -98,12 +98,27 @@ public:
     }
 
 private:
+    static Json by_octave(const Octaves& values) {
+        Json json;
+        for (std::size_t octave = 0; octave < values.size(); ++octave) {
+            json[std::to_string(125U << octave)] = values[octave];
+        }
+        return json;
+    }
+
     void add_material(const SurfaceMaterial& material) {
         Json acoustics;
         if (material.library.empty()) {
             acoustics["absorption"] = material.absorption;
+            acoustics["scattering"] = material.scattering;
         } else {
             acoustics["library"] = material.library;
+        }
+        if (material.row_absorption) {
+            acoustics["absorption"] = by_octave(*material.row_absorption);
+        }
+        if (material.row_scattering) {
+            acoustics["scattering"] = by_octave(*material.row_scattering);
         }
         const auto& [red, green, blue] = material.colour;
         materials_.push_back({{"name", material.name},

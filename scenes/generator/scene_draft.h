@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,11 +16,17 @@ namespace earshot::scenes {
 
 using geometry::Vec3;
 
+/// Energy coefficients of the octaves from 125 Hz to 8 kHz.
+using Octaves = std::array<double, 7>;
+
 /// What a surface is made of, and how it looks in a viewer.
 struct SurfaceMaterial {
     std::string name;
-    std::string library;      ///< row of the material library; empty: `absorption` counts
+    std::string library;      ///< row of the material library; empty: what follows counts
     double absorption = 0.0;  ///< energy coefficient in all bands
+    double scattering = 0.0;  ///< likewise
+    /// In place of the row's coefficients, where given.
+    std::optional<Octaves> row_absorption{}, row_scattering{};
     std::array<double, 3> colour = {0.8, 0.8, 0.8};  ///< linear red, green, blue in 0..1
     bool in_picture = true;  ///< false: left out of drawings, where it would only be in the way
 };
@@ -69,7 +76,20 @@ struct SceneDraft {
     /// if the library has no such row.
     std::size_t library_material(const std::string& row, std::array<double, 3> colour);
 
-    /// Index of a new material that absorbs the same in all bands.
+    /// Gives a material the coefficients of another row; its name stays. `coverage` is the number
+    /// of square metres of the row on each of the modelled surface, as audience is measured per
+    /// area of floor: the factor of the absorption.
+    void spread_row(std::size_t material, const std::string& row, double coverage);
+
+    /// Gives a material the scattering of a row.
+    void take_scattering(std::size_t material, const std::string& row);
+
+    /// Gives a material the scattering of a structure `depth` metres deep: 0.5 sqrt(depth /
+    /// wavelength), 0.1 ... 0.99 (Postma and Katz 2015), to two digits.
+    void set_structure(std::size_t material, double depth);
+
+    /// Index of a new material that absorbs the same in all bands and scatters nothing, as the
+    /// closed-form solutions demand.
     std::size_t plain_material(std::string material_name, double absorption);
 
     void add_geometry(std::string node_name, Faces faces);

@@ -151,12 +151,49 @@ TEST(Models, LoadWithoutWarningAsAuthored) {
                     << draft.name << " " << emitter.name;
             }
         }
-        for (const propagation::Material& material : loaded.scene.materials) {
-            const auto row = propagation::find_library_material(material.name);
-            EXPECT_EQ(material.absorption.at(500.0), row ? row->absorption.at(500.0) : 0.2)
+        ASSERT_EQ(loaded.scene.materials.size(), draft.materials.size()) << draft.name;
+        for (std::size_t i = 0; i < draft.materials.size(); ++i) {
+            const propagation::Material& material = loaded.scene.materials[i];
+            const SurfaceMaterial& drafted = draft.materials[i];
+            const auto row = propagation::find_library_material(drafted.library);
+            constexpr std::size_t k500Hz = 2;
+            EXPECT_EQ(material.name, drafted.name);
+            EXPECT_EQ(material.absorption.at(500.0),
+                      drafted.row_absorption ? (*drafted.row_absorption)[k500Hz]
+                      : row                  ? row->absorption.at(500.0)
+                                             : 0.2)
+                << draft.name << " " << material.name;
+            EXPECT_EQ(material.scattering.at(500.0),
+                      drafted.row_scattering ? (*drafted.row_scattering)[k500Hz]
+                      : row                  ? row->scattering.at(500.0)
+                                             : 0.0)
                 << draft.name << " " << material.name;
         }
     }
+}
+
+// The closed form of the box and of the L room is that of mirrors.
+TEST(Models, WallsOfTheClosedFormsSayThatTheyScatterNothing) {
+    for (const char* name : {"shoebox.gltf", "lroom.gltf"}) {
+        const auto file = test::source_file("scenes") / name;
+        for (const auto& material : io::load_scene(file).scene.materials) {
+            for (const double frequency_hz : {31.5, 1000.0, 16000.0}) {
+                EXPECT_EQ(material.scattering.at(frequency_hz), 0.0) << name;
+            }
+        }
+    }
+}
+
+TEST(Models, StructureScattersByItsDepth) {
+    SceneDraft draft;
+    const std::size_t wall = draft.library_material("marble", {});
+    draft.set_structure(wall, 0.1);
+    // 0.5 sqrt(0.1 f / 343.2): 0.095, 0.135, 0.191, 0.270, 0.382, 0.540, 0.763.
+    EXPECT_EQ(*draft.materials[wall].row_scattering,
+              (Octaves{0.1, 0.13, 0.19, 0.27, 0.38, 0.54, 0.76}));
+    draft.spread_row(wall, "audience-upholstered-seats", 0.5);
+    EXPECT_EQ((*draft.materials[wall].row_absorption)[0], 0.31);
+    EXPECT_EQ(draft.materials[wall].name, "marble");
 }
 
 TEST(Models, ShoeboxHasSixFacets) {
