@@ -2,16 +2,15 @@
 // Equalises the HRIRs of a SOFA file and writes them in the form that io/default_hrir_set.cpp
 // carries in the library. Run by the build.
 #include "earshot/audio/diffuse_field.h"
+#include "earshot/base/math.h"
 
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <exception>
 #include <fstream>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -57,14 +56,15 @@ HrirSet read_kemar(const std::string& path) {
     HrirSet set{.sample_rate = rate.at(0), .directions{}, .centre_delay = 0.0};
     auto next = samples.begin();
     for (std::size_t i = 0; i < dimensions[0]; ++i) {
-        const double azimuth = positions[3 * i] * std::numbers::pi / 180.0;
-        const double elevation = positions[3 * i + 1] * std::numbers::pi / 180.0;
-        set.directions.push_back({.towards = {std::cos(elevation) * std::cos(azimuth),
-                                              std::cos(elevation) * std::sin(azimuth),
-                                              std::sin(elevation)},
-                                  .left{next, next + taps},
-                                  .right{next + taps, next + 2 * taps},
-                                  .distance = positions[3 * i + 2]});
+        const double azimuth = positions[3 * i] * earshot::math::kPi / 180.0;
+        const double elevation = positions[3 * i + 1] * earshot::math::kPi / 180.0;
+        set.directions.push_back(
+            {.towards = {earshot::math::cos(elevation) * earshot::math::cos(azimuth),
+                         earshot::math::cos(elevation) * earshot::math::sin(azimuth),
+                         earshot::math::sin(elevation)},
+             .left{next, next + taps},
+             .right{next + taps, next + 2 * taps},
+             .distance = positions[3 * i + 2]});
         next += 2 * taps;
     }
     return set;
