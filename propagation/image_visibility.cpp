@@ -25,6 +25,8 @@ namespace {
 /// Images of one point in triangles of one plane differ by less than this, metres: far above
 /// rounding and far below what changes a sound field.
 constexpr double kMaxImageDistance = 1e-6;
+/// Relative, of the walls of a rectangular room.
+constexpr double kRounding = 1e-9;
 
 Vec3 mirrored(const Vec3& point, const Vec3& plane_point, const Vec3& normal) {
     return point - 2.0 * glm::dot(point - plane_point, normal) * normal;
@@ -119,10 +121,42 @@ std::vector<Vec3> RayTracer::draw_ball_points(const Vec3& centre) const {
     return points;
 }
 
-/// The edges of a rectangular room of one material per wall, or nothing: there, all of what a
-/// listener sees of the room sees every image. The corner at the origin of the edges comes first.
+/// Whether every triangle is a part of a wall, and walls are whole and of one material.
+bool RayTracer::has_whole_walls(const RectangularRoom& room,
+                                std::span<const std::size_t> axis_of_triangle) const {
+    const geometry::MeshView& mesh = scene_.mesh;
+    double areas[3][2] = {};
+    std::optional<std::uint32_t> materials[3][2];
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const auto [a, b, c] = geometry::corners(mesh, i);
+        const std::size_t axis = axis_of_triangle[i];
+        const double extent = room.high[axis] - room.low[axis];
+        const double position = glm::dot(room.axes[axis], a);
+        const std::size_t side = position > 0.5 * (room.low[axis] + room.high[axis]) ? 1 : 0;
+        const double wall = side == 1 ? room.high[axis] : room.low[axis];
+        auto& material = materials[axis][side];
+        if (std::abs(position - wall) > kRounding * extent ||
+            (material && *material != scene_.material_of_triangle[i])) {
+            return false;
+        }
+        material = scene_.material_of_triangle[i];
+        areas[axis][side] += 0.5 * glm::length(glm::cross(b - a, c - a));
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const double area = (room.high[u] - room.low[u]) * (room.high[v] - room.low[v]);
+        for (const double found : areas[axis]) {
+            if (std::abs(found - area) > kRounding * area) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/// The room, if it is rectangular and has one material per wall: there, every image that a listener
+/// sees is visible from all of the room, by one order of its mirrors or another.
 std::optional<RectangularRoom> RayTracer::find_rectangular_room() const {
-    constexpr double kRounding = 1e-9;
     const geometry::MeshView& mesh = scene_.mesh;
     // Axes: the normals.
     std::vector<Vec3> axes;
@@ -155,32 +189,8 @@ std::optional<RectangularRoom> RayTracer::find_rectangular_room() const {
             }
         }
     }
-    // Every triangle is a part of a wall, and walls are whole and of one material.
-    double areas[3][2] = {};
-    std::optional<std::uint32_t> materials[3][2];
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const auto [a, b, c] = geometry::corners(mesh, i);
-        const std::size_t axis = axis_of_triangle[i];
-        const double extent = room.high[axis] - room.low[axis];
-        const double position = glm::dot(axes[axis], a);
-        const std::size_t side = position > 0.5 * (room.low[axis] + room.high[axis]) ? 1 : 0;
-        const double wall = side == 1 ? room.high[axis] : room.low[axis];
-        auto& material = materials[axis][side];
-        if (std::abs(position - wall) > kRounding * extent ||
-            (material && *material != scene_.material_of_triangle[i])) {
-            return std::nullopt;
-        }
-        material = scene_.material_of_triangle[i];
-        areas[axis][side] += 0.5 * glm::length(glm::cross(b - a, c - a));
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
-        const double area = (room.high[u] - room.low[u]) * (room.high[v] - room.low[v]);
-        for (const double found : areas[axis]) {
-            if (std::abs(found - area) > kRounding * area) {
-                return std::nullopt;
-            }
-        }
+    if (!has_whole_walls(room, axis_of_triangle)) {
+        return std::nullopt;
     }
     return room;
 }

@@ -94,7 +94,7 @@ public:
     Experiment(const RayTracer& tracer, std::size_t listeners, const RayOptions& options)
         : tracer_(tracer), options_(options), batches_(options), is_active_(listeners, 1) {
         for (std::size_t k = 0; k < listeners; ++k) {
-            sums_.emplace_back(options, k, tracer.bins(), tracer.spans());
+            sums_.emplace_back(options, k, tracer.bins(), tracer.direction_intervals());
         }
     }
 

@@ -48,11 +48,11 @@ double standard_error(std::span<const double> values) {
 ListenerSums::ListenerSums(const RayOptions& options,
                            std::size_t listener,
                            std::size_t bins,
-                           std::size_t spans)
+                           std::size_t direction_intervals)
     : options_(options),
       listener_(listener),
       bins_(bins),
-      spans_(spans),
+      direction_intervals_(direction_intervals),
       energy_(bins * options.bands.count()),
       squares_(bins * options.bands.count()),
       replicates_(bins, options.bin, options.bands.count()),
@@ -68,7 +68,7 @@ ListenerSums::ListenerSums(const RayOptions& options,
         }
     }
     if (options.report_directions) {
-        directions_.resize(spans * audio::kDirectionParts * bands);
+        directions_.resize(direction_intervals * audio::kDirectionParts * bands);
     }
 }
 
@@ -106,7 +106,7 @@ audio::EnergyHistogram ListenerSums::histogram() const {
         }
     }
     if (options_.report_directions) {
-        result.directions.resize(spans_);
+        result.directions.resize(direction_intervals_);
         const double* from = directions_.data();
         for (auto& parts : result.directions) {
             for (Spectrum& part : parts) {

@@ -18,6 +18,7 @@ namespace earshot::propagation {
 
 using audio::Spectrum;
 using geometry::Ray;
+using geometry::TriangleId;
 using geometry::Vec3;
 
 namespace {
@@ -26,7 +27,7 @@ namespace {
 struct SpecularRay {
     std::size_t start = 0;
     Ray ray;
-    geometry::TriangleId origin_triangle = 0;
+    TriangleId origin_triangle = 0;
     double travelled = 0.0;
     Spectrum energy{};  // re the start
 };
@@ -38,7 +39,69 @@ struct Choice {
     double chosen = 0.0, all = 0.0;  // scattered energy, sums over bands
 };
 
+/// Adds the place that a ray meets to its choice, and reflects it there. `random` is even in 0
+/// ... 1.
+void add_place(const geometry::Hit& hit,
+               const RaySurface& surface,
+               double random,
+               SpecularRay& ray,
+               Choice& choice) {
+    ray.travelled += hit.t;
+    const double scattered =
+        std::inner_product(ray.energy.begin(), ray.energy.end(), surface.scattered.begin(), 0.0);
+    choice.all += scattered;
+    if (scattered > 0.0 && scattered > choice.all * random) {
+        choice.chosen = scattered;
+        choice.place = {.start = ray.start,
+                        .ray = ray.ray,
+                        .hit = hit,
+                        .travelled = ray.travelled,
+                        .energy = ray.energy};
+    }
+    for (std::size_t band = 0; band < ray.energy.size(); ++band) {
+        ray.energy[band] *= surface.specular[band];
+    }
+}
+
+void reflect(const geometry::Hit& hit,
+             const Vec3& triangle_normal,
+             double offset,
+             SpecularRay& ray) {
+    const double along = glm::dot(triangle_normal, ray.ray.direction);
+    const Vec3 normal = (along > 0.0 ? -1.0 : 1.0) * triangle_normal;
+    ray.ray.origin += hit.t * ray.ray.direction + offset * normal;
+    ray.ray.direction = glm::normalize(ray.ray.direction - 2.0 * along * triangle_normal);
+    ray.origin_triangle = hit.triangle;
+}
+
+std::vector<std::optional<geometry::Hit>> closest_hits(const bvh::WideTree& tree,
+                                                       const geometry::MeshView& mesh,
+                                                       std::span<const SpecularRay> specular,
+                                                       bool are_reflected) {
+    std::vector<Ray> rays;
+    std::vector<TriangleId> origin_triangles;
+    for (const SpecularRay& ray : specular) {
+        rays.push_back(ray.ray);
+        origin_triangles.push_back(ray.origin_triangle);
+    }
+    std::vector<std::optional<geometry::Hit>> hits(rays.size());
+    if (are_reflected) {
+        bvh::closest_hits(tree,
+                          mesh,
+                          bvh::SecondaryRays{.rays = rays, .origin_triangles = origin_triangles},
+                          hits);
+    } else {
+        bvh::closest_hits(tree, mesh, rays, hits);
+    }
+    return hits;
+}
+
 }  // namespace
+
+const RaySurface& RayTracer::reversed_surface(TriangleId triangle, const Vec3& direction) const {
+    const TriangleSurface& surface = triangle_surfaces_[triangle];
+    return reversed_surfaces_[surface.front + (glm::dot(surface.normal, direction) > 0.0 ? 1 : 0)];
+}
 
 // A ray meets up to kMaxNearReflections + 1 places. It goes on from one of them: each energy is
 // divided by the probability of the choice.
@@ -52,65 +115,26 @@ std::vector<NearScattering> RayTracer::find_near_scattering(const Vec3& from,
         specular.push_back({.start = i, .ray = {from, directions[i]}, .energy = whole});
     }
     std::vector<Choice> choices(directions.size());
-    std::vector<Ray> rays;
-    std::vector<geometry::TriangleId> origin_triangles;
-    std::vector<std::optional<geometry::Hit>> hits;
-    for (int reflections = 0; reflections <= kMaxNearReflections && !specular.empty();
-         ++reflections) {
-        rays.clear();
-        origin_triangles.clear();
-        for (const SpecularRay& ray : specular) {
-            rays.push_back(ray.ray);
-            origin_triangles.push_back(ray.origin_triangle);
-        }
-        hits.resize(rays.size());
-        if (reflections == 0) {
-            bvh::closest_hits(wide_, scene_.mesh, rays, hits);
-        } else {
-            bvh::closest_hits(
-                wide_,
-                scene_.mesh,
-                bvh::SecondaryRays{.rays = rays, .origin_triangles = origin_triangles},
-                hits);
-        }
+    for (std::uint64_t reflections = 0; reflections <= kMaxNearReflections; ++reflections) {
+        const auto hits = closest_hits(wide_, scene_.mesh, specular, reflections > 0);
         std::size_t kept = 0;
         for (std::size_t i = 0; i < specular.size(); ++i) {
-            SpecularRay ray = specular[i];
+            SpecularRay& ray = specular[i];
             if (!hits[i] || !(ray.travelled + hits[i]->t < kNearDistance)) {
                 continue;
             }
-            const geometry::Hit& hit = *hits[i];
-            const TriangleSurface& triangle = triangle_surfaces_[hit.triangle];
-            const double along = glm::dot(triangle.normal, ray.ray.direction);
-            const RaySurface& surface = reversed_surfaces_[triangle.front + (along > 0.0 ? 1 : 0)];
-            ray.travelled += hit.t;
-            const double scattered = std::inner_product(
-                ray.energy.begin(), ray.energy.end(), surface.scattered.begin(), 0.0);
-            Choice& choice = choices[ray.start];
-            choice.all += scattered;
-            const std::uint64_t id = (first_id + ray.start) * (kMaxNearReflections + 1);
-            if (scattered > 0.0 &&
-                scattered > choice.all * random(options_.seed,
-                                                kNearScatteringStream,
-                                                id + static_cast<std::uint64_t>(reflections))) {
-                choice.chosen = scattered;
-                choice.place = {.start = ray.start,
-                                .ray = ray.ray,
-                                .hit = hit,
-                                .travelled = ray.travelled,
-                                .energy = ray.energy};
-            }
-            double largest = 0.0;
-            for (std::size_t band = 0; band < bands_; ++band) {
-                ray.energy[band] *= surface.specular[band];
-                largest = std::max(largest, ray.energy[band]);
-            }
-            if (largest > 0.0) {
-                const Vec3 normal = (along > 0.0 ? -1.0 : 1.0) * triangle.normal;
-                ray.ray.origin += hit.t * ray.ray.direction + self_intersection_offset_ * normal;
-                ray.ray.direction =
-                    glm::normalize(ray.ray.direction - 2.0 * along * triangle.normal);
-                ray.origin_triangle = hit.triangle;
+            const std::uint64_t id =
+                (first_id + ray.start) * (kMaxNearReflections + 1) + reflections;
+            add_place(*hits[i],
+                      reversed_surface(hits[i]->triangle, ray.ray.direction),
+                      random(options_.seed, kNearScatteringStream, id),
+                      ray,
+                      choices[ray.start]);
+            if (*std::max_element(ray.energy.begin(), ray.energy.end()) > 0.0) {
+                reflect(*hits[i],
+                        triangle_surfaces_[hits[i]->triangle].normal,
+                        self_intersection_offset_,
+                        ray);
                 specular[kept++] = ray;
             }
         }
@@ -122,9 +146,7 @@ std::vector<NearScattering> RayTracer::find_near_scattering(const Vec3& from,
             continue;
         }
         NearScattering& place = choice.place;
-        const TriangleSurface& triangle = triangle_surfaces_[place.hit.triangle];
-        const bool is_back = glm::dot(triangle.normal, place.ray.direction) > 0.0;
-        const RaySurface& surface = reversed_surfaces_[triangle.front + (is_back ? 1 : 0)];
+        const RaySurface& surface = reversed_surface(place.hit.triangle, place.ray.direction);
         for (std::size_t band = 0; band < bands_; ++band) {
             place.energy[band] *= choice.all / choice.chosen;
             place.share = std::max(place.share, place.energy[band] * surface.scattered[band]);

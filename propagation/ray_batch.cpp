@@ -388,8 +388,8 @@ BatchResult RayTracer::trace(std::uint64_t index,
     BatchResult result;
     result.energy.assign(receivers_.size() * bins_ * bands_, 0.0);
     if (options_.report_directions) {
-        result.directions.assign(receivers_.size() * spans() * audio::kDirectionParts * bands_,
-                                 0.0);
+        result.directions.assign(
+            receivers_.size() * direction_intervals() * audio::kDirectionParts * bands_, 0.0);
     }
     const std::uint64_t first_id = index * kMaxBatchRays;
     const glm::dmat3 rotation = random_rotation(options_.seed, 0, index);

@@ -223,8 +223,11 @@ void RayBatch<kBands>::record_at_listener(std::size_t listener,
         return;
     }
     const std::size_t part = audio::direction_part({towards.x, towards.y, towards.z});
-    const std::size_t span = listener * tracer_.spans() + bin / audio::kBinsPerSpan;
-    add(share, energy, result_.directions.data() + (span * audio::kDirectionParts + part) * kBands);
+    const std::size_t interval =
+        listener * tracer_.direction_intervals() + bin / audio::kBinsPerSpan;
+    add(share,
+        energy,
+        result_.directions.data() + (interval * audio::kDirectionParts + part) * kBands);
 }
 
 /// Adds scattered energy to every receiver that is visible from where it was scattered (Heinz

@@ -215,7 +215,7 @@ void RayTracer::describe_triangles() {
     }
 }
 
-std::size_t RayTracer::spans() const noexcept {
+std::size_t RayTracer::direction_intervals() const noexcept {
     return chunk_count(bins_, audio::kBinsPerSpan);
 }
 

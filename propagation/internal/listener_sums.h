@@ -16,12 +16,12 @@ namespace earshot::propagation {
 /// one experiment, so their spread tells the standard errors.
 class ListenerSums {
 public:
-    /// `bins` and `spans` as in the results, in which the listener has number `listener`. Both
-    /// arguments must outlive the sums.
+    /// `bins` and `direction_intervals` as in the results, in which the listener has number
+    /// `listener`. Both arguments must outlive the sums.
     ListenerSums(const RayOptions& options,
                  std::size_t listener,
                  std::size_t bins,
-                 std::size_t spans);
+                 std::size_t direction_intervals);
 
     void add(const BatchResult& batch, std::size_t rays);
 
@@ -39,7 +39,7 @@ private:
     }
 
     const RayOptions& options_;
-    std::size_t listener_, bins_, spans_;
+    std::size_t listener_, bins_, direction_intervals_;
     std::vector<double> air_loss_;  // of energy, per bin and band
     std::vector<double> energy_, squares_,
         directions_;  // as in BatchResult, times the rays of a batch

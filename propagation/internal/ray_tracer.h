@@ -28,7 +28,7 @@ inline constexpr std::uint64_t kFirstTrialStream = std::uint64_t{1} << 62;  // o
 /// The result of a batch of rays.
 struct BatchResult {
     std::vector<double> energy;      ///< listener after listener, bin after bin, band after band
-    std::vector<double> directions;  ///< listener, span, part, band; empty where nobody asked
+    std::vector<double> directions;  ///< listener, interval, part, band; empty where nobody asked
     EnergyBalance balance;
     double visible_volume = 0.0;  ///< of the source, cubic metres
 };
@@ -94,7 +94,7 @@ public:
               Executor& executor);
 
     std::size_t bins() const noexcept { return bins_; }
-    std::size_t spans() const noexcept;
+    std::size_t direction_intervals() const noexcept;
 
     /// Batch `index`, which has `rays` rays and the whole energy of the source: a replicate of the
     /// experiment, independent of other batches.
@@ -124,6 +124,8 @@ private:
     Receiver describe_receiver(const geometry::Vec3& position) const;
     void describe_receivers(std::span<const geometry::Vec3> listeners, Executor& executor);
     void describe_source();
+    const RaySurface& reversed_surface(geometry::TriangleId triangle,
+                                       const geometry::Vec3& direction) const;
     /// Of each direction at most one of the places that its ray meets, chosen by chance.
     std::vector<NearScattering> find_near_scattering(const geometry::Vec3& from,
                                                      std::span<const geometry::Vec3> directions,
@@ -143,6 +145,8 @@ private:
                         const ImageChain& chain,
                         std::uint64_t random_key) const;
     std::vector<geometry::Vec3> draw_ball_points(const geometry::Vec3& centre) const;
+    bool has_whole_walls(const RectangularRoom& room,
+                         std::span<const std::size_t> axis_of_triangle) const;
     std::optional<RectangularRoom> find_rectangular_room() const;
     void trace_reversed(std::size_t listener,
                         std::uint64_t index,

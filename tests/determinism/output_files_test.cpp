@@ -87,6 +87,21 @@ TEST(OutputFiles, AreTheSameBytesForARoom) {
                         "0.5"});
 }
 
+// Rays that start at the listener find what surfaces near it scatter.
+TEST(OutputFiles, AreTheSameBytesForAListenerNearASurface) {
+    expect_determinism({"ir",
+                        kScenes + "classroom.gltf",
+                        "--listener",
+                        "floor=3.27,0.01,1.14",
+                        "--order",
+                        "1",
+                        "--rays",
+                        "1000",
+                        "--histograms",
+                        "--length",
+                        "0.3"});
+}
+
 TEST(OutputFiles, AreTheSameBytesForAMovingScene) {
     expect_determinism({"ir",
                         kScenes + "curtain.gltf",
