@@ -21,8 +21,8 @@ using propagation::PairMetrics;
 
 constexpr std::size_t kMaxRows = 40;
 constexpr std::size_t kMaxNotes = 8;
-constexpr std::size_t kNameWidth = 14;
-constexpr std::size_t kColumnWidth = 13;
+constexpr std::size_t kNameWidth = 21;
+constexpr std::size_t kColumnWidth = 12;
 
 struct Column {
     const char* name;
@@ -49,8 +49,9 @@ std::string fixed(double value, int decimals) {
     return text.data();
 }
 
+/// To a width, with a blank at the end at least.
 std::string padded(std::string text, std::size_t width) {
-    text.resize(std::max(width, text.size()), ' ');
+    text.resize(std::max(width, text.size() + 1), ' ');
     return text;
 }
 

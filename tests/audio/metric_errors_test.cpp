@@ -25,8 +25,8 @@ struct Experiment {
     EnergyHistogram late{.full_decay = true};
     HistogramReplicates replicates;
 
-    RoomMetrics metrics() const {
-        return energy_metrics(bands(), arrivals, late, {.replicates = &replicates});
+    RoomMetrics metrics(const Bands& of = bands()) const {
+        return energy_metrics(of, arrivals, late, {.replicates = &replicates});
     }
 };
 
@@ -47,7 +47,7 @@ Experiment experiment(const Factor& factor) {
         for (std::size_t n = 0; n < kBins; ++n) {
             const double time = 1e-3 * (static_cast<double>(n) + 0.5);
             const double decay = n < 15 ? 0.0 : 1e-3 * std::pow(10.0, -6.0 * time / 0.4);
-            for (std::size_t band = 0; band < bands().count(); ++band) {
+            for (std::size_t band = 0; band < kMaxBands; ++band) {
                 const double share = decay * factor(r, time, band);
                 energy[n / kInterval][band] += share;
                 result.late.energy[n][band] += share / kReplicates;
@@ -174,6 +174,25 @@ TEST(MetricErrors, WithholdWhatIsLessCertainThanADifferenceThatIsHeard) {
     EXPECT_NE(note->text.find("more rays"), std::string::npos);
     EXPECT_NE(note_of("t30_mid", {}), metrics.notes.end());
     EXPECT_EQ(note_of("t30", 500.0), metrics.notes.end());
+}
+
+// Where all bands receive alike, thirds and octaves have one index and one error of it.
+TEST(MetricErrors, OfThirdsAreThoseOfOctavesWhereBandsAreAlike) {
+    const Experiment given = experiment([](std::size_t r, double time, std::size_t) {
+        return std::exp(0.5 * time * deviate(5, r, 0, 1)) * (1.0 + 0.1 * deviate(5, r, 0, 0));
+    });
+    const RoomMetrics octaves = given.metrics();
+    const RoomMetrics thirds = given.metrics(Bands::third_octaves());
+    EXPECT_NEAR(
+        thirds.speech_transmission_index.value(), octaves.speech_transmission_index.value(), 1e-9);
+    EXPECT_NEAR(thirds.standard_error.speech_transmission_index.value() /
+                    octaves.standard_error.speech_transmission_index.value(),
+                1.0,
+                1e-6);
+    EXPECT_NEAR(thirds.standard_error.mid.reverberation_time_t30.value() /
+                    octaves.standard_error.mid.reverberation_time_t30.value(),
+                1.0,
+                1e-6);
 }
 
 TEST(MetricErrors, NeedReplicates) {
