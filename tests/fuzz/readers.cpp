@@ -133,8 +133,13 @@ void read_wav(const fs::path& file) {
 /// What the process that reads a SOFA file by HDF5 hands back, and the set that is made of it.
 void read_sofa_reply(const fs::path& file) {
     const std::string name = file.string();
-    const audio::HrirSet set =
-        io::hrir_set_of(io::decode_sofa_reply(io::read_whole_file(file), name), name);
+    audio::HrirSet set;
+    try {
+        set = io::hrir_set_of(io::decode_sofa_reply(io::read_whole_file(file), name), name);
+    } catch (const Error&) {
+        // Its text is that of the input, which may say anything.
+        throw Error(name, "is no reply");
+    }
     require(std::isfinite(set.sample_rate) && set.sample_rate > 0.0, "sets have a sample rate");
     for (const audio::Hrir& hrir : set.directions) {
         const auto& [x, y, z] = hrir.towards;
