@@ -75,7 +75,7 @@ SceneDraft make_classroom(const ClassroomOptions& options) {
     const std::size_t door = draft.library_material("door-solid-wood", kDarkWood);
     const std::size_t slate = draft.library_material("steel", kGreen);
     const std::size_t cupboard = draft.library_material("plywood-10mm", kWood);
-    // Shelves, pictures, coats on their hooks: what stands and hangs at the walls, metres deep.
+    // Shelves, pictures, jackets on their hooks: what stands and hangs at the walls, metres deep.
     constexpr double kFittings = 0.15;
     draft.set_structure(lining, kFittings);
     draft.set_structure(cupboard, kFittings);

@@ -24,9 +24,9 @@ HallMaterials::HallMaterials(SceneDraft& draft)
       seat(draft.library_material("seats-unoccupied-upholstered", kRed)),
       bench(draft.library_material("seats-light-unoccupied", kRed)),
       canopy(draft.library_material("plywood-10mm", kGlass)) {
-    // An occupied hall, lined with wood. Audience is measured per area of floor (Beranek and Hidaka
-    // 1998): 285 m2 of the stalls, where the modelled seats have 843 m2. The benches have about the
-    // area of their floor.
+    // An occupied hall, lined with wood. An audience is measured per area of floor (Beranek and
+    // Hidaka 1998): 285 m2 of the stalls, where the modelled seats have 843 m2. The benches have
+    // about the area of their floor.
     constexpr double kSeatCoverage = 285.0 / 843.0;
     constexpr double kOrchestra = 100.0 / 217.0;  // of the area of the stage
     draft.spread_row(seat, "audience-upholstered-seats", kSeatCoverage);
