@@ -59,8 +59,11 @@ DecayCurve::DecayCurve(std::span<const double> squared,
     energy_ = sum;
     EARSHOT_ASSERT(energy_ > 0.0);
 
-    known_db_ = tail_energy > 0.0 ? static_cast<int>(-10.0 * math::log10(tail_energy / energy_))
-                                  : kMaxDepthDb;
+    // Ten decibels above the level at which the curve goes on by extrapolation it still shows the
+    // chance of the few samples before.
+    known_db_ = tail_energy > 0.0
+                    ? static_cast<int>(-10.0 * math::log10(tail_energy / energy_)) - kStepDb
+                    : kMaxDepthDb;
     const double min_energy = energy_ * math::pow10(-kMaxDepthDb / 10.0);
     for (const double remaining : remaining_) {
         if (remaining < min_energy) {

@@ -19,15 +19,19 @@ std::string in_ms(double time) {
     return std::to_string(std::lround(1000.0 * time)) + " ms";
 }
 
-// First moment of the energy about the onset, seconds.
-double centre_of(std::span<const double> squared, std::size_t onset, double sample_rate) {
-    double energy = 0.0;
+// First moment of the energy about the onset, seconds. What was cut off decays exponentially.
+double centre_of(const BandDecay& decay) {
+    double energy = decay.noise.tail_energy;
     double moment = 0.0;
-    for (std::size_t n = 0; n < squared.size(); ++n) {
-        energy += squared[n];
-        moment += squared[n] * (static_cast<double>(n) - static_cast<double>(onset));
+    if (energy > 0.0) {
+        const double time_constant = energy / decay.noise.energy;  // samples
+        moment = energy * (static_cast<double>(decay.squared.size() - decay.onset) + time_constant);
     }
-    return moment / energy / sample_rate;
+    for (std::size_t n = 0; n < decay.squared.size(); ++n) {
+        energy += decay.squared[n];
+        moment += decay.squared[n] * (static_cast<double>(n) - static_cast<double>(decay.onset));
+    }
+    return moment / energy / decay.sample_rate;
 }
 
 }  // namespace
@@ -50,6 +54,10 @@ void MetricsReader::note_extent(double after_onset) {
     };
     note({"c50", "d50"}, kSpeechLimit);
     note({"c80", "ts", "g"}, kMusicLimit);
+}
+
+bool MetricsReader::is_of_speech(std::size_t band) const noexcept {
+    return bands_.upper_edge_hz(band) > kMinSpeechHz && bands_.lower_edge_hz(band) < kMaxSpeechHz;
 }
 
 void MetricsReader::read_times(const DecayCurve& curve,
@@ -77,9 +85,10 @@ void MetricsReader::read_times(const DecayCurve& curve,
     out.early_decay_time = time(kEarlyDecay);
     out.reverberation_time_t20 = time(kT20);
     out.reverberation_time_t30 = time(kT30);
+    // Where uncertain values are withheld, what is missing is judged by its energy.
+    ends_early = ends_early && !decay.withhold_uncertain;
     any_ends_early_ |= ends_early;
-    speech_ends_early_ |= ends_early && bands_.upper_edge_hz(band) > kMinSpeechHz &&
-                          bands_.lower_edge_hz(band) < kMaxSpeechHz;
+    speech_ends_early_ |= ends_early && is_of_speech(band);
 }
 
 // Ratio of the energy before and after the limit.
@@ -96,6 +105,9 @@ std::optional<double> MetricsReader::clarity_db(const DecayCurve& curve,
 }
 
 BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
+    if (is_lost_in_noise(decay, band)) {
+        return {};
+    }
     const DecayCurve curve(decay.squared, decay.onset, decay.sample_rate, decay.noise.tail_energy);
     BandMetrics out;
     read_times(curve, decay, band, out);
@@ -105,8 +117,13 @@ BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
     }
     if (decay.after_onset >= kMusicLimit) {
         out.clarity_c80_db = clarity_db(curve, kMusicLimit, "c80", band);
-        out.centre_time = centre_of(decay.squared, decay.onset, decay.sample_rate);
+        out.centre_time = centre_of(decay);
         out.strength_db = 10.0 * math::log10(curve.energy() / (kReferenceEnergy * decay.reference));
+    }
+    if (decay.withhold_uncertain && decay.noise.energy > 0.0) {
+        limit_to_noise(curve, decay, band, out);
+    } else if (decay.withhold_uncertain) {
+        limit_to_extent(curve, decay, band, out);
     }
     return out;
 }
@@ -120,7 +137,7 @@ bool MetricsReader::note_early_ends() {
     if (speech_ends_early_) {
         add("sti", {}, "the response ends before its decay does");
     }
-    return speech_ends_early_;
+    return speech_ends_early_ || speech_is_unsure_;
 }
 
 }  // namespace earshot::audio

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/response_metrics.h"
 
+#include "earshot/audio/internal/band_course.h"
 #include "earshot/audio/internal/band_energy.h"
 #include "earshot/audio/internal/metrics_reader.h"
 #include "earshot/audio/internal/onset.h"
+#include "earshot/base/math.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +17,8 @@ RoomMetrics response_metrics(const Bands& bands,
                              const MetricsOptions& options) {
     RoomMetrics metrics;
     metrics.bands.resize(bands.count());
-    const auto onset = find_onset(response.samples);
+    metrics.noise.resize(options.ends_in_noise ? bands.count() : 0);
+    const auto onset = options.onset ? options.onset : find_onset(response.samples);
     if (!onset) {
         metrics.notes.push_back({.metric = "all", .text = "the response is silent"});
         return metrics;
@@ -30,29 +33,28 @@ RoomMetrics response_metrics(const Bands& bands,
             reader.note_band(band, "the band reaches past half the sample rate");
             continue;
         }
-        std::vector<double> squared = energy.squared(band);
-        if (std::all_of(squared.begin(), squared.end(), [](double e) { return e == 0.0; })) {
+        const BandCourse course =
+            band_course(bands, band, energy, response, *onset, options.ends_in_noise);
+        if (std::all_of(
+                course.squared.begin(), course.squared.end(), [](double e) { return e == 0.0; })) {
             reader.note_band(band, "silent");
             continue;
         }
-        const std::size_t begin = energy.lead() + *onset;
-        NoiseFloor noise;
-        if (options.ends_in_noise) {
-            const std::span<const double> signal(squared.data(),
-                                                 energy.lead() + response.samples.size());
-            noise = find_noise_floor(signal, begin, response.sample_rate);
-            squared.resize(noise.energy > 0.0 ? noise.cross_point : squared.size());
+        if (options.ends_in_noise && course.noise.energy > 0.0) {
+            metrics.noise[band] = {.level_db = 10.0 * math::log10(course.noise.energy),
+                                   .peak_to_noise_db = course.noise.peak_to_noise_db};
         }
         metrics.bands[band] =
             reader.read(band,
-                        {.squared = squared,
-                         .onset = begin,
+                        {.squared = course.squared,
+                         .onset = course.onset,
                          .sample_rate = response.sample_rate,
                          .after_onset = after_onset,
                          .reference = energy.of_unit_impulse(band),
                          .bandwidth_hz = bands.upper_edge_hz(band) - bands.lower_edge_hz(band),
-                         .noise = noise,
-                         .full_decay = options.full_decay});
+                         .noise = course.noise,
+                         .full_decay = options.full_decay,
+                         .withhold_uncertain = options.withhold_uncertain});
     }
     metrics.mid = mid_frequency_means(bands, metrics.bands);
     if (reader.note_early_ends()) {

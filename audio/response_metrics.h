@@ -5,6 +5,7 @@
 #include "earshot/audio/room_metrics.h"
 #include "earshot/audio/speech.h"
 
+#include <cstddef>
 #include <optional>
 
 namespace earshot::audio {
@@ -14,9 +15,13 @@ struct MetricsOptions {
     /// 3382-1:2009, 5.3.3; Lundeby et al. 1995). Decay times that the noise does not leave room
     /// for, 10 dB below their range, are empty.
     bool ends_in_noise = false;
+    /// Values that noise or an early end may change by a just-noticeable difference are empty.
+    bool withhold_uncertain = false;
     /// The response is known to hold the whole decay: it is not looked for signs that it was cut
     /// off.
     bool full_decay = false;
+    /// Sample of the direct sound; looked for where it is not given.
+    std::optional<std::size_t> onset{};
     /// For the speech transmission index.
     std::optional<SpeechConditions> speech{};
 };

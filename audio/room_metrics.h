@@ -57,10 +57,17 @@ struct MetricValues {
     std::optional<double> speech_transmission_index{};  ///< STI, see speech.h
 };
 
+/// The steady noise in which a measured response ends; empty where none was found.
+struct BandNoise {
+    std::optional<double> level_db;          ///< of its mean square, decibels re a sample of 1
+    std::optional<double> peak_to_noise_db;  ///< the decay's loudest 10 ms above it
+};
+
 struct RoomMetrics : MetricValues {
     /// Of the values above, where they are estimated by rays. A value is empty if twice its
     /// standard error exceeds its just-noticeable difference; the error is not.
     MetricValues standard_error{};
+    std::vector<BandNoise> noise{};   ///< one per band of a measured response, else none
     std::vector<MetricNote> notes{};  ///< why a value is empty, and the like
 };
 

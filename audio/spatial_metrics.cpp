@@ -61,13 +61,14 @@ MetricNote note_at(const char* metric, const Bands& bands, std::size_t band, con
 
 LateralMetrics lateral_metrics(const Bands& bands,
                                const ImpulseResponse& pressure,
-                               const ImpulseResponse& figure_of_eight) {
+                               const ImpulseResponse& figure_of_eight,
+                               std::optional<std::size_t> known_onset) {
     EARSHOT_ASSERT(pressure.samples.size() == figure_of_eight.samples.size());
     EARSHOT_ASSERT(pressure.sample_rate == figure_of_eight.sample_rate);
     LateralMetrics metrics;
     metrics.lateral_fraction.resize(bands.count());
     const double rate = pressure.sample_rate;
-    const auto onset = find_onset(pressure.samples);
+    const auto onset = known_onset ? known_onset : find_onset(pressure.samples);
     const std::size_t early = samples_in(kEarlyEnd, rate);
     if (!onset || pressure.samples.size() - *onset < early) {
         metrics.notes.push_back(

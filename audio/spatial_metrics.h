@@ -5,6 +5,7 @@
 #include "earshot/audio/impulse_response.h"
 #include "earshot/audio/metric_note.h"
 
+#include <cstddef>
 #include <optional>
 #include <vector>
 
@@ -19,10 +20,12 @@ struct LateralMetrics {
 /// Early lateral energy fraction: energy of the figure-of-eight from 5 to 80 ms after the direct
 /// sound over that of the pressure until 80 ms (ISO 3382-1:2009, A.2.4), from channels 0 and 1 of
 /// an ambisonic response (ACN, SN3D). In low bands the filter's ringing carries direct sound past 5
-/// ms. Precondition: both have one sample rate and size.
+/// ms. `onset`: a sample; looked for where it is not given.
+/// Precondition: both have one sample rate and size.
 LateralMetrics lateral_metrics(const Bands& bands,
                                const ImpulseResponse& pressure,
-                               const ImpulseResponse& figure_of_eight);
+                               const ImpulseResponse& figure_of_eight,
+                               std::optional<std::size_t> onset = {});
 
 /// Per band; empty where the response does not support it.
 struct BinauralMetrics {

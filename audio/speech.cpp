@@ -53,11 +53,16 @@ double modulation_transfer(const ModulationSums& sums, std::size_t frequency) {
 }
 
 /// Truncates a band at the cross point of its decay with the noise.
-void cut_noise(std::vector<double>& squared, std::size_t lead, const ImpulseResponse& response) {
+void cut_noise(std::vector<double>& squared,
+               std::size_t lead,
+               const ImpulseResponse& response,
+               double bandwidth_hz) {
     const std::span<const double> signal(squared.data(), lead + response.samples.size());
     const auto loudest = std::max_element(signal.begin(), signal.end()) - signal.begin();
-    const NoiseFloor floor =
-        find_noise_floor(signal, static_cast<std::size_t>(loudest), response.sample_rate);
+    const NoiseFloor floor = find_noise_floor({.squared = signal,
+                                               .onset = static_cast<std::size_t>(loudest),
+                                               .sample_rate = response.sample_rate,
+                                               .bandwidth_hz = bandwidth_hz});
     if (floor.energy > 0.0) {
         squared.resize(floor.cross_point);
     }
@@ -175,7 +180,12 @@ std::optional<SpeechTransmission> speech_transmission(
         }
         squared.push_back(filters.squared(kFirstSpeechOctave + band));
         if (ends_in_noise) {
-            cut_noise(squared.back(), filters.lead(), response);
+            const std::size_t octave = kFirstSpeechOctave + band;
+            const Bands& bands = Bands::octaves();
+            cut_noise(squared.back(),
+                      filters.lead(),
+                      response,
+                      bands.upper_edge_hz(octave) - bands.lower_edge_hz(octave));
         }
     }
     const auto octaves = modulation_sums(squared, response.sample_rate);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/metrics.h"
 
+#include "earshot/base/assert.h"
 #include "earshot/io/internal/json_lines.h"
 #include "earshot/io/internal/pair_head.h"
 
@@ -146,20 +147,83 @@ std::string encode_metrics(const MetricsHeader& header,
     return lines.finish();
 }
 
-std::string encode_sound_metrics(const audio::Bands& bands, const SoundMetrics& metrics) {
-    Json head = {{"version", 2},
-                 {"file", metrics.file},
-                 {"sample_rate", metrics.sample_rate},
-                 {"bands_hz", to_json(bands.nominal_hz())}};
-    add_speech(metrics.speech, head);
-    add_spatial(metrics.lateral, metrics.binaural, head);
+namespace {
+
+Json noise_column(const std::vector<audio::BandNoise>& noise,
+                  std::optional<double> audio::BandNoise::*value) {
+    Json column = Json::array();
+    for (const audio::BandNoise& band : noise) {
+        column.push_back(to_json(band.*value));
+    }
+    return column;
+}
+
+Json to_json(const ChannelMetrics& channel) {
+    Json json = {{"channel", channel.channel}, {"onset", to_json(channel.onset)}};
+    json.update(to_json(channel.metrics));
+    json["single"]["bass_ratio"] = to_json(channel.bass_ratio);
+    if (!channel.metrics.noise.empty()) {
+        json["noise_level"] = noise_column(channel.metrics.noise, &audio::BandNoise::level_db);
+        json["peak_to_noise"] =
+            noise_column(channel.metrics.noise, &audio::BandNoise::peak_to_noise_db);
+    }
+    json["notes"] = to_json(channel.metrics.notes);
+    if (const auto& support = channel.support) {
+        json["st_early"] = to_json(support->early_db);
+        json["st_late"] = to_json(support->late_db);
+        json["single"]["st_early_mean"] = to_json(support->early_mean_db);
+        json["single"]["st_late_mean"] = to_json(support->late_mean_db);
+        for (const Json& note : to_json(support->notes)) {
+            json["notes"].push_back(note);
+        }
+    }
+    return json;
+}
+
+/// What concerns a file and all of its channels.
+Json head_of(const SoundMetrics& sound) {
+    Json head = {{"file", sound.file}, {"sample_rate", sound.sample_rate}};
+    add_speech(sound.speech, head);
+    add_spatial(sound.lateral, sound.binaural, head);
+    if (const auto& late = sound.late_lateral) {
+        head["lj"] = to_json(late->level_db);
+        head["lj_mean"] = to_json(late->mean_db);
+        for (const Json& note : to_json(late->notes)) {
+            head["notes"].push_back(note);
+        }
+    }
+    return head;
+}
+
+void add_channels(const SoundMetrics& sound, std::size_t indent, JsonLines& lines) {
+    lines.begin_list("\n\"channels\":", indent);
+    for (const ChannelMetrics& channel : sound.channels) {
+        lines.add_record(json_text(to_json(channel)));
+    }
+    lines.end_list();
+}
+
+}  // namespace
+
+std::string encode_sound_metrics(const audio::Bands& bands, std::span<const SoundMetrics> files) {
+    EARSHOT_ASSERT(!files.empty());
+    Json head = {{"version", 2}};
     JsonLines lines;
-    lines.begin_list("{" + members(head) + "\n\"channels\":", 1);
-    for (std::size_t i = 0; i < metrics.channels.size(); ++i) {
-        Json json = {{"channel", metrics.channel_numbers[i]}};
-        json.update(to_json(metrics.channels[i]));
-        json["notes"] = to_json(metrics.channels[i].notes);
-        lines.add_record(json_text(json));
+    if (files.size() == 1) {
+        head.update(head_of(files.front()));
+    }
+    head["bands_hz"] = to_json(bands.nominal_hz());
+    if (files.size() == 1) {
+        lines.append("{" + members(head));
+        add_channels(files.front(), 1, lines);
+        return lines.finish();
+    }
+    lines.begin_list("{" + members(head) + "\n\"files\":", 1);
+    for (const SoundMetrics& sound : files) {
+        lines.begin_record();
+        lines.append("{" + members(head_of(sound)));
+        add_channels(sound, 2, lines);
+        lines.append("}");
     }
     lines.end_list();
     return lines.finish();

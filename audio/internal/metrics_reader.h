@@ -26,7 +26,8 @@ struct BandDecay {
     double reference = 1.0;           ///< energy of a free field at 1 m
     double bandwidth_hz = 0.0;        ///< of the filter
     NoiseFloor noise{};
-    bool full_decay = false;  ///< the decay is known not to be cut off
+    bool full_decay = false;          ///< the decay is known not to be cut off
+    bool withhold_uncertain = false;  ///< see MetricsOptions
 };
 
 /// Reads the metrics of band after band; what they lack is explained in `notes`.
@@ -53,12 +54,31 @@ private:
                                      double limit,
                                      const char* metric,
                                      std::size_t band);
+    /// Whether the noise of a measurement leaves nothing to read; says so.
+    bool is_lost_in_noise(const BandDecay& decay, std::size_t band);
+    /// Takes out what the noise of a measurement may change by a just-noticeable difference.
+    void limit_to_noise(const DecayCurve& curve,
+                        const BandDecay& decay,
+                        std::size_t band,
+                        BandMetrics& out);
+    /// The same of what a measurement lacks at its end.
+    void limit_to_extent(const DecayCurve& curve,
+                         const BandDecay& decay,
+                         std::size_t band,
+                         BandMetrics& out);
+    void refuse(const char* metric,
+                std::size_t band,
+                const std::string& text,
+                std::optional<double>& value);
+    void refuse_speech(std::size_t band, const std::string& text);
+    bool is_of_speech(std::size_t band) const noexcept;
     void add(const char* metric, std::optional<std::size_t> band, std::string text);
 
     const Bands& bands_;
     std::vector<MetricNote>& notes_;
     bool any_ends_early_ = false;
     bool speech_ends_early_ = false;
+    bool speech_is_unsure_ = false;  // for noise, or for what is missing at the end
 };
 
 }  // namespace earshot::audio

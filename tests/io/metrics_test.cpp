@@ -118,9 +118,11 @@ TEST(EncodeSoundMetrics, HaveTheKeysOfAPairForEachChannel) {
     channel.mid.centre_time = 0.1;
     channel.speech_transmission_index = 0.8;
     channel.notes = {{"t30", 500.0, "noise"}};
-    const Json json = Json::parse(encode_sound_metrics(
-        audio::Bands::octaves(),
-        {.file = "f.wav", .sample_rate = 8000.0, .channel_numbers = {2}, .channels = {channel}}));
+    const SoundMetrics sound = {.file = "f.wav",
+                                .sample_rate = 8000.0,
+                                .channels = {{.channel = 2, .metrics = channel, .onset = 0.25}}};
+    const Json json =
+        Json::parse(encode_sound_metrics(audio::Bands::octaves(), std::span(&sound, 1)));
     EXPECT_EQ(json["version"], 2);
     EXPECT_EQ(json["file"], "f.wav");
     EXPECT_EQ(json["sample_rate"], 8000.0);
