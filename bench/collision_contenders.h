@@ -23,6 +23,9 @@ public:
 
     virtual void build(const earshot::geometry::MeshView& a,
                        const earshot::geometry::MeshView& b) = 0;
+    /// The meshes deform: their trees are refitted. Precondition: build() with their triangles.
+    virtual void refit(const earshot::geometry::MeshView& a,
+                       const earshot::geometry::MeshView& b) = 0;
     virtual bool intersects(const earshot::collision::Pose& pose) = 0;
     virtual double distance(const earshot::collision::Pose& pose) = 0;
     /// All pairs of triangles that intersect, in any order, and where.

@@ -39,6 +39,10 @@ public:
         a_ = Shape::build(a);
         b_ = Shape::build(b);
     }
+    void refit(const MeshView& a, const MeshView& b) override {
+        a_.update(a);
+        b_.update(b);
+    }
     bool intersects(const Pose& pose) override {
         return earshot::collision::intersects({a_}, {b_, pose});
     }

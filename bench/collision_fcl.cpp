@@ -36,12 +36,28 @@ std::shared_ptr<Model> model_of(const earshot::geometry::MeshView& mesh) {
     return model;
 }
 
+void refit_model(Model& model, const earshot::geometry::MeshView& mesh) {
+    std::vector<fcl::Vector3d> vertices;
+    for (const auto& position : mesh.positions) {
+        vertices.emplace_back(position.x, position.y, position.z);
+    }
+    model.beginReplaceModel();
+    model.replaceSubModel(vertices);
+    model.endReplaceModel(true, true);
+}
+
 class Fcl : public DiscreteContender {
 public:
     void build(const earshot::geometry::MeshView& a,
                const earshot::geometry::MeshView& b) override {
         a_ = model_of(a);
         b_ = model_of(b);
+    }
+
+    void refit(const earshot::geometry::MeshView& a,
+               const earshot::geometry::MeshView& b) override {
+        refit_model(*a_, a);
+        refit_model(*b_, b);
     }
 
     bool intersects(const Pose& pose) override {

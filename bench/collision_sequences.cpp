@@ -9,8 +9,8 @@
 #include "support/collision_sequences.h"
 
 #include "earshot/base/error.h"
-#include "earshot/collision/broad_phase/internal/bvtt_front.h"
 #include "earshot/collision/broad_phase/internal/representatives.h"
+#include "earshot/collision/broad_phase/internal/swept_broad_phase.h"
 #include "earshot/collision/narrow_phase/internal/element_tester.h"
 #include "earshot/collision/world.h"
 
@@ -21,6 +21,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -113,19 +114,19 @@ void measure(const char* name, const std::vector<Part>& parts, Executor& executo
 /// The tester of a traversal that lists the pairs of triangles instead of testing them.
 class PairLister {
 public:
-    explicit PairLister(const ElementTester& rules) : rules_(rules) {}
+    explicit PairLister(const ElementTester& rules) : rules_(&rules) {}
 
-    bool accepts(std::uint32_t a, std::uint32_t b) const { return rules_.accepts(a, b); }
-    bool is_contact_free(std::uint32_t node) const { return rules_.is_contact_free(node); }
+    bool accepts(std::uint32_t a, std::uint32_t b) const { return rules_->accepts(a, b); }
+    bool is_contact_free(std::uint32_t node) const { return rules_->is_contact_free(node); }
     bool disjoint_leaves(std::uint32_t a, std::uint32_t b) const {
-        return rules_.disjoint_leaves(a, b);
+        return rules_->disjoint_leaves(a, b);
     }
     void test(std::uint32_t slot_a, std::uint32_t slot_b) { pairs.emplace_back(slot_a, slot_b); }
 
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
 
 private:
-    const ElementTester& rules_;
+    const ElementTester* rules_;
 };
 
 /// What World::contacts() does on one thread, stage by stage.
@@ -138,10 +139,8 @@ void split(const char* name, const std::vector<Part>& parts) {
     const auto representatives = representative_features(scene.triangles);
     const ContactOptions options{.within_meshes = true};
     Executor& executor = Executor::serial();
-    SweptBvh swept_bvh;
-    LeafSlabs leaf_slabs;
-    NormalCones normal_cones;
-    BvttFront front;
+    SweptBroadPhase broad_phase;
+    WorldStatistics statistics;
     std::vector<double> follow, search, test;
     for (int frame = 0; frame < kFrames; ++frame) {
         for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -152,23 +151,26 @@ void split(const char* name, const std::vector<Part>& parts) {
             std::copy(end.begin(), end.end(), scene.end.begin() + first);
         }
         const double start = processor_ms();
-        if (swept_bvh.update(scene, options.margin(), executor)) {
-            front.reset();
-            leaf_slabs.build(scene, swept_bvh);
-            normal_cones.build(scene, swept_bvh);
-        }
-        leaf_slabs.update(scene, swept_bvh, options.margin(), executor);
-        normal_cones.update(scene, swept_bvh, executor);
+        broad_phase.update(scene, options, executor, statistics);
         const double followed = processor_ms();
-        ElementTester tester(scene, swept_bvh, leaf_slabs, &normal_cones, representatives, options);
-        PairLister lister(tester);
-        SelfTraversal<PairLister> pairs(swept_bvh, lister);
-        front.prepare(swept_bvh.tree(), options.track_front, pairs);
-        for (std::size_t part = 0; part < front.size(); ++part) {
-            pairs.run(front.subfront(part));
-        }
+        ElementTester tester(scene,
+                             broad_phase.swept_bvh(),
+                             broad_phase.leaf_slabs(),
+                             broad_phase.normal_cones(),
+                             representatives,
+                             options);
+        std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+        broad_phase.traverse(
+            options,
+            std::numeric_limits<std::size_t>::max(),
+            executor,
+            statistics,
+            [&] { return PairLister(tester); },
+            [&](PairLister& lister) {
+                pairs.insert(pairs.end(), lister.pairs.begin(), lister.pairs.end());
+            });
         const double searched = processor_ms();
-        for (const auto& [a, b] : lister.pairs) {
+        for (const auto& [a, b] : pairs) {
             tester.test(a, b);
         }
         follow.push_back(followed - start);

@@ -29,6 +29,7 @@ DeformableBvh::DeformableBvh(const geometry::MeshView& mesh,
                              Executor& executor)
     : options_(options) {
     tree_ = build(triangle_boxes(mesh, executor), executor);
+    options_.build.rays = {};  // read during the first build only
     wide_ = WideTree::build(tree_, mesh, executor);
     set_policy(mesh.triangles.size(), sah_cost(wide_, executor));
 }
@@ -38,6 +39,7 @@ DeformableBvh::DeformableBvh(std::span<const geometry::Aabb> boxes,
                              Executor& executor)
     : options_(options) {
     tree_ = build(boxes, executor);
+    options_.build.rays = {};
     set_policy(boxes.size(), bvh::sah_cost(tree_));
 }
 

@@ -194,17 +194,13 @@ private:
             motion.set_step(world, i, next);
             io::ContactStep& step = report.steps.emplace_back(
                 io::ContactStep{.t0 = motion.times[i], .t1 = motion.times[next]});
-            step.contacts = discrete_ ? world.contacts_at_begin(options_, executor)
-                                      : world.contacts(options_, executor);
+            step.contacts = contacts_of_step(world, executor);
+            totals.statistics += world.statistics();
             if (distance_) {
-                step.distances = distances(world, executor);
-            }
-            if (summary_.first && !step.contacts.empty()) {
-                step.contacts.resize(1);
+                step.distances = distances(world, executor, totals.statistics);
             }
             ++totals.steps;
             totals.contacts += step.contacts.size();
-            totals.statistics += world.statistics();
             progress.report("steps", i + 1, count_of_steps);
             if (summary_.first && !step.contacts.empty()) {
                 break;
@@ -214,8 +210,24 @@ private:
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     }
 
+    /// With --first no more than the first.
+    std::vector<collision::Contact> contacts_of_step(World& world, Executor& executor) const {
+        if (summary_.first && !discrete_) {
+            const auto first = world.first_contact(options_, executor);
+            return first ? std::vector{*first} : std::vector<collision::Contact>{};
+        }
+        auto contacts = discrete_ ? world.contacts_at_begin(options_, executor)
+                                  : world.contacts(options_, executor);
+        if (summary_.first && !contacts.empty()) {
+            contacts.resize(1);
+        }
+        return contacts;
+    }
+
     /// Of all pairs of meshes that are tested.
-    std::vector<io::PairDistance> distances(World& world, Executor& executor) const {
+    std::vector<io::PairDistance> distances(World& world,
+                                            Executor& executor,
+                                            collision::WorldStatistics& statistics) const {
         std::vector<io::PairDistance> result;
         for (std::uint32_t a = 0; a < world.mesh_count(); ++a) {
             for (std::uint32_t b = a; b < world.mesh_count(); ++b) {
@@ -225,6 +237,7 @@ private:
                 io::PairDistance pair{.a = a, .b = b, .depth = world.depth_at_begin(a, b)};
                 if (a != b) {
                     pair.distance = world.distance_at_begin(a, b, executor);
+                    statistics += world.statistics();
                 }
                 if (pair.distance || pair.depth) {
                     result.push_back(pair);

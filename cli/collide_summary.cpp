@@ -157,7 +157,10 @@ std::string collide_summary(const CollideMotion& motion,
     }
     return text + "tests      " + std::to_string(totals.statistics.box_tests) + " of boxes, " +
            std::to_string(totals.statistics.triangle_pairs) + " pairs of triangles, " +
-           std::to_string(totals.statistics.elementary_tests) + " of elements\n" + time.data() +
+           std::to_string(totals.statistics.elementary_tests) + " of elements\ntrees      " +
+           std::to_string(totals.statistics.refits) + " refits, " +
+           std::to_string(totals.statistics.repairs) + " repairs, " +
+           std::to_string(totals.statistics.rebuilds) + " rebuilds\n" + time.data() +
            "file       " + file + "\n";
 }
 
@@ -174,6 +177,9 @@ std::string collide_summary_json(const CollideMotion& motion,
                  {"box_tests", totals.statistics.box_tests},
                  {"triangle_pairs", totals.statistics.triangle_pairs},
                  {"elementary_tests", totals.statistics.elementary_tests},
+                 {"refits", totals.statistics.refits},
+                 {"repairs", totals.statistics.repairs},
+                 {"rebuilds", totals.statistics.rebuilds},
                  {"seconds", totals.seconds},
                  {"file", file}};
     if (options.first) {

@@ -2,6 +2,7 @@
 #include "earshot/collision/discrete.h"
 
 #include "earshot/collision/broad_phase/internal/box_pairs.h"
+#include "earshot/collision/internal/instant_search.h"
 #include "earshot/collision/narrow_phase/internal/leaf_pairs.h"
 
 #include <algorithm>
@@ -19,22 +20,21 @@ BoxPairs trees_of(const Body& a, const Body& b, const RelativePose& pose) noexce
     return {a.shape.nodes(), b.shape.nodes(), pose, a.shape.corners(), b.shape.corners()};
 }
 
-/// Runs search(item, found) over items in chunks; what they find, sorted.
+/// Runs search(begin, end) over items in chunks; what they find, sorted.
 template <typename Search>
-std::vector<TrianglePair> collect(std::size_t items,
-                                  std::size_t grain,
-                                  Executor& executor,
-                                  Search&& search) {
-    std::vector<std::vector<TrianglePair>> chunks(chunk_count(items, grain));
+InstantContacts collect(std::size_t items, std::size_t grain, Executor& executor, Search&& search) {
+    std::vector<InstantContacts> chunks(chunk_count(items, grain));
     executor.for_each(items, grain, [&](std::size_t begin, std::size_t end) {
-        chunks[begin / grain] = search(begin, end);
+        ContactSearch done = search(begin, end);
+        chunks[begin / grain] = {std::move(done.found), done.statistics};
     });
-    std::vector<TrianglePair> found;
-    for (const auto& chunk : chunks) {
-        found.insert(found.end(), chunk.begin(), chunk.end());
+    InstantContacts all;
+    for (const InstantContacts& chunk : chunks) {
+        all.pairs.insert(all.pairs.end(), chunk.pairs.begin(), chunk.pairs.end());
+        all.statistics += chunk.statistics;
     }
-    std::sort(found.begin(), found.end());
-    return found;
+    std::sort(all.pairs.begin(), all.pairs.end());
+    return all;
 }
 
 void prefetch_triangle(const Body& body, geometry::TriangleId id) noexcept {
@@ -50,14 +50,14 @@ void prefetch_corners(const Body& body, geometry::TriangleId id) noexcept {
 }
 
 /// Pairs of boxes below which all contacts are found, enough of them to balance the threads.
-std::vector<BoxPair> tasks_of(const BoxPairs& trees) {
+std::vector<BoxPair> tasks_of(const BoxPairs& trees, std::uint64_t& box_tests) {
     constexpr std::size_t kMinTasks = 128;
     constexpr int kMaxRounds = 8;
     std::vector<BoxPair> tasks{{0, 0}};
     for (int round = 0; round < kMaxRounds && tasks.size() < kMinTasks; ++round) {
         std::vector<BoxPair> smaller;
         for (const BoxPair& task : tasks) {
-            const auto children = expand_overlapping(trees, task);
+            const auto children = expand_overlapping(trees, task, box_tests);
             smaller.insert(smaller.end(), children.begin(), children.end());
         }
         tasks = std::move(smaller);
@@ -77,25 +77,34 @@ bool intersects(const Body& a, const Body& b) {
     return !search.found.empty();
 }
 
-std::vector<TrianglePair> find_contacts(const Body& a, const Body& b, Executor& executor) {
+InstantContacts search_contacts(const Body& a, const Body& b, Executor& executor) {
     const RelativePose pose(a, b);
     if (is_empty(a) || is_empty(b)) {
         return {};
     }
     const BoxPairs trees = trees_of(a, b, pose);
-    // Sorted in the end, contacts are the same however the search is split.
-    const auto tasks = executor.threads() > 1 ? tasks_of(trees) : std::vector<BoxPair>{{0, 0}};
-    return collect(tasks.size(), 8, executor, [&](std::size_t begin, std::size_t end) {
-        ContactSearch search(a, b, ContactSearch::Query::all);
-        for (std::size_t i = begin; i < end; ++i) {
-            traverse_overlapping(trees, tasks[i], search);
-        }
-        search.decide();
-        return std::move(search.found);
-    });
+    // Sorted in the end, contacts are the same however the search is split, and so are the tests.
+    std::uint64_t box_tests = 0;
+    const auto tasks =
+        executor.threads() > 1 ? tasks_of(trees, box_tests) : std::vector<BoxPair>{{0, 0}};
+    InstantContacts contacts =
+        collect(tasks.size(), 8, executor, [&](std::size_t begin, std::size_t end) {
+            ContactSearch search(a, b, ContactSearch::Query::all);
+            for (std::size_t i = begin; i < end; ++i) {
+                traverse_overlapping(trees, tasks[i], search);
+            }
+            search.decide();
+            return search;
+        });
+    contacts.statistics.box_tests += box_tests;
+    return contacts;
 }
 
-std::vector<TrianglePair> find_self_contacts(const Body& body, Executor& executor) {
+std::vector<TrianglePair> find_contacts(const Body& a, const Body& b, Executor& executor) {
+    return search_contacts(a, b, executor).pairs;
+}
+
+InstantContacts search_self_contacts(const Body& body, Executor& executor) {
     const RelativePose pose(body, body);
     const BoxPairs trees = trees_of(body, body, pose);
     return collect(trees.a.size(), 256, executor, [&](std::size_t begin, std::size_t end) {
@@ -104,8 +113,12 @@ std::vector<TrianglePair> find_self_contacts(const Body& body, Executor& executo
             traverse_self(trees, static_cast<std::uint32_t>(i), search);
         }
         search.decide();
-        return std::move(search.found);
+        return search;
     });
+}
+
+std::vector<TrianglePair> find_self_contacts(const Body& body, Executor& executor) {
+    return search_self_contacts(body, executor).pairs;
 }
 
 std::vector<geometry::Segment> contact_segments(const Body& a,
@@ -130,17 +143,25 @@ std::vector<geometry::Segment> contact_segments(const Body& a,
     return segments;
 }
 
-MeshDistance distance(const Body& a, const Body& b) {
-    if (intersects(a, b)) {
-        return {.distance = 0.0};
-    }
+InstantDistance search_distance(const Body& a, const Body& b) {
+    const RelativePose pose(a, b);
     if (is_empty(a) || is_empty(b)) {
         return {};
     }
-    const RelativePose pose(a, b);
+    const BoxPairs trees = trees_of(a, b, pose);
+    ContactSearch contact(a, b, ContactSearch::Query::first);
+    traverse_overlapping(trees, {0, 0}, contact);
+    if (!contact.found.empty()) {
+        return {{.distance = 0.0}, contact.statistics};
+    }
     DistanceSearch search(a, b);
-    traverse_closest(trees_of(a, b, pose), search);
-    return search.best;
+    traverse_closest(trees, search);
+    search.statistics += contact.statistics;
+    return {search.best, search.statistics};
+}
+
+MeshDistance distance(const Body& a, const Body& b) {
+    return search_distance(a, b).distance;
 }
 
 }  // namespace earshot::collision

@@ -38,6 +38,38 @@ void MovingScene::add(std::span<const Triangle> mesh, std::size_t vertices) {
     end.resize(first_vertex.back(), Vec3(0.0));
     deviation.resize(first_vertex.back(), 0.0);
     screws.resize(meshes());
+    is_removed.resize(meshes(), 0);
+    ++layout;
+}
+
+void MovingScene::remove(std::uint32_t mesh) {
+    const auto erase = [](auto& array, std::size_t from, std::size_t to) {
+        array.erase(array.begin() + static_cast<std::ptrdiff_t>(from),
+                    array.begin() + static_cast<std::ptrdiff_t>(to));
+    };
+    const std::size_t first = first_triangle[mesh];
+    const std::size_t last = first_triangle[mesh + 1];
+    erase(triangles, first, last);
+    erase(mesh_of_triangle, first, last);
+    const VertexId first_own = first_vertex[mesh];
+    const VertexId own = first_vertex[mesh + 1] - first_own;
+    erase(begin, first_own, first_own + own);
+    erase(end, first_own, first_own + own);
+    erase(deviation, first_own, first_own + own);
+    // The vertices and triangles of later meshes move up.
+    for (std::size_t i = first; i < triangles.size(); ++i) {
+        for (VertexId& vertex : triangles[i]) {
+            vertex -= own;
+        }
+    }
+    for (std::size_t i = mesh + 1; i < first_vertex.size(); ++i) {
+        first_vertex[i] -= own;
+        first_triangle[i] -= last - first;
+    }
+    meshes_on_screws -= screws[mesh] ? 1 : 0;
+    screws[mesh].reset();
+    is_removed[mesh] = 1;
+    ++layout;
 }
 
 std::span<const Triangle> MovingScene::triangles_of(std::uint32_t mesh) const noexcept {

@@ -3,12 +3,13 @@
 
 #include "earshot/base/large_array.h"
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/collision/narrow_phase/triangle_intersection.h"
 #include "earshot/geometry/mesh.h"
 
 #include <glm/mat3x3.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -34,8 +35,9 @@ static_assert(sizeof(BoxNode) == 448);
 
 inline constexpr std::uint32_t kTriangleFlag = 0x80000000U;
 
-/// A mesh prepared for collision queries: an eight-wide BVH whose leaves are single triangles,
-/// numbered in the order of the nodes. It keeps a view of the mesh.
+/// A mesh prepared for collision queries: an eight-wide BVH whose leaves are single triangles. It
+/// keeps a view of the mesh, and the binary tree that it was collapsed from, by which it follows a
+/// mesh that deforms.
 class Shape {
 public:
     Shape() = default;
@@ -49,9 +51,16 @@ public:
                        const bvh::BuildOptions& options = {},
                        Executor& executor = Executor::serial());
 
-    /// Moves the hierarchy to where the mesh's vertices are now, keeping the topology. O(n). Throws
-    /// and requires what build() does. Precondition: the mesh has the triangles of build().
-    void refit(const geometry::MeshView& mesh);
+    /// Moves the hierarchy to where the mesh's vertices are now: refitted, repaired or rebuilt, as
+    /// bvh::DeformableBvh decides. Throws and requires what build() does. Precondition: the mesh
+    /// has the triangles of build().
+    bvh::UpdateReport update(const geometry::MeshView& mesh,
+                             Executor& executor = Executor::serial());
+
+    /// Tells how many nodes queries have visited since the last update, which is taken for what
+    /// they will visit until the next one; 0: updates only refit. Without it an update assumes a
+    /// query of the mesh against itself.
+    void expect_node_visits(double visits) noexcept { bvh_.expect_node_visits(visits); }
 
     const geometry::MeshView& mesh() const noexcept { return mesh_; }
 
@@ -60,7 +69,9 @@ public:
     std::span<const BoxNode> nodes() const noexcept { return nodes_; }
 
     /// Of each leaf the triangle, and where its corners are.
-    std::span<const geometry::TriangleId> triangles() const noexcept { return triangles_; }
+    std::span<const geometry::TriangleId> triangles() const noexcept {
+        return bvh_.binary_tree().primitives();
+    }
     std::span<const Corners> corners() const noexcept { return corners_; }
 
     /// The largest absolute coordinate of a triangle, rounded up; 0 without triangles.
@@ -70,13 +81,19 @@ public:
     static constexpr double kMaxCoordinate = 0x1p60;
 
 private:
-    void set_corners();
-    void set_boxes();
-    void set_slabs();
+    /// What the slots of a node stand for: nodes of the binary tree, and ranges of leaves.
+    struct SlotSources {
+        std::array<std::uint32_t, BoxNode::kWidth> node, first_leaf, leaf_count;
+    };
+    friend class ShapeCollapse;
+
+    void follow(const geometry::MeshView& mesh, Executor& executor);
 
     geometry::MeshView mesh_;
+    bvh::DeformableBvh bvh_;     // over the triangles' boxes, one to a leaf
+    std::uint64_t version_ = 0;  // of the binary tree that the nodes were collapsed from
     LargeArray<BoxNode> nodes_;
-    LargeArray<geometry::TriangleId> triangles_;
+    LargeArray<SlotSources> sources_;
     LargeArray<Corners> corners_;
     double max_abs_coordinate_ = 0.0;
 };

@@ -6,7 +6,7 @@
 #include "earshot/collision/internal/world_state.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <tuple>
 #include <utility>
@@ -31,39 +31,11 @@ void keep_first_of_each_pair(std::vector<Contact>& contacts) {
     std::sort(contacts.begin(), contacts.end());
 }
 
-/// Whether the boxes around two meshes overlap.
-bool bounds_overlap(const Shape& a, const Shape& b) {
-    if (a.nodes().empty() || b.nodes().empty()) {
-        return false;
-    }
-    const BoxNode& one = a.nodes().front();
-    const BoxNode& other = b.nodes().front();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double gap = std::abs(static_cast<double>(one.centre[axis][0]) -
-                                    static_cast<double>(other.centre[axis][0]));
-        // The sum of two floats is exact in doubles or rounded by less than this factor.
-        const double half_sum =
-            (static_cast<double>(one.half[axis][0]) + static_cast<double>(other.half[axis][0])) *
-            (1.0 + 0x1p-50);
-        if (gap * (1.0 - 0x1p-50) > half_sum) {
-            return false;
-        }
-    }
-    return true;
-}
-
 }  // namespace
 
-WorldStatistics& WorldStatistics::operator+=(const WorldStatistics& other) noexcept {
-    box_tests += other.box_tests;
-    triangle_pairs += other.triangle_pairs;
-    elementary_tests += other.elementary_tests;
-    return *this;
-}
-
 World::World(bvh::Builder builder) : state_(std::make_unique<State>()) {
-    state_->swept_bvh = SweptBvh(builder);
-    state_->builder = builder;
+    state_->swept = SweptBroadPhase(builder);
+    state_->instant = InstantBroadPhase(builder);
 }
 World::~World() = default;
 World::World(World&&) noexcept = default;
@@ -72,9 +44,7 @@ World& World::operator=(World&&) noexcept = default;
 std::uint32_t World::add_mesh(std::span<const Triangle> triangles, std::size_t vertices) {
     State& state = *state_;
     state.scene.add(triangles, vertices);
-    // Shapes hold views of arrays that may have been reallocated.
-    state.at_begin.clear();
-    state.at_begin.resize(state.scene.meshes());
+    state.convex.resize(state.scene.meshes());
     return state.scene.meshes() - 1;
 }
 
@@ -85,6 +55,13 @@ std::uint32_t World::add(geometry::AnimatedMesh scene, bool weld) {
     }
     state_->added.push_back(std::move(added));
     return state_->added.back().first_mesh;
+}
+
+void World::remove_mesh(std::uint32_t mesh) {
+    State& state = *state_;
+    EARSHOT_ASSERT(mesh < state.scene.meshes() && state.scene.is_removed[mesh] == 0);
+    state.scene.remove(mesh);
+    state.convex[mesh].reset();
 }
 
 void World::set_step(double t0, double t1, Path path) {
@@ -137,12 +114,10 @@ std::vector<Contact> World::contacts(const ContactOptions& options, Executor& ex
         return state.search(options, executor);
     }
     std::vector<Contact> contacts;
-    const auto parts = static_cast<double>(state.parts_of_step);
     for (std::size_t part = 0; part < state.parts_of_step; ++part) {
         state.move_to_part(part);
         for (Contact& contact : state.search(options, executor)) {
-            // Rounded down: never late.
-            contact.toi = (static_cast<double>(part) + contact.toi) / parts * (1.0 - 0x1p-50);
+            contact.toi = state.time_within_step(part, contact.toi);
             contacts.push_back(contact);
         }
     }
@@ -152,30 +127,8 @@ std::vector<Contact> World::contacts(const ContactOptions& options, Executor& ex
 }
 
 std::vector<Contact> World::contacts_at_begin(const ContactOptions& options, Executor& executor) {
-    State& state = *state_;
-    const std::uint32_t meshes = state.scene.meshes();
-    std::vector<Contact> contacts;
-    for (std::uint32_t a = 0; a < meshes; ++a) {
-        for (std::uint32_t b = a; b < meshes; ++b) {
-            if (!options.accepts(a, b)) {
-                continue;
-            }
-            const Shape& one = state.shape_at_begin(a, executor);
-            const Shape& other = state.shape_at_begin(b, executor);
-            if (!bounds_overlap(one, other)) {
-                continue;
-            }
-            const auto pairs = a == b ? find_self_contacts({one}, executor)
-                                      : find_contacts({one}, {other}, executor);
-            const std::size_t first = contacts.size();
-            contacts.resize(first + pairs.size());
-            executor.for_each(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i) {
-                    contacts[first + i] = state.contact_at_begin(a, b, pairs[i]);
-                }
-            });
-        }
-    }
+    state_->statistics = {};
+    std::vector<Contact> contacts = state_->search_at_begin(options, executor);
     std::sort(contacts.begin(), contacts.end());
     return contacts;
 }
@@ -183,7 +136,14 @@ std::vector<Contact> World::contacts_at_begin(const ContactOptions& options, Exe
 MeshDistance World::distance_at_begin(std::uint32_t a, std::uint32_t b, Executor& executor) {
     State& state = *state_;
     EARSHOT_ASSERT(a < state.scene.meshes() && b < state.scene.meshes());
-    return distance({state.shape_at_begin(a, executor)}, {state.shape_at_begin(b, executor)});
+    state.statistics = {};
+    state.instant.update_shapes(state.scene, std::array{a, b}, executor, state.statistics);
+    const InstantDistance result =
+        search_distance({state.instant.shape(a)}, {state.instant.shape(b)});
+    state.statistics += result.statistics;
+    state.instant.add_work(a, result.statistics);
+    state.instant.add_work(b, result.statistics);
+    return result.distance;
 }
 
 std::optional<SolidDepth> World::depth_at_begin(std::uint32_t a, std::uint32_t b) {
@@ -195,8 +155,30 @@ std::optional<SolidDepth> World::depth_at_begin(std::uint32_t a, std::uint32_t b
 }
 
 std::optional<Contact> World::first_contact(const ContactOptions& options, Executor& executor) {
-    const std::vector<Contact> all = contacts(options, executor);
-    return all.empty() ? std::nullopt : std::optional(all.front());
+    State& state = *state_;
+    state.statistics = {};
+    if (state.scene.triangles.empty()) {
+        return std::nullopt;
+    }
+    if (state.parts_of_step == 1) {
+        return state.search_first(options, executor);
+    }
+    // Times of a part end where those of the next begin, and rounding may make them equal.
+    std::optional<Contact> first;
+    for (std::size_t part = 0; part < state.parts_of_step; ++part) {
+        if (first && first->toi < state.time_within_step(part, 0.0)) {
+            break;
+        }
+        state.move_to_part(part);
+        for (Contact& contact : state.search(options, executor)) {
+            contact.toi = state.time_within_step(part, contact.toi);
+            if (!first || contact < *first) {
+                first = contact;
+            }
+        }
+    }
+    state.move_to_part(0);
+    return first;
 }
 
 std::uint32_t World::mesh_count() const noexcept {

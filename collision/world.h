@@ -4,16 +4,16 @@
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/tree.h"
 #include "earshot/collision/contact.h"
+#include "earshot/collision/contact_options.h"
 #include "earshot/collision/convex.h"
 #include "earshot/collision/discrete.h"
 #include "earshot/collision/rigid_motion.h"
+#include "earshot/collision/statistics.h"
 #include "earshot/geometry/animated_mesh.h"
 #include "earshot/geometry/mesh.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,48 +21,8 @@
 
 namespace earshot::collision {
 
-struct ContactOptions {
-    bool between_meshes = true;
-    bool within_meshes = false;  ///< self-collision
-    /// Which pairs of meshes (a <= b) are tested; empty: all. Must not change during a call.
-    std::function<bool(std::uint32_t a, std::uint32_t b)> filter{};
-    /// Elements this close along every axis are in contact, metres; 0: exact contact.
-    double min_separation = 0.0;
-    double tolerance = 1e-6;  ///< metres, with min_separation
-
-    // Culling methods; contacts are the same without them.
-
-    /// Traversals begin at the front of the bounding-volume test tree where the last one ended.
-    bool track_front = true;
-    /// Nodes that pass the continuous normal cone and contour tests are not tested against
-    /// themselves; only without a minimum separation.
-    bool cull_with_normal_cones = true;
-    /// Every vertex and edge is tested with its representative triangle only.
-    bool assign_representatives = true;
-
-    /// Whether contacts of two meshes are asked for.
-    bool accepts(std::uint32_t a, std::uint32_t b) const {
-        return (a == b ? within_meshes : between_meshes) &&
-               (!filter || filter(std::min(a, b), std::max(a, b)));
-    }
-
-    /// How far bounding volumes are padded so that no contact is missed, metres.
-    double margin() const noexcept {
-        return min_separation > 0.0 ? min_separation + 2.0 * tolerance : 0.0;
-    }
-};
-
 /// The paths of vertices between two instants.
 enum class Path { chords, screws };
-
-/// The work of the last search.
-struct WorldStatistics {
-    std::uint64_t box_tests = 0;       ///< of pairs of boxes, and of normal cones
-    std::uint64_t triangle_pairs = 0;  ///< whose swept boxes overlap
-    std::uint64_t elementary_tests = 0;
-
-    WorldStatistics& operator+=(const WorldStatistics& other) noexcept;
-};
 
 /// Meshes that move, rest or deform, and their contacts. A step moves every vertex on a straight
 /// line. Every vertex and edge of a mesh has one representative triangle (Curtis et al. 2008), so
@@ -86,6 +46,10 @@ public:
     /// vertex, the one of the lowest index (see weld.h); never across meshes.
     std::uint32_t add(geometry::AnimatedMesh scene, bool weld = true);
 
+    /// Takes a mesh out of the world: no contact is with it any more. Other meshes keep their
+    /// numbers. Precondition: it was added, and not removed before.
+    void remove_mesh(std::uint32_t mesh);
+
     /// In the next step all meshes of scenes move from where they are at `t0` to where they are at
     /// `t1`, seconds. On screws, meshes whose vertices follow one node that is not scaled rotate
     /// with it, instead of every vertex on a chord; a step in which that is not one screw is split
@@ -101,7 +65,7 @@ public:
 
     /// The mesh moves from `begin` to `end` in the next step; equal for one that rests. Coordinates
     /// below geometry::kMinCoordinate count as 0. Throws Error if a position is not finite.
-    /// Precondition: as many positions as vertices.
+    /// Preconditions: as many positions as vertices; the mesh was not removed.
     void update(std::uint32_t mesh,
                 std::span<const geometry::Vec3> begin,
                 std::span<const geometry::Vec3> end);
@@ -112,19 +76,20 @@ public:
     /// equal screws, they are those of meshes at rest.
     void update(std::uint32_t mesh, std::span<const geometry::Vec3> begin, const Screw& screw);
 
-    /// All contacts of the step, sorted, each once; the same for any executor. Refits the BVH of
-    /// the last step, or rebuilds it where its SAH cost has grown.
+    /// All contacts of the step, sorted, each once; the same for any executor. The BVH of the last
+    /// step is refitted, repaired or rebuilt, as bvh::DeformableBvh decides from the work of the
+    /// last search.
     std::vector<Contact> contacts(const ContactOptions& options = {},
                                   Executor& executor = Executor::serial());
 
     /// All pairs of triangles that intersect at the beginning of the step, as find_contacts() and
     /// find_self_contacts() find them; sorted, each once, with time 0. The minimum separation is
-    /// not used.
+    /// not used. BVHs of meshes are kept, and updated where update() has moved them.
     std::vector<Contact> contacts_at_begin(const ContactOptions& options = {},
                                            Executor& executor = Executor::serial());
 
     /// distance() of two meshes at the beginning of the step; b may be a, which is 0. Triangles are
-    /// numbered within their mesh. BVHs are kept, and refitted after update().
+    /// numbered within their mesh.
     MeshDistance distance_at_begin(std::uint32_t a,
                                    std::uint32_t b,
                                    Executor& executor = Executor::serial());
@@ -134,11 +99,14 @@ public:
     /// solids.
     std::optional<SolidDepth> depth_at_begin(std::uint32_t a, std::uint32_t b);
 
-    /// The first of contacts(), if there is one.
+    /// The first of contacts(), if there is one. Pairs that come into contact later than one that
+    /// was found are not tested, nor are parts of a step on screws after it.
     std::optional<Contact> first_contact(const ContactOptions& options = {},
                                          Executor& executor = Executor::serial());
 
+    /// Meshes that were removed count.
     std::uint32_t mesh_count() const noexcept;
+    /// Of the last contacts(), contacts_at_begin(), distance_at_begin() or first_contact().
     const WorldStatistics& statistics() const noexcept;
 
 private:

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -36,7 +37,7 @@ void require_finite(std::uint32_t mesh, std::span<const Vec3> positions) {
 }  // namespace
 
 void World::State::set_begin(std::uint32_t mesh, std::span<const Vec3> positions) {
-    EARSHOT_ASSERT(mesh < scene.meshes());
+    EARSHOT_ASSERT(mesh < scene.meshes() && scene.is_removed[mesh] == 0);
     require_finite(mesh, positions);
     const auto first = static_cast<std::ptrdiff_t>(scene.first_vertex[mesh]);
     EARSHOT_ASSERT(static_cast<std::size_t>(first) + positions.size() ==
@@ -50,8 +51,8 @@ void World::State::set_begin(std::uint32_t mesh, std::span<const Vec3> positions
         --scene.meshes_on_screws;
         std::fill_n(scene.deviation.begin() + first, positions.size(), 0.0);
     }
-    at_begin[mesh].is_shape_current = false;
-    at_begin[mesh].convex_parts.reset();
+    instant.note_moved(mesh);
+    convex[mesh].reset();
 }
 
 void World::State::move(std::uint32_t mesh,
@@ -86,6 +87,9 @@ void World::State::move_to_part(std::size_t part) {
         const std::vector<Vec3> begin = each.meshes.scene().positions_at(from);
         const std::vector<Vec3> end = from == to ? begin : each.meshes.scene().positions_at(to);
         for (std::uint32_t i = 0; i < each.meshes.size(); ++i) {
+            if (scene.is_removed[each.first_mesh + i] != 0) {
+                continue;
+            }
             const auto screw = path == Path::screws && from != to
                                    ? screw_between(each.meshes, i, from, to)
                                    : std::nullopt;
@@ -100,71 +104,46 @@ void World::State::move_to_part(std::size_t part) {
     }
 }
 
-void World::State::update_broad_phase(const ContactOptions& options, Executor& executor) {
-    if (representatives.size() != scene.triangles.size()) {
+template <typename SetUp, typename Finish>
+void World::State::test_step(const ContactOptions& options,
+                             std::size_t round,
+                             Executor& executor,
+                             SetUp&& set_up,
+                             Finish&& finish) {
+    if (representatives_layout != scene.layout) {
         representatives = representative_features(scene.triangles);
         all = all_features(scene.triangles);
+        representatives_layout = scene.layout;
     }
-    if (swept_bvh.update(scene, options.margin(), executor)) {
-        front.reset();
-        has_normal_cones = false;
-        leaf_slabs.build(scene, swept_bvh);
-    }
-    const double deviation =
-        scene.meshes_on_screws == 0
-            ? 0.0
-            : *std::max_element(scene.deviation.begin(), scene.deviation.end());
-    leaf_slabs.update(scene, swept_bvh, options.margin() + deviation, executor);
-}
-
-const NormalCones* World::State::normal_cones_for(const ContactOptions& options,
-                                                  Executor& executor) {
-    // A node without self-contact may still hold elements closer than the separation.
-    if (!options.within_meshes || !options.cull_with_normal_cones || options.min_separation > 0.0) {
-        return nullptr;
-    }
-    if (!has_normal_cones) {
-        normal_cones.build(scene, swept_bvh);
-        has_normal_cones = true;
-    }
-    normal_cones.update(scene, swept_bvh, executor);
-    return &normal_cones;
+    swept.update(scene, options, executor, statistics);
+    const auto new_tester = [&] {
+        ElementTester tester(scene,
+                             swept.swept_bvh(),
+                             swept.leaf_slabs(),
+                             swept.normal_cones(),
+                             options.assign_representatives ? representatives : all,
+                             options);
+        set_up(tester);
+        return tester;
+    };
+    swept.traverse(options, round, executor, statistics, new_tester, [&](ElementTester& tester) {
+        statistics += tester.statistics();
+        finish(tester);
+    });
 }
 
 std::vector<Contact> World::State::search(const ContactOptions& options, Executor& executor) {
-    // 1. The broad phase follows the step; the front is begun anew where needed.
-    update_broad_phase(options, executor);
-    const NormalCones* cones = normal_cones_for(options, executor);
-    const auto& elements = options.assign_representatives ? representatives : all;
-    const auto new_tester = [&] {
-        return ElementTester(scene, swept_bvh, leaf_slabs, cones, elements, options);
-    };
-    ElementTester first = new_tester();
-    SelfTraversal<ElementTester> top(swept_bvh, first);
-    front.prepare(swept_bvh.tree(), options.track_front, top);
-    statistics.box_tests += top.box_tests();
-
-    // 2. Traversal from each sub-front, with the narrow phase at its leaves.
-    struct Findings {
-        std::vector<Contact> contacts;
-        WorldStatistics statistics;
-    };
-    std::vector<Findings> findings(front.size());
-    executor.for_each(front.size(), 1, [&](std::size_t index, std::size_t) {
-        ElementTester tester = new_tester();
-        SelfTraversal<ElementTester> traversal(swept_bvh, tester);
-        traversal.run(front.subfront(index));
-        findings[index] = {std::move(tester.contacts()), tester.statistics()};
-        findings[index].statistics.box_tests = traversal.box_tests();
-    });
-
-    // 3. All contacts in order, each once: triangles that occur twice in a mesh give the same
-    // contacts, and so do elements without representative triangles.
     std::vector<Contact> contacts;
-    for (const Findings& each : findings) {
-        contacts.insert(contacts.end(), each.contacts.begin(), each.contacts.end());
-        statistics += each.statistics;
-    }
+    test_step(
+        options,
+        std::numeric_limits<std::size_t>::max(),
+        executor,
+        [](ElementTester&) {},
+        [&](ElementTester& tester) {
+            contacts.insert(contacts.end(), tester.contacts().begin(), tester.contacts().end());
+        });
+    // In order, each once: triangles that occur twice in a mesh give the same contacts, and so do
+    // elements without representative triangles.
     std::sort(contacts.begin(), contacts.end());
     const auto last =
         std::unique(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
@@ -174,20 +153,80 @@ std::vector<Contact> World::State::search(const ContactOptions& options, Executo
     return contacts;
 }
 
-const Shape& World::State::shape_at_begin(std::uint32_t mesh, Executor& executor) {
-    const geometry::MeshView view{scene.begin, scene.triangles_of(mesh)};
-    MeshAtBegin& kept = at_begin[mesh];
-    if (!kept.has_shape) {
-        kept.shape = Shape::build(view, {.builder = builder}, executor);
-    } else if (!kept.is_shape_current) {
-        kept.shape.refit(view);
+std::optional<Contact> World::State::search_first(const ContactOptions& options,
+                                                  Executor& executor) {
+    // Few tasks a round, so that their contacts bound the times of those to come; the rounds do not
+    // depend on the executor, so neither does the work.
+    constexpr std::size_t kRound = 64;
+    std::optional<Contact> first;
+    test_step(
+        options,
+        kRound,
+        executor,
+        [&](ElementTester& tester) { tester.set_time_bound(first ? first->toi : 1.0); },
+        [&](ElementTester& tester) {
+            for (const Contact& contact : tester.contacts()) {
+                if (!first || contact < *first) {
+                    first = contact;
+                }
+            }
+        });
+    return first;
+}
+
+InstantContacts World::State::contacts_of_pair(const MeshPair& pair, Executor& executor) const {
+    const Shape& a = instant.shape(pair.a);
+    return pair.a == pair.b ? search_self_contacts({a}, executor)
+                            : search_contacts({a}, {instant.shape(pair.b)}, executor);
+}
+
+std::vector<Contact> World::State::search_at_begin(const ContactOptions& options,
+                                                   Executor& executor) {
+    // 1. Pairs of meshes, and the shapes of those that are in any.
+    const std::vector<MeshPair> pairs = instant.mesh_pairs(scene, options, executor, statistics);
+    std::vector<std::uint32_t> meshes;
+    for (const MeshPair& pair : pairs) {
+        meshes.insert(meshes.end(), {pair.a, pair.b});
     }
-    kept.has_shape = kept.is_shape_current = true;
-    return kept.shape;
+    std::sort(meshes.begin(), meshes.end());
+    meshes.erase(std::unique(meshes.begin(), meshes.end()), meshes.end());
+    instant.update_shapes(scene, meshes, executor, statistics);
+
+    // 2. Pairs of triangles: of few pairs of meshes each in parallel, of many next to each other.
+    constexpr std::size_t kManyPairs = 64;
+    std::vector<InstantContacts> found(pairs.size());
+    if (pairs.size() < kManyPairs) {
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            found[i] = contacts_of_pair(pairs[i], executor);
+        }
+    } else {
+        executor.for_each(pairs.size(), 1, [&](std::size_t i, std::size_t) {
+            found[i] = contacts_of_pair(pairs[i], Executor::serial());
+        });
+    }
+
+    // 3. Their contacts.
+    std::vector<Contact> contacts;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const auto [a, b] = pairs[i];
+        statistics += found[i].statistics;
+        instant.add_work(a, found[i].statistics);
+        if (a != b) {
+            instant.add_work(b, found[i].statistics);
+        }
+        const std::size_t first = contacts.size();
+        contacts.resize(first + found[i].pairs.size());
+        executor.for_each(found[i].pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) {
+                contacts[first + k] = contact_at_begin(a, b, found[i].pairs[k]);
+            }
+        });
+    }
+    return contacts;
 }
 
 std::span<const ConvexPart> World::State::convex_parts_at_begin(std::uint32_t mesh) {
-    std::optional<std::vector<ConvexPart>>& parts = at_begin[mesh].convex_parts;
+    std::optional<std::vector<ConvexPart>>& parts = convex[mesh];
     if (!parts) {
         parts = convex_parts({scene.begin, scene.triangles_of(mesh)});
     }

@@ -37,9 +37,10 @@ HWY_INLINE void prefetch(std::span<const BoxNode> nodes,
     }
 }
 
-/// Lists the pairs that a pair is expanded into. Precondition: it is not of two triangles.
+/// Lists the pairs that a pair is expanded into; returns how many boxes were tested. Precondition:
+/// it is not of two triangles.
 template <typename Visit>
-HWY_INLINE void expand(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
+HWY_INLINE std::uint32_t expand(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
     const Slot a(trees.a, pair.a);
     const Slot b(trees.b, pair.b);
     const RelativePose& pose = trees.pose;
@@ -50,14 +51,15 @@ HWY_INLINE void expand(const BoxPairs& trees, BoxPair pair, Visit&& visit) {
                 prefetch(trees.a, trees.a_corners, trees.a[a.child].child[slot]);
                 visit(BoxPair{a.child * 8 + slot, pair.b});
             });
-    } else {
-        for_each_bit(
-            overlapping_slots(trees.b[b.child], a, trees.a_corners, pose.a_in_b, pose.is_aligned),
-            [&](std::uint32_t slot) {
-                prefetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
-                visit(BoxPair{pair.a, b.child * 8 + slot});
-            });
+        return trees.a[a.child].count;
     }
+    for_each_bit(
+        overlapping_slots(trees.b[b.child], a, trees.a_corners, pose.a_in_b, pose.is_aligned),
+        [&](std::uint32_t slot) {
+            prefetch(trees.b, trees.b_corners, trees.b[b.child].child[slot]);
+            visit(BoxPair{pair.a, b.child * 8 + slot});
+        });
+    return trees.b[b.child].count;
 }
 
 void overlapping_leaves(const BoxPairs& trees, BoxPair from, ContactSearch& search) {
@@ -74,17 +76,23 @@ void overlapping_leaves(const BoxPairs& trees, BoxPair from, ContactSearch& sear
             unfinished = unfinished && search.add(a & ~kTriangleFlag, b & ~kTriangleFlag);
         }
     };
+    std::uint64_t box_tests = 0;
     take(from);
     while (unfinished && count > 0) {
-        expand(trees, stack[--count], take);
+        const BoxPair top = stack[--count];
+        box_tests += expand(trees, top, take);
     }
+    search.statistics.box_tests += box_tests;
 }
 
-void expanded(const BoxPairs& trees, BoxPair pair, std::vector<BoxPair>& out) {
+void expanded(const BoxPairs& trees,
+              BoxPair pair,
+              std::vector<BoxPair>& out,
+              std::uint64_t& box_tests) {
     if ((child_of(trees.a, pair.a) & child_of(trees.b, pair.b) & kTriangleFlag) != 0) {
         out.push_back(pair);
     } else {
-        expand(trees, pair, [&](BoxPair child) { out.push_back(child); });
+        box_tests += expand(trees, pair, [&](BoxPair child) { out.push_back(child); });
     }
 }
 
@@ -93,6 +101,7 @@ void self_overlapping(const BoxPairs& trees, std::uint32_t index, ContactSearch&
     for (std::uint32_t slot = 0; slot + 1 < node.count; ++slot) {
         const Slot own(trees.a, index * 8 + slot);
         const std::uint32_t later = ~0U << (slot + 1);
+        search.statistics.box_tests += node.count - slot - 1;
         const std::uint32_t mask = overlapping(node, own, trees.pose.a_in_b, true) & later;
         for_each_bit(mask, [&](std::uint32_t other) {
             overlapping_leaves(trees, {index * 8 + slot, index * 8 + other}, search);
@@ -121,6 +130,7 @@ void closest(const BoxPairs& trees, DistanceSearch& search) {
             continue;
         }
         const bool expands_a = expands_first(a, b);
+        search.statistics.box_tests += expands_a ? trees.a[a.child].count : trees.b[b.child].count;
         alignas(64) float squares[8];
         const std::uint32_t mask =
             expands_a
@@ -162,9 +172,11 @@ void traverse_overlapping(const BoxPairs& trees, BoxPair from, ContactSearch& se
     HWY_DYNAMIC_DISPATCH(overlapping_leaves)(trees, from, search);
 }
 
-std::vector<BoxPair> expand_overlapping(const BoxPairs& trees, BoxPair pair) {
+std::vector<BoxPair> expand_overlapping(const BoxPairs& trees,
+                                        BoxPair pair,
+                                        std::uint64_t& box_tests) {
     std::vector<BoxPair> found;
-    HWY_DYNAMIC_DISPATCH(expanded)(trees, pair, found);
+    HWY_DYNAMIC_DISPATCH(expanded)(trees, pair, found, box_tests);
     return found;
 }
 

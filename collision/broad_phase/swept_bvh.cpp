@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/broad_phase/internal/swept_bvh.h"
 
-#include "earshot/bvh/quality.h"
-
 #include <algorithm>
-#include <utility>
 
 namespace earshot::collision {
 
@@ -14,91 +11,10 @@ using geometry::Vec3;
 
 namespace {
 
-/// The BVHs of the meshes below one top-level tree. It may be deeper than bvh::kMaxDepth.
-struct MergedBvh {
-    bvh::Tree tree;
-    /// The mesh of each node; kMixedMeshes for the nodes of the top-level tree.
-    std::vector<std::uint32_t> tree_of_node;
-};
+// Node visits of 20 ns per triangle that a change of topology costs beside a new tree: leaf slabs,
+// contours of normal cones, and a traversal from the root.
+constexpr double kTopologyCost = 20.0;
 
-/// Builds the top-level tree over the roots of the BVHs and copies their nodes below its leaves:
-/// depth-first, siblings side by side. Primitives are numbered on from BVH to BVH.
-class Merger {
-public:
-    explicit Merger(std::span<const bvh::Tree> trees) : trees_(trees) {
-        std::uint32_t primitives = 0;
-        std::size_t below_roots = 0;
-        std::vector<geometry::Aabb> boxes;
-        for (std::uint32_t i = 0; i < trees.size(); ++i) {
-            first_primitive_.push_back(primitives);
-            primitives += static_cast<std::uint32_t>(trees[i].primitives().size());
-            if (!trees[i].nodes().empty()) {
-                boxes.push_back(trees[i].nodes()[0].box);
-                tree_of_box_.push_back(i);
-                below_roots += trees[i].nodes().size() - 1;
-            }
-        }
-        if (boxes.empty()) {
-            return;
-        }
-        top_ = bvh::Tree::build(boxes, {.max_leaf_size = 1});
-        nodes_.resize(top_.nodes().size() + below_roots);
-        tree_of_node_.resize(nodes_.size(), SweptBvh::kMixedMeshes);
-        primitives_.reserve(primitives);
-        copy_top(0, 0);
-    }
-
-    MergedBvh merged() && {
-        return {bvh::Tree::from_nodes(std::move(nodes_), std::move(primitives_)),
-                std::move(tree_of_node_)};
-    }
-
-private:
-    void copy_top(std::uint32_t source, std::uint32_t target) {
-        const bvh::Node& node = top_.nodes()[source];
-        if (node.is_leaf()) {
-            copy_bvh(tree_of_box_[top_.primitives()[node.first]], target);
-            return;
-        }
-        const std::uint32_t children = next_;
-        next_ += 2;
-        nodes_[target] = {.box = node.box, .first = children, .count = 0};
-        copy_top(node.first, children);
-        copy_top(node.first + 1, children + 1);
-    }
-
-    /// Copies a BVH: its root to `target`, beside the root's sibling, the other nodes behind.
-    void copy_bvh(std::uint32_t tree, std::uint32_t target) {
-        const std::span<const bvh::Node> nodes = trees_[tree].nodes();
-        const std::uint32_t shift = next_ - 1;
-        const auto slot = static_cast<std::uint32_t>(primitives_.size());
-        for (std::uint32_t i = 0; i < nodes.size(); ++i) {
-            const std::uint32_t to = i == 0 ? target : shift + i;
-            nodes_[to] = nodes[i];
-            nodes_[to].first += nodes[i].is_leaf() ? slot : shift;
-            tree_of_node_[to] = tree;
-        }
-        for (const std::uint32_t primitive : trees_[tree].primitives()) {
-            primitives_.push_back(first_primitive_[tree] + primitive);
-        }
-        next_ += static_cast<std::uint32_t>(nodes.size()) - 1;
-    }
-
-    std::span<const bvh::Tree> trees_;
-    bvh::Tree top_;
-    std::vector<std::uint32_t> tree_of_box_, first_primitive_;
-    std::vector<bvh::Node> nodes_;
-    std::vector<std::uint32_t> tree_of_node_, primitives_;
-    std::uint32_t next_ = 1;
-};
-
-/// BVHs without nodes are left out.
-MergedBvh merge(std::span<const bvh::Tree> trees) {
-    return Merger(trees).merged();
-}
-
-/// The tree is refitted until its SAH cost exceeds that of the last build by this factor.
-constexpr double kRebuildAtCost = 1.5;
 constexpr std::size_t kGrain = 4096;
 
 Aabb swept_box(const MovingCorners& corners, double margin) {
@@ -120,7 +36,6 @@ Aabb swept_box(const MovingCorners& corners, double margin) {
 
 bool SweptBvh::update(const MovingScene& scene, double margin, Executor& executor) {
     // 1. Bounding volumes of the step: boxes by triangle, DOP extents by vertex.
-    const bool has_new_meshes = boxes_.size() != scene.triangles.size();
     boxes_.resize(scene.triangles.size());
     extents_.resize(scene.begin.size());
     executor.for_each(boxes_.size(), kGrain, [&](std::size_t from, std::size_t to) {
@@ -134,40 +49,46 @@ bool SweptBvh::update(const MovingScene& scene, double margin, Executor& executo
             extents_[i] = DopExtents(scene.begin[i], scene.end[i]);
         }
     });
-    // 2. Refit, or build where meshes were added or the SAH cost has grown too much.
-    bool is_new = has_new_meshes;
-    if (!has_new_meshes) {
-        tree_.refit(boxes_, executor);
-        is_new = bvh::sah_cost(tree_) > kRebuildAtCost * cost_when_built_;
+    // 2. The tree over the boxes.
+    if (layout_ != scene.layout) {
+        layout_ = scene.layout;
+        last_action_.reset();
+        bvh_ = bvh::DeformableBvh(
+            boxes_,
+            {.build = {.builder = builder_},
+             .queries_per_update = 0.0,  // until a search has told
+             .topology_cost = kTopologyCost,
+             .group_ends = {scene.first_triangle.begin() + 1, scene.first_triangle.end()}},
+            executor);
+        version_ = 0;
+    } else {
+        last_action_ = bvh_.update(boxes_, executor).action;
     }
+    const bool is_new = version_ != bvh_.version();
     if (is_new) {
-        build(scene, executor);
+        version_ = bvh_.version();
+        find_meshes_and_slots(scene);
     }
     // 3. Copy what a traversal reads into the order of the leaves.
     fill_slots(scene, margin, executor);
     return is_new;
 }
 
-void SweptBvh::build(const MovingScene& scene, Executor& executor) {
-    std::vector<bvh::Tree> trees;
-    for (std::uint32_t mesh = 0; mesh < scene.meshes(); ++mesh) {
-        const std::size_t first = scene.first_triangle[mesh];
-        const std::size_t count = scene.first_triangle[mesh + 1] - first;
-        trees.push_back(bvh::Tree::build(
-            std::span(boxes_).subspan(first, count), {.builder = builder_}, executor));
-    }
-    MergedBvh merged = merge(trees);
-    tree_ = std::move(merged.tree);
-    mesh_of_node_ = std::move(merged.tree_of_node);
-    cost_when_built_ = bvh::sah_cost(tree_);
-
-    const std::span<const bvh::Node> nodes = tree_.nodes();
+void SweptBvh::find_meshes_and_slots(const MovingScene& scene) {
+    mesh_of_node_ = bvh::groups_of_nodes(tree(), std::span(scene.first_triangle).subspan(1));
+    const std::span<const bvh::Node> nodes = tree().nodes();
     slots_of_node_.resize(nodes.size());
     for (std::size_t i = nodes.size(); i-- > 0;) {
         const bvh::Node& node = nodes[i];
-        slots_of_node_[i] = node.is_leaf() ? SlotRange{node.first, node.first + node.count}
-                                           : SlotRange{slots_of_node_[node.first].begin,
-                                                       slots_of_node_[node.first + 1].end};
+        if (node.is_leaf()) {
+            slots_of_node_[i] = {node.first, node.first + node.count};
+            continue;
+        }
+        // The slots below a node are neighbours, but those of a leaf may come before those below
+        // its sibling.
+        const SlotRange& left = slots_of_node_[node.first];
+        const SlotRange& right = slots_of_node_[node.first + 1];
+        slots_of_node_[i] = {std::min(left.begin, right.begin), std::max(left.end, right.end)};
     }
 }
 

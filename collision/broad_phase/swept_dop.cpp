@@ -109,4 +109,28 @@ SweptDop::SweptDop(const DopExtents& a,
     bound(a.end, b.end, c.end, padding, lower_end, upper_end);
 }
 
+double first_overlap(const MovingCorners& a, const MovingCorners& b) noexcept {
+    const auto lower = [](const std::array<Vec3, 3>& t, int axis) {
+        return std::min({t[0][axis], t[1][axis], t[2][axis]});
+    };
+    const auto upper = [](const std::array<Vec3, 3>& t, int axis) {
+        return std::max({t[0][axis], t[1][axis], t[2][axis]});
+    };
+    // Along an axis the gap from one triangle to the other is the least of linear functions less
+    // the largest of linear functions: it is concave, so not below the line between its values at
+    // both ends, and positive for as long as that line is. A gap is rounded once.
+    double time = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        for (const auto& [below, above] : {std::pair(&a, &b), std::pair(&b, &a)}) {
+            const double at_begin = lower(above->begin, axis) - upper(below->begin, axis);
+            const double at_end = lower(above->end, axis) - upper(below->end, axis);
+            if (at_begin > 0.0) {
+                const double root = at_end > 0.0 ? 2.0 : at_begin / (at_begin - at_end);
+                time = std::max(time, root * (1.0 - 0x1p-40));
+            }
+        }
+    }
+    return time;
+}
+
 }  // namespace earshot::collision

@@ -28,12 +28,18 @@ struct MovingScene {
     std::vector<double> deviation;             ///< by vertex, bound from its chord, metres
     std::uint32_t meshes_on_screws = 0;
 
+    std::uint64_t layout = 0;              ///< grows with every mesh that is added or removed
+    std::vector<std::uint8_t> is_removed;  ///< by mesh
+
     std::uint32_t meshes() const noexcept {
         return static_cast<std::uint32_t>(first_vertex.size() - 1);
     }
 
     /// Throws Error if a triangle names a vertex that is not there.
     void add(std::span<const geometry::Triangle> mesh, std::size_t vertices);
+
+    /// Takes out the vertices and triangles of a mesh, which keeps its number.
+    void remove(std::uint32_t mesh);
 
     std::span<const geometry::Triangle> triangles_of(std::uint32_t mesh) const noexcept;
     MovingCorners corners_of(const geometry::Triangle& triangle) const noexcept;

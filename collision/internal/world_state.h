@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/collision/broad_phase/internal/bvtt_front.h"
-#include "earshot/collision/broad_phase/internal/leaf_slabs.h"
-#include "earshot/collision/broad_phase/internal/normal_cones.h"
-#include "earshot/collision/broad_phase/internal/swept_bvh.h"
+#include "earshot/collision/broad_phase/internal/instant_broad_phase.h"
+#include "earshot/collision/broad_phase/internal/swept_broad_phase.h"
 #include "earshot/collision/convex.h"
+#include "earshot/collision/internal/instant_search.h"
 #include "earshot/collision/internal/moving_scene.h"
 #include "earshot/collision/internal/scene_meshes.h"
 #include "earshot/collision/world.h"
@@ -24,18 +23,9 @@ struct AddedScene {
     std::uint32_t first_mesh;
 };
 
-/// What is kept of a mesh at the beginning of the step, where it was asked for.
-struct MeshAtBegin {
-    Shape shape;
-    bool has_shape = false;         ///< of this topology
-    bool is_shape_current = false;  ///< refitted to the present positions
-    std::optional<std::vector<ConvexPart>> convex_parts;
-};
-
 struct World::State {
     MovingScene scene;
     std::vector<AddedScene> added;
-    std::vector<MeshAtBegin> at_begin;
     WorldStatistics statistics;
 
     // Of the last set_step(); a step on screws may be searched in parts.
@@ -43,14 +33,11 @@ struct World::State {
     Path path = Path::chords;
     std::size_t parts_of_step = 1;
 
-    // The broad phase.
-    bvh::Builder builder = bvh::Builder::binned_sah;
-    SweptBvh swept_bvh;
-    LeafSlabs leaf_slabs;
-    NormalCones normal_cones;
-    bool has_normal_cones = false;  // whether they were built for the present tree
-    BvttFront front;
-    std::vector<std::uint8_t> representatives, all;  // see representatives.h
+    SweptBroadPhase swept;
+    InstantBroadPhase instant;
+    std::vector<std::uint8_t> representatives, all;              // see representatives.h
+    std::uint64_t representatives_layout = 0;                    // of the scene that they are of
+    std::vector<std::optional<std::vector<ConvexPart>>> convex;  // where they were asked for
 
     void move(std::uint32_t mesh,
               std::span<const geometry::Vec3> begin,
@@ -58,18 +45,36 @@ struct World::State {
     void move(std::uint32_t mesh, std::span<const geometry::Vec3> begin, const Screw& screw);
     /// Moves the meshes of scenes between the ends of a part of the step.
     void move_to_part(std::size_t part);
+    /// A time within a part as one within the step, rounded down: never late.
+    double time_within_step(std::size_t part, double toi) const noexcept {
+        return (static_cast<double>(part) + toi) / static_cast<double>(parts_of_step) *
+               (1.0 - 0x1p-50);
+    }
 
     /// The contacts of the step as it stands, sorted, each once. Adds to the statistics.
     std::vector<Contact> search(const ContactOptions& options, Executor& executor);
 
-    const Shape& shape_at_begin(std::uint32_t mesh, Executor& executor);
+    /// The first of search().
+    std::optional<Contact> search_first(const ContactOptions& options, Executor& executor);
+
+    /// The contacts of all pairs of meshes at the beginning of the step, in any order. Adds to the
+    /// statistics.
+    std::vector<Contact> search_at_begin(const ContactOptions& options, Executor& executor);
+
     std::span<const ConvexPart> convex_parts_at_begin(std::uint32_t mesh);
     Contact contact_at_begin(std::uint32_t mesh_a, std::uint32_t mesh_b, TrianglePair pair) const;
 
 private:
     void set_begin(std::uint32_t mesh, std::span<const geometry::Vec3> positions);
-    void update_broad_phase(const ContactOptions& options, Executor& executor);
-    const NormalCones* normal_cones_for(const ContactOptions& options, Executor& executor);
+    /// Runs both phases, in rounds of so many tasks: `new_tester` may set the testers of a round
+    /// up, finish(tester) takes them in order.
+    template <typename SetUp, typename Finish>
+    void test_step(const ContactOptions& options,
+                   std::size_t round,
+                   Executor& executor,
+                   SetUp&& set_up,
+                   Finish&& finish);
+    InstantContacts contacts_of_pair(const MeshPair& pair, Executor& executor) const;
 };
 
 }  // namespace earshot::collision

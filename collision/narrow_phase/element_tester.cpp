@@ -40,7 +40,21 @@ void ElementTester::test(std::uint32_t slot_a, std::uint32_t slot_b) {
             return;
         }
     }
-    test_elements(a, b);
+    if (!is_late(a, b)) {
+        test_elements(a, b);
+    }
+}
+
+/// Whether two triangles cannot be in contact by the time bound.
+bool ElementTester::is_late(std::uint32_t a, std::uint32_t b) const {
+    // Exact times lie less than this before the true ones; those with a separation and on screws
+    // may lie further before them.
+    constexpr double kEarly = 0x1p-30;
+    const bool is_exact =
+        options_.min_separation == 0.0 && !scene_.on_screws(mesh_of(a), mesh_of(b));
+    return time_bound_ < 1.0 && is_exact &&
+           first_overlap(scene_.corners_of(scene_.triangles[a]),
+                         scene_.corners_of(scene_.triangles[b])) > time_bound_ + kEarly;
 }
 
 void ElementTester::test_elements(std::uint32_t a, std::uint32_t b) {

@@ -129,6 +129,7 @@ bool separated_by(const Corners& one,
 }  // namespace
 
 bool ContactSearch::intersect_leaves(const LeafPair& leaves) {
+    ++statistics.elementary_tests;
     const Corners& one = a_.corners(leaves[0]);
     const Corners& other = b_.corners(leaves[1]);
     return query_ == Query::all_of_one_mesh
@@ -174,6 +175,7 @@ void ContactSearch::decide() {
 }
 
 void DistanceSearch::add(std::uint32_t a, std::uint32_t b) noexcept {
+    ++statistics.triangle_pairs;
     const Corners& one = a_.corners(a);
     const Corners& other = b_.corners(b);
     // Close to the best pair most others are separated by more than its distance along its
@@ -182,6 +184,7 @@ void DistanceSearch::add(std::uint32_t a, std::uint32_t b) noexcept {
         separated_by(one, other, direction_between(one, other), best.distance)) {
         return;
     }
+    ++statistics.elementary_tests;
     const TriangleDistance here = distance_of_disjoint(one, other);
     const TrianglePair pair{a_.triangle(a), b_.triangle(b)};
     if (here.distance < best.distance ||

@@ -100,6 +100,66 @@ TEST_F(Collide, DiscreteContactsAreAtInstants) {
     EXPECT_EQ(step["contacts"][0]["b"]["element"], Json({3, 4, 5}));
 }
 
+TEST_F(Collide, TellsItsWorkAndWhatItDidToTrees) {
+    const std::string scene = test::source_file("scenes/curtain.gltf").string();
+    for (const char* mode : {"--self", "--discrete"}) {
+        std::vector<Json> summaries;
+        for (const char* threads : {"1", "2"}) {
+            const RunResult result = run_earshot({"collide",
+                                                  scene,
+                                                  mode,
+                                                  "--self",
+                                                  "--frames",
+                                                  "0:0.8:0.2",
+                                                  "--threads",
+                                                  threads,
+                                                  "-o",
+                                                  path("contacts.json"),
+                                                  "--json"});
+            ASSERT_EQ(result.status, 0) << result.err;
+            summaries.push_back(Json::parse(result.out));
+            summaries.back().erase("seconds");
+        }
+        EXPECT_EQ(summaries[0], summaries[1]);
+        const Json& summary = summaries[0];
+        EXPECT_GT(summary["box_tests"], 0);
+        EXPECT_GT(summary["triangle_pairs"], 0);
+        EXPECT_GT(summary["elementary_tests"], 0);
+        // Trees are built in the first step and follow in the others.
+        EXPECT_GE(summary["refits"].get<int>() + summary["repairs"].get<int>() +
+                      summary["rebuilds"].get<int>(),
+                  3);
+    }
+}
+
+TEST_F(Collide, FirstIsTheFirstOfAll) {
+    const std::string scene = test::source_file("scenes/door.gltf").string();
+    const auto run = [&](const std::string& file, std::vector<std::string> more) {
+        std::vector<std::string> arguments{
+            "collide", scene, "--frames", "0:2:0.5", "-o", path(file), "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const RunResult result = run_earshot(arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        return Json::parse(read_file(folder_ / file))["steps"];
+    };
+    for (const std::vector<std::string>& mode :
+         {std::vector<std::string>{}, {"--rigid"}, {"--discrete"}}) {
+        std::vector<std::string> with_first = mode;
+        with_first.emplace_back("--first");
+        const Json first = run("first.json", with_first);
+        const Json all = run("all.json", mode);
+        ASSERT_LE(first.size(), all.size());
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            const Json& contacts = all[i]["contacts"];
+            ASSERT_EQ(first[i]["contacts"].size(), contacts.empty() ? 0U : 1U);
+            if (!contacts.empty()) {
+                EXPECT_EQ(first[i]["contacts"][0], contacts[0]);
+                EXPECT_EQ(i + 1, first.size());
+            }
+        }
+    }
+}
+
 TEST_F(Collide, AnAnimationIsTheSameForAnyNumberOfThreads) {
     const std::string scene = test::source_file("scenes/curtain.gltf").string();
     std::vector<std::string> texts;

@@ -136,7 +136,7 @@ TEST(Discrete, DoesNotDependOnBuilderThreadsOrInstructions) {
     }
 }
 
-TEST(Discrete, FollowsARefit) {
+TEST(Discrete, FollowsAnUpdate) {
     auto a = test::sphere(3, 1.0, Vec3(0.0));
     const auto b = test::cube(4, 0.9);
     Shape moving = Shape::build(a.view());
@@ -144,12 +144,12 @@ TEST(Discrete, FollowsARefit) {
     for (Vec3& position : a.positions) {
         position = {position.z, 2.0 * position.x, position.y + 0.1};
     }
-    moving.refit(a.view());
+    moving.update(a.view());
     EXPECT_EQ(by_trees({moving}, {still}), by_brute_force(a, {}, b, {}));
     for (Vec3& position : a.positions) {
         position.x += 4.0;
     }
-    moving.refit(a.view());
+    moving.update(a.view());
     EXPECT_EQ(by_trees({moving}, {still}), by_brute_force(a, {}, b, {}));
 }
 
@@ -159,7 +159,7 @@ TEST(Discrete, LeavesAreTheMeshsTriangles) {
     for (Vec3& position : mesh.positions) {
         position = {position.y, -position.z, position.x};
     }
-    shape.refit(mesh.view());
+    shape.update(mesh.view());
     std::vector<geometry::TriangleId> triangles(shape.triangles().begin(), shape.triangles().end());
     ASSERT_EQ(shape.corners().size(), triangles.size());
     for (std::size_t leaf = 0; leaf < triangles.size(); ++leaf) {

@@ -10,7 +10,8 @@
 namespace earshot::collision {
 
 // Simultaneous traversal of two BVHs, compiled for every instruction set. Boxes are in single
-// precision and padded, so that no pair of triangles is culled wrongly.
+// precision and padded, so that no pair of triangles is culled wrongly. Every node whose boxes are
+// tested against another box counts as so many box tests in the search's statistics.
 
 /// A box of each of two shapes: eight times the node's index plus the slot. The roots are {0, 0}.
 struct BoxPair {
@@ -27,8 +28,11 @@ struct BoxPairs {
 /// Adds all pairs of triangles below `from` whose boxes overlap, until the search is satisfied.
 void traverse_overlapping(const BoxPairs& trees, BoxPair from, ContactSearch& search);
 
-/// The overlapping pairs that a pair expands into; a pair of triangles is returned itself.
-std::vector<BoxPair> expand_overlapping(const BoxPairs& trees, BoxPair pair);
+/// The overlapping pairs that a pair expands into; a pair of triangles is returned itself. Adds to
+/// the number of boxes that were tested.
+std::vector<BoxPair> expand_overlapping(const BoxPairs& trees,
+                                        BoxPair pair,
+                                        std::uint64_t& box_tests);
 
 /// Adds the overlapping pairs of triangles of one shape that lie below different children of a
 /// node.

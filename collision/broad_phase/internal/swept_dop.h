@@ -50,4 +50,8 @@ struct MovingCorners {
 /// `margin` as in SweptDop.
 bool disjoint_along_normal(const MovingCorners& a, const MovingCorners& b, double margin) noexcept;
 
+/// A lower bound of the time within the step at which the boxes of two triangles first overlap;
+/// more than 1 if they do not.
+double first_overlap(const MovingCorners& a, const MovingCorners& b) noexcept;
+
 }  // namespace earshot::collision

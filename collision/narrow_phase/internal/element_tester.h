@@ -16,7 +16,7 @@
 
 namespace earshot::collision {
 
-/// Tests the elements of pairs of triangles against each other: the tester of a SelfTraversal.
+/// Tests the elements of pairs of triangles against each other: the tester of SweptPairs.
 class ElementTester {
 public:
     /// `representatives`: see representative_features(). Without `normal_cones` no node is culled
@@ -45,11 +45,16 @@ public:
     }
     void test(std::uint32_t slot_a, std::uint32_t slot_b);
 
+    /// Pairs of triangles are not tested if they cannot be in contact by that time within the step.
+    /// Contacts up to it are found all the same.
+    void set_time_bound(double toi) noexcept { time_bound_ = toi; }
+
     /// The contacts found, in any order; pairs of elements that were tested twice occur twice.
     std::vector<Contact>& contacts() noexcept { return contacts_; }
     const WorldStatistics& statistics() const noexcept { return statistics_; }
 
 private:
+    bool is_late(std::uint32_t a, std::uint32_t b) const;
     void test_elements(std::uint32_t a, std::uint32_t b);
     void test_corners(std::uint32_t of, std::uint32_t face);
     void test_edges(std::uint32_t a, unsigned i, std::uint32_t b, unsigned k);
@@ -77,6 +82,7 @@ private:
     const ContactOptions& options_;
     std::vector<Contact> contacts_;
     WorldStatistics statistics_;
+    double time_bound_ = 1.0;
 };
 
 }  // namespace earshot::collision

@@ -3,6 +3,7 @@
 
 #include "earshot/collision/discrete.h"
 #include "earshot/collision/narrow_phase/triangle_intersection.h"
+#include "earshot/collision/statistics.h"
 
 #include <array>
 #include <cstddef>
@@ -68,6 +69,7 @@ public:
     /// Adds a pair of leaves. Pairs are decided in batches. Returns whether the traversal must go
     /// on.
     bool add(std::uint32_t a, std::uint32_t b) {
+        ++statistics.triangle_pairs;
         batch_[count_++] = {a, b};
         if (query_ == Query::first || count_ == batch_.size()) {
             decide();
@@ -79,6 +81,7 @@ public:
     void decide();
 
     std::vector<TrianglePair> found;
+    WorldStatistics statistics;  ///< box tests are counted by the traversal
 
 private:
     using LeafPair = std::array<std::uint32_t, 2>;
@@ -106,6 +109,7 @@ public:
     float squared_bound() const noexcept { return squared_bound_; }
 
     MeshDistance best{};
+    WorldStatistics statistics;  ///< box tests are counted by the traversal
 
 private:
     CachedLeaf a_;
