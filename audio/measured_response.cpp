@@ -66,6 +66,25 @@ double smallest_step(std::span<const double> samples) {
     return smallest;
 }
 
+/// Whether a value stands several times in a row with a kink before or behind: a clipped crest is
+/// entered or left at a slope, a slow one that is quantised is not.
+bool has_flat_run(std::span<const double> samples, double value, double min_kink) {
+    const auto kink = [&](std::size_t neighbour) {
+        return neighbour < samples.size() && std::abs(value - samples[neighbour]) > min_kink;
+    };
+    for (std::size_t begin = 0; value != 0.0 && begin < samples.size();) {
+        std::size_t end = begin;
+        while (end < samples.size() && samples[end] == value) {
+            ++end;
+        }
+        if (end - begin >= kMinRun && (kink(begin - 1) || kink(end))) {
+            return true;
+        }
+        begin = end + 1;
+    }
+    return false;
+}
+
 /// Samples [begin, end).
 struct Range {
     std::size_t begin = 0, end = 0;
@@ -152,26 +171,18 @@ Clipping find_clipping(std::span<const double> samples) {
     const auto full = std::count_if(samples.begin(), samples.end(), at_full_scale);
     clipping.one_at_full_scale = full == 1;
     const double min_kink = kMinKinkSteps * smallest_step(samples);
+    const bool smallest_is_limit = has_flat_run(samples, *smallest, min_kink);
+    const bool largest_is_limit = has_flat_run(samples, *largest, min_kink);
     double clipped_energy = 0.0;
     std::size_t last = 0;
-    for (std::size_t begin = 0; begin < samples.size();) {
-        std::size_t end = begin + 1;
-        const double value = samples[begin];
-        while (end < samples.size() && samples[end] == value) {
-            ++end;
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+        const double sample = samples[n];
+        if ((smallest_is_limit && sample == *smallest) ||
+            (largest_is_limit && sample == *largest) || (full > 1 && at_full_scale(sample))) {
+            ++clipping.samples;
+            clipped_energy += sample * sample;
+            last = n + 1;
         }
-        const bool is_extreme = value != 0.0 && (value == *smallest || value == *largest);
-        // A clipped crest is entered or left at a slope, a slow one that is quantised is not.
-        const auto kink = [&](std::size_t neighbour) {
-            return neighbour < samples.size() && std::abs(value - samples[neighbour]) > min_kink;
-        };
-        const bool is_cut = is_extreme && end - begin >= kMinRun && (kink(begin - 1) || kink(end));
-        if (is_cut || (full > 1 && at_full_scale(value))) {
-            clipping.samples += end - begin;
-            clipped_energy += value * value * static_cast<double>(end - begin);
-            last = end;
-        }
-        begin = end;
     }
     if (clipping.samples > 0) {
         clipping.one_at_full_scale = false;

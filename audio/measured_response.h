@@ -11,8 +11,9 @@
 
 namespace earshot::audio {
 
-/// Samples that a recorder could not follow: three or more in a row that equal the largest or the
-/// smallest of the recording, with a kink before or behind them, or several at full scale.
+/// Samples that a recorder could not follow: those that equal the largest or the smallest of the
+/// recording where three or more of them stand in a row, with a kink before or behind, or several
+/// at full scale.
 struct Clipping {
     std::size_t samples = 0;
     double level_db = 0.0;         ///< of the larger of the two extremes, decibels re a sample of 1
