@@ -59,10 +59,6 @@ bool RayTracer::is_same_mirror(const ImageChain& chain,
 }
 
 bool RayTracer::is_visible(const ImageChain& chain, const Vec3& from) const {
-    if (chain.scattering_normal &&
-        !(glm::dot(from - chain.image, *chain.scattering_normal) > 0.0)) {
-        return false;
-    }
     Vec3 point = from;
     Vec3 image = chain.image;
     for (std::size_t i = chain.mirrors.size(); i-- > 0;) {

@@ -32,8 +32,8 @@ struct RaySource {
 struct RayOptions {
     std::size_t rays = 20000;  ///< with `max_error`: at most
     /// Batches are traced until 1.3 standard errors of T30 at 500 Hz and 1 kHz are below this share
-    /// of it, and those of the level below 0.05 dB for each per cent of it; looked at after 32, 64,
-    /// 128, ... batches of 2,048 rays. Each listener has the batches up to its own end. 0: all
+    /// of it, and those of the level below 0.05 dB for each per cent of it; looked at after 32, 48,
+    /// 64, 96, ... batches of 2,048 rays. Each listener has the batches up to its own end. 0: all
     /// rays.
     double max_error = 0.0;
     std::uint64_t seed = 1;
@@ -44,7 +44,8 @@ struct RayOptions {
     int specular_order = 4;
     /// Of the ball about a listener that counts rays, metres. A wider ball counts more rays; in
     /// rooms that are not convex, long chains of reflections count with the energy of the ball in
-    /// place of the listener's.
+    /// place of the listener's. In large spaces the ball for rays that were scattered is larger, up
+    /// to 1.5 m.
     double receiver_radius = 1.0;
     /// Seconds in which the sound decays by 60 dB, roughly: rays that are faint compared with that
     /// decay end by Russian roulette. 0: unknown.

@@ -67,12 +67,13 @@ public:
     }
     std::size_t rays() const { return max_error_ > 0.0 ? count_ * kMaxBatchRays : rays_; }
 
-    /// Whether errors are looked at after `done` batches: few looks at growing numbers, so that
-    /// chance does not end the search.
+    /// Whether errors are looked at after `done` batches: few looks at growing numbers (32, 48, 64,
+    /// 96, 128, ...), so that chance does not end the search.
     bool is_look(std::size_t done) const {
         constexpr std::size_t kFirstLook = 32;
+        const std::size_t third = done % 3 == 0 ? done / 3 : done;
         return max_error_ > 0.0 &&
-               (done == count_ || (done >= kFirstLook && std::has_single_bit(done)));
+               (done == count_ || (done >= kFirstLook && std::has_single_bit(third)));
     }
     bool are_small(const LateErrors& errors) const {
         constexpr double kCaution = 1.3;           // for the errors' own error, and skewness

@@ -50,9 +50,10 @@ void RayBatch<kBands>::find_chord(std::size_t i,
     const Receiver& receiver = receivers_[receiver_index];
     const Ray& ray = rays_[i];
     const Path& path = paths_[i];
+    const ReceiverBall& ball = path.scattered_before ? receiver.scattered_ball : receiver.ball;
     const Vec3 to = receiver.position - ray.origin;
     const double along = glm::dot(to, ray.direction);
-    const double half_squared = receiver.radius_squared - (glm::dot(to, to) - along * along);
+    const double half_squared = ball.radius_squared - (glm::dot(to, to) - along * along);
     if (!(half_squared > 0.0)) {
         return;
     }
@@ -85,7 +86,7 @@ void RayBatch<kBands>::find_chord(std::size_t i,
                        .receiver = receiver_index,
                        .travelled = path.travelled - path.image_distance + distance,
                        .towards = -from_image,
-                       .share = (end - begin) * receiver.inverse_volume *
+                       .share = (end - begin) * ball.inverse_volume *
                                 (image_to_point * image_to_point / squared) * weight});
 }
 
@@ -106,24 +107,23 @@ void RayBatch<kBands>::record_chords(const RandomStream& trials) {
     }
 }
 
-/// The correction for parts of the ball that do not see the image. Chains of many reflections go
-/// without: there, images are many and the correction is noisier than the bias.
+/// The correction for parts of the ball that do not see the image. Images of points that scatter,
+/// and chains of many reflections, go without: there, images are many, each with its own part of
+/// the ball, and the correction is noisier than the bias.
 template <std::size_t kBands>
 double RayBatch<kBands>::image_weight(const Chord& chord, const RandomStream& trials) const {
     const Receiver& receiver = receivers_[chord.receiver];
     const Path& path = paths_[chord.ray];
-    if (receiver.ball_points.empty() || path.reflections_of_image > kMaxTestedReflections) {
+    if (receiver.ball_points.empty() || path.scattered_before ||
+        path.reflections_of_image > kMaxTestedReflections) {
         return 1.0;
     }
     const Ray& ray = rays_[chord.ray];
-    ImageChain chain{
+    const ImageChain chain{
         .image = ray.origin - path.image_distance * ray.direction,
         .mirrors =
             std::span(path.mirrors).first(static_cast<std::size_t>(path.reflections_of_image)),
         .surfaces = surfaces_};
-    if (path.scattered_before) {
-        chain.scattering_normal = path.scattering_normal;
-    }
     return tracer_.image_weight(receiver, chain, trials.bits(path.id));
 }
 

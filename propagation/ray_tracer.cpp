@@ -6,10 +6,13 @@
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/spiral.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -98,24 +101,50 @@ RayTracer::RayTracer(const RayScene& scene,
     describe_surfaces();
     describe_triangles();
     rectangular_room_ = find_rectangular_room();
+    scattered_radius_ = scattered_radius();
     describe_receivers(listeners, executor);
     limit_roulette();
 }
 
-// A ball, and what part of it is visible from its centre.
+// Sound after a scattering comes from many places: its energy density varies less from place to
+// place than that of mirror images, and its T30 in a hall needs more rays than anything else. So a
+// larger ball counts it in large spaces (6 % of the edge of a cube as large).
+double RayTracer::scattered_radius() const {
+    constexpr double kShareOfEdge = 0.06;
+    constexpr double kMaxRadius = 1.5;
+    Vec3 low(std::numeric_limits<double>::infinity());
+    Vec3 high = -low;
+    for (const Vec3& position : scene_.mesh.positions) {
+        low = glm::min(low, position);
+        high = glm::max(high, position);
+    }
+    const Vec3 extent = high - low;
+    const double volume = extent.x * extent.y * extent.z;
+    if (!(volume > 0.0 && std::isfinite(volume))) {
+        return options_.receiver_radius;
+    }
+    const double edge = math::pow10(math::log10(volume) / 3.0);
+    return std::max(options_.receiver_radius, std::min(kShareOfEdge * edge, kMaxRadius));
+}
+
+// Two balls, and what part of them is visible from their centre.
 Receiver RayTracer::describe_receiver(const Vec3& position) const {
-    const double radius = options_.receiver_radius;
+    const std::array<double, 2> radii = {options_.receiver_radius, scattered_radius_};
     const auto is_in_room = [&](const Vec3& point) {
         return rectangular_room_ && rectangular_room_->contains(point);
     };
     const bool sees_every_image = is_in_room(position) && is_in_room(source_.pose.position);
-    Receiver receiver{.position = position,
-                      .radius_squared = radius * radius,
-                      .inverse_volume = 0.75 / (math::kPi * radius * radius * radius)};
+    Receiver receiver{.position = position};
+    const std::array<ReceiverBall*, 2> balls = {&receiver.ball, &receiver.scattered_ball};
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+        const double r = radii[i];
+        *balls[i] = {.radius_squared = r * r, .inverse_volume = 0.75 / (math::kPi * r * r * r)};
+    }
     if (!sees_every_image) {
         receiver.ball_points = draw_ball_points(position);
     }
-    if (!bvh::closest_point(scene_.tree, scene_.mesh, position, std::max(radius, kNearDistance))) {
+    if (!bvh::closest_point(
+            scene_.tree, scene_.mesh, position, std::max(scattered_radius_, kNearDistance))) {
         return receiver;
     }
     std::vector<Vec3> directions;
@@ -124,13 +153,16 @@ Receiver RayTracer::describe_receiver(const Vec3& position) const {
         directions.push_back(probe_direction(i));
         probes.push_back({position, directions.back()});
     }
-    double cubes = 0.0;
-    for (const auto& hit : bvh::closest_hits(wide_, scene_.mesh, probes)) {
-        const double visible = hit ? std::min(hit->t, radius) : radius;
-        cubes += visible * visible * visible;
+    const auto hits = bvh::closest_hits(wide_, scene_.mesh, probes);
+    for (std::size_t i = 0; i < balls.size(); ++i) {
+        double cubes = 0.0;
+        for (const auto& hit : hits) {
+            const double visible = hit ? std::min(hit->t, radii[i]) : radii[i];
+            cubes += visible * visible * visible;
+        }
+        balls[i]->inverse_volume =
+            cubes > 0.0 ? kProbeDirections / (4.0 / 3.0 * math::kPi * cubes) : 0.0;
     }
-    receiver.inverse_volume =
-        cubes > 0.0 ? kProbeDirections / (4.0 / 3.0 * math::kPi * cubes) : 0.0;
     const std::vector<NearScattering> places = find_near_scattering(position, directions, 0);
     for (const NearScattering& place : places) {
         receiver.near_scattering += place.share / static_cast<double>(places.size());

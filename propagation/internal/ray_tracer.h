@@ -33,12 +33,17 @@ struct BatchResult {
     double visible_volume = 0.0;  ///< of the source, cubic metres
 };
 
-/// A listener, or the source for reversed rays: a ball about it measures the energy density of
-/// specular legs.
-struct Receiver {
-    geometry::Vec3 position{0.0};
+/// A ball about a receiver, which measures the energy density of specular legs.
+struct ReceiverBall {
     double radius_squared = 0.0;
     double inverse_volume = 0.0;  ///< of the part of the ball that is visible from the receiver
+};
+
+/// A listener, or the source for reversed rays.
+struct Receiver {
+    geometry::Vec3 position{0.0};
+    ReceiverBall ball{};            ///< for legs of rays that were never scattered
+    ReceiverBall scattered_ball{};  ///< for those after a scattering
     /// Rays that start here, re those of a batch: the share that is scattered of the sound from
     /// surfaces near here, in the loudest band. 0: none scatters.
     double near_scattering = 0.0;
@@ -47,15 +52,12 @@ struct Receiver {
     std::vector<geometry::Vec3> ball_points{};
 };
 
-/// Reflections since the source or the last scattering, at most, whose image is tested for
-/// visibility from the receiver.
+/// Reflections since the source, at most, whose image is tested for visibility from the receiver.
 inline constexpr int kMaxTestedReflections = 4;
 
-/// An image of the source or of a point that scatters.
+/// An image of the source.
 struct ImageChain {
     geometry::Vec3 image{0.0};
-    /// Of a point that scatters: unit normal, mirrored like the image.
-    std::optional<geometry::Vec3> scattering_normal{};
     std::span<const geometry::TriangleId> mirrors{};  ///< in the order of the ray
     std::span<const RaySurface> surfaces{};           ///< as in RayTracer
 };
@@ -121,6 +123,7 @@ private:
     }
     void describe_surfaces();
     void describe_triangles();
+    double scattered_radius() const;
     Receiver describe_receiver(const geometry::Vec3& position) const;
     void describe_receivers(std::span<const geometry::Vec3> listeners, Executor& executor);
     void describe_source();
@@ -167,6 +170,7 @@ private:
     Surfaces reversed_surfaces_;                      // for rays against the direction of sound
     std::vector<TriangleSurface> triangle_surfaces_;  // per triangle
     std::optional<RectangularRoom> rectangular_room_;
+    double scattered_radius_ = 0.0;          // of the balls for legs after a scattering, metres
     std::vector<Receiver> receivers_;        // per listener
     Receiver source_receiver_;               // of reversed rays
     std::optional<NearField> source_field_;  // where surfaces near the source scatter
