@@ -22,6 +22,9 @@ namespace {
 constexpr std::size_t kGrain = 4096;
 constexpr std::size_t kNodeGrain = 256;
 
+// A larger piece of surface is rarely flat, and slabs of all levels would cost as much again.
+constexpr std::uint32_t kMaxSlabTriangles = 2048;
+
 // Collapsing the tree and making the slabs of a new topology, node visits of 20 ns per triangle.
 constexpr double kCollapseCost = 2.0;
 
@@ -136,6 +139,14 @@ void set_slab(BoxNode& node,
               std::size_t slot,
               std::span<const Corners> corners,
               std::span<const Vec3> normals) {
+    // Without a normal the slab is everything.
+    if (normals.size() > kMaxSlabTriangles) {
+        for (auto& component : node.normal) {
+            component[slot] = 0.0F;
+        }
+        node.slab_centre[slot] = node.slab_half[slot] = 0.0F;
+        return;
+    }
     Vec3 sum(0.0);
     for (const Vec3& normal : normals) {
         sum += normal;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/broad_phase/internal/instant_broad_phase.h"
 
+#include <glm/common.hpp>
+
 #include <algorithm>
 #include <limits>
 #include <tuple>
@@ -17,13 +19,20 @@ constexpr std::size_t kMeshGrain = 16;
 constexpr double kVisitsPerBoxTest = 0.25;
 constexpr double kVisitsPerTrianglePair = 2.0;
 
+/// Precondition: the mesh has triangles.
 geometry::Aabb bounds_of(const MovingScene& scene, std::uint32_t mesh) {
-    geometry::Aabb bounds;
-    for (const geometry::Triangle& triangle : scene.triangles_of(mesh)) {
+    const std::span<const geometry::Triangle> triangles = scene.triangles_of(mesh);
+    geometry::Vec3 lower = scene.begin[triangles[0][0]];
+    geometry::Vec3 upper = lower;
+    for (const geometry::Triangle& triangle : triangles) {
         for (const geometry::VertexId vertex : triangle) {
-            bounds.include(scene.begin[vertex]);
+            lower = glm::min(lower, scene.begin[vertex]);
+            upper = glm::max(upper, scene.begin[vertex]);
         }
     }
+    geometry::Aabb bounds;
+    bounds.include(lower);
+    bounds.include(upper);
     return bounds;
 }
 
