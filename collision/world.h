@@ -99,8 +99,8 @@ public:
     /// solids.
     std::optional<SolidDepth> depth_at_begin(std::uint32_t a, std::uint32_t b);
 
-    /// The first of contacts(), if there is one. Pairs that come into contact later than one that
-    /// was found are not tested, nor are parts of a step on screws after it.
+    /// The first of contacts(), if there is one. Elements that come close later than a contact
+    /// that was found are not tested, nor are parts of a step on screws after it.
     std::optional<Contact> first_contact(const ContactOptions& options = {},
                                          Executor& executor = Executor::serial());
 

@@ -109,14 +109,22 @@ SweptDop::SweptDop(const DopExtents& a,
     bound(a.end, b.end, c.end, padding, lower_end, upper_end);
 }
 
-double first_overlap(const MovingCorners& a, const MovingCorners& b) noexcept {
-    const auto lower = [](const std::array<Vec3, 3>& t, int axis) {
-        return std::min({t[0][axis], t[1][axis], t[2][axis]});
+double first_overlap(const MovingElement& a, const MovingElement& b) noexcept {
+    const auto lower = [](std::span<const Vec3> corners, int axis) {
+        double least = corners[0][axis];
+        for (const Vec3& corner : corners.subspan(1)) {
+            least = std::min(least, corner[axis]);
+        }
+        return least;
     };
-    const auto upper = [](const std::array<Vec3, 3>& t, int axis) {
-        return std::max({t[0][axis], t[1][axis], t[2][axis]});
+    const auto upper = [](std::span<const Vec3> corners, int axis) {
+        double largest = corners[0][axis];
+        for (const Vec3& corner : corners.subspan(1)) {
+            largest = std::max(largest, corner[axis]);
+        }
+        return largest;
     };
-    // Along an axis the gap from one triangle to the other is the least of linear functions less
+    // Along an axis the gap from one element to the other is the least of linear functions less
     // the largest of linear functions: it is concave, so not below the line between its values at
     // both ends, and positive for as long as that line is. A gap is rounded once.
     double time = 0.0;

@@ -40,21 +40,41 @@ void ElementTester::test(std::uint32_t slot_a, std::uint32_t slot_b) {
             return;
         }
     }
-    if (!is_late(a, b)) {
-        test_elements(a, b);
+    if (time_bound_ < 1.0) {
+        const MovingCorners one = scene_.corners_of(scene_.triangles[a]);
+        const MovingCorners other = scene_.corners_of(scene_.triangles[b]);
+        if (is_late(a, b, {one.begin, one.end}, {other.begin, other.end})) {
+            return;
+        }
     }
+    test_elements(a, b);
 }
 
-/// Whether two triangles cannot be in contact by the time bound.
-bool ElementTester::is_late(std::uint32_t a, std::uint32_t b) const {
+/// Whether elements of two triangles cannot be in contact by the time bound.
+bool ElementTester::is_late(std::uint32_t a,
+                            std::uint32_t b,
+                            const MovingElement& element_a,
+                            const MovingElement& element_b) const {
     // Exact times lie less than this before the true ones; those with a separation and on screws
     // may lie further before them.
     constexpr double kEarly = 0x1p-30;
     const bool is_exact =
         options_.min_separation == 0.0 && !scene_.on_screws(mesh_of(a), mesh_of(b));
-    return time_bound_ < 1.0 && is_exact &&
-           first_overlap(scene_.corners_of(scene_.triangles[a]),
-                         scene_.corners_of(scene_.triangles[b])) > time_bound_ + kEarly;
+    return is_exact && first_overlap(element_a, element_b) > time_bound_ + kEarly;
+}
+
+/// The same of the element of the first `size` vertices and that of the others.
+bool ElementTester::are_late(const std::array<VertexId, 4>& vertices,
+                             std::size_t size,
+                             std::uint32_t a,
+                             std::uint32_t b) const {
+    if (!(time_bound_ < 1.0)) {
+        return false;
+    }
+    const MovingPoints points = scene_.points_of(vertices);
+    const std::span<const geometry::Vec3> begin(points.begin), end(points.end);
+    return is_late(
+        a, b, {begin.first(size), end.first(size)}, {begin.subspan(size), end.subspan(size)});
 }
 
 void ElementTester::test_elements(std::uint32_t a, std::uint32_t b) {
@@ -74,7 +94,8 @@ void ElementTester::test_corners(std::uint32_t of, std::uint32_t face) {
     for (unsigned i = 0; i < 3; ++i) {
         const VertexId vertex = scene_.triangles[of][i];
         if ((representatives_[of] >> i & 1) == 0 ||
-            share_a_vertex(std::span(&vertex, 1), corners)) {
+            share_a_vertex(std::span(&vertex, 1), corners) ||
+            are_late({vertex, corners[0], corners[1], corners[2]}, 1, of, face)) {
             continue;
         }
         ++statistics_.elementary_tests;
@@ -129,7 +150,8 @@ void ElementTester::test_edges(std::uint32_t a, unsigned i, std::uint32_t b, uns
                                      scene_.triangles[a][(i + 1) % 3],
                                      scene_.triangles[b][k],
                                      scene_.triangles[b][(k + 1) % 3]};
-    if (share_a_vertex(std::span(vertices).first(2), std::span(vertices).last(2))) {
+    if (share_a_vertex(std::span(vertices).first(2), std::span(vertices).last(2)) ||
+        are_late(vertices, 2, a, b)) {
         return;
     }
     ++statistics_.elementary_tests;

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 namespace earshot::collision {
 
@@ -50,8 +51,13 @@ struct MovingCorners {
 /// `margin` as in SweptDop.
 bool disjoint_along_normal(const MovingCorners& a, const MovingCorners& b, double margin) noexcept;
 
-/// A lower bound of the time within the step at which the boxes of two triangles first overlap;
-/// more than 1 if they do not.
-double first_overlap(const MovingCorners& a, const MovingCorners& b) noexcept;
+/// The corners of an element at both ends of a step.
+struct MovingElement {
+    std::span<const geometry::Vec3> begin, end;
+};
+
+/// A lower bound of the time within the step at which the boxes of two elements first overlap; more
+/// than 1 if they do not.
+double first_overlap(const MovingElement& a, const MovingElement& b) noexcept;
 
 }  // namespace earshot::collision

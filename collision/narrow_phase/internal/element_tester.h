@@ -45,7 +45,7 @@ public:
     }
     void test(std::uint32_t slot_a, std::uint32_t slot_b);
 
-    /// Pairs of triangles are not tested if they cannot be in contact by that time within the step.
+    /// Elements are not tested if they cannot be in contact by that time within the step.
     /// Contacts up to it are found all the same.
     void set_time_bound(double toi) noexcept { time_bound_ = toi; }
 
@@ -54,7 +54,14 @@ public:
     const WorldStatistics& statistics() const noexcept { return statistics_; }
 
 private:
-    bool is_late(std::uint32_t a, std::uint32_t b) const;
+    bool is_late(std::uint32_t a,
+                 std::uint32_t b,
+                 const MovingElement& element_a,
+                 const MovingElement& element_b) const;
+    bool are_late(const std::array<geometry::VertexId, 4>& vertices,
+                  std::size_t size,
+                  std::uint32_t a,
+                  std::uint32_t b) const;
     void test_elements(std::uint32_t a, std::uint32_t b);
     void test_corners(std::uint32_t of, std::uint32_t face);
     void test_edges(std::uint32_t a, unsigned i, std::uint32_t b, unsigned k);
