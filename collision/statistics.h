@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/floating_point.h"
 #include "earshot/bvh/update_policy.h"
 
 #include <cstdint>
