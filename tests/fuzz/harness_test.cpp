@@ -43,9 +43,9 @@ TEST(FuzzOne, TellsWhatIsNoError) {
 }
 
 TEST(FuzzLimits, RefuseMemory) {
-#if defined(__SANITIZE_ADDRESS__)
-    GTEST_SKIP() << "the sanitizer has its own limit";
-#endif
+    if (has_address_sanitizer()) {
+        GTEST_SKIP() << "the sanitizer has its own limit";
+    }
     EXPECT_EXIT(
         {
             limit_memory();

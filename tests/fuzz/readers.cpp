@@ -170,9 +170,9 @@ void read_visible_sets(const fs::path& file) {
     }
 }
 
-/// As the readers word what std::bad_alloc means.
+/// As load_scene() words what std::bad_alloc means. Messages may quote the file: they only hold it.
 bool is_out_of_memory(const Error& error) {
-    return std::string_view(error.what()).find("more memory than") != std::string_view::npos;
+    return std::string_view(error.what()) == "needs more memory than is available";
 }
 
 InputFile& input_of(const Reader& reader) {
