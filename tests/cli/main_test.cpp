@@ -103,8 +103,10 @@ TEST(Program, FailsIfItsOutputCannotBeWritten) {
 }
 
 TEST(Program, TakesAReaderThatHasGoneAwayForContent) {
-    const RunResult result = run_program(
-        {"/bin/sh", "-c", "{ sleep 0.1; \"$0\" materials; echo $? >&2; } | true", EARSHOT_PROGRAM});
+    const RunResult result = run_program({"/bin/sh",
+                                          "-c",
+                                          "{ sleep 0.1; \"$0\" materials; echo $? >&2; } | true",
+                                          test::earshot_program()});
     EXPECT_EQ(result.err, "0\n");
 }
 

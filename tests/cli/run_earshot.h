@@ -5,15 +5,22 @@
 
 #include "support/run_program.h"
 #include <algorithm>
+#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace earshot::test {
 
-/// Runs the earshot program of this build.
+/// The earshot program of this build, or the one that the environment names.
+inline std::string earshot_program() {
+    const char* other = std::getenv("EARSHOT_PROGRAM");
+    return other == nullptr ? EARSHOT_PROGRAM : other;
+}
+
+/// Runs the earshot program.
 inline RunResult run_earshot(std::vector<std::string> arguments, const RunOptions& options = {}) {
-    arguments.insert(arguments.begin(), EARSHOT_PROGRAM);
+    arguments.insert(arguments.begin(), earshot_program());
     return run_program(arguments, options);
 }
 
