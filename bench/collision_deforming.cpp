@@ -29,7 +29,6 @@ namespace {
 
 using earshot::Executor;
 using earshot::collision::Contact;
-using earshot::collision::ContactOptions;
 using earshot::collision::World;
 using earshot::collision::WorldStatistics;
 using earshot::geometry::Triangle;
@@ -99,8 +98,22 @@ std::uint64_t digest_of(const std::vector<Contact>& contacts) {
     return digest.value();
 }
 
+/// Contacts at an instant, with self-contacts, and the processor time that they took.
+struct Asked {
+    std::vector<Contact> contacts;
+    double ms = 0.0;
+};
+
+Asked ask(World& world, Executor& executor) {
+    Asked asked;
+    asked.ms = 1e3 * bench::times_of([&] {
+                         asked.contacts =
+                             world.contacts_at_begin({.within_meshes = true}, executor);
+                     }).processor;
+    return asked;
+}
+
 void measure(const char* name, const std::vector<Part>& parts, Executor& executor) {
-    const ContactOptions options{.within_meshes = true};
     World kept = world_of(parts);
     std::vector<double> with_kept, in_fresh, with_fresh;
     WorldStatistics all;
@@ -109,25 +122,18 @@ void measure(const char* name, const std::vector<Part>& parts, Executor& executo
     for (int frame = 0; frame <= kFrames; ++frame) {
         const double time = frame / double(kFrames);
         move(kept, parts, time);
-        std::vector<Contact> found, expected;
-        const double kept_ms = 1e3 * bench::times_of([&] {
-                                         found = kept.contacts_at_begin(options, executor);
-                                     }).processor;
+        const Asked in_kept = ask(kept, executor);
         all += kept.statistics();
         World fresh = world_of(parts);
         move(fresh, parts, time);
-        const double build_ms = 1e3 * bench::times_of([&] {
-                                          expected = fresh.contacts_at_begin(options, executor);
-                                      }).processor;
-        const double fresh_ms = 1e3 * bench::times_of([&] {
-                                          expected = fresh.contacts_at_begin(options, executor);
-                                      }).processor;
-        same = same && digest_of(found) == digest_of(expected);
-        contacts += found.size();
+        const Asked built = ask(fresh, executor);
+        const Asked searched = ask(fresh, executor);
+        same = same && digest_of(in_kept.contacts) == digest_of(built.contacts);
+        contacts += in_kept.contacts.size();
         if (frame > 0) {  // which builds the kept trees too
-            with_kept.push_back(kept_ms);
-            in_fresh.push_back(fresh_ms);
-            with_fresh.push_back(build_ms);
+            with_kept.push_back(in_kept.ms);
+            in_fresh.push_back(searched.ms);
+            with_fresh.push_back(built.ms);
         }
     }
     const double kept_median = bench::median(with_kept);
