@@ -67,23 +67,24 @@ public:
     }
     std::size_t rays() const { return max_error_ > 0.0 ? count_ * kMaxBatchRays : rays_; }
 
-    /// Whether errors are looked at after `done` batches: few looks at growing numbers (32, 48, 64,
-    /// 96, 128, ...), so that chance does not end the search.
+    /// Whether errors are looked at after `done` batches: few looks at growing numbers (16, 32, 48,
+    /// 64, 96, 128, ...), so that chance does not end the search.
     bool is_look(std::size_t done) const {
-        constexpr std::size_t kFirstLook = 32;
-        const std::size_t third = done % 3 == 0 ? done / 3 : done;
+        const std::size_t third = done % 3 == 0 && done > kFewBatches ? done / 3 : done;
         return max_error_ > 0.0 &&
-               (done == count_ || (done >= kFirstLook && std::has_single_bit(third)));
+               (done == count_ || (done >= kFewBatches && std::has_single_bit(third)));
     }
-    bool are_small(const LateErrors& errors) const {
-        constexpr double kCaution = 1.3;           // for the errors' own error, and skewness
+    bool are_small(const LateErrors& errors, std::size_t done) const {
+        // For the errors' own error, and skewness.
+        const double caution = done > kFewBatches ? 1.3 : 2.0;
         constexpr double kDecibelsPerShare = 5.0;  // 0.1 dB for 2 %
-        return kCaution * errors.t30 <= max_error_ &&
-               kCaution * errors.level_db <= kDecibelsPerShare * max_error_;
+        return caution * errors.t30 <= max_error_ &&
+               caution * errors.level_db <= kDecibelsPerShare * max_error_;
     }
 
 private:
-    static constexpr std::size_t kMinBatches = 4;  // so that there are standard errors
+    static constexpr std::size_t kMinBatches = 4;   // so that there are standard errors
+    static constexpr std::size_t kFewBatches = 16;  // whose errors are known to a fifth
 
     double max_error_;
     std::size_t rays_, count_;
@@ -156,7 +157,7 @@ private:
         for (std::size_t k = 0; k < sums_.size(); ++k) {
             if (is_active_[k] != 0) {
                 sums_[k].add(result, rays);
-                is_active_[k] = is_look && batches_.are_small(sums_[k].errors()) ? 0 : 1;
+                is_active_[k] = is_look && batches_.are_small(sums_[k].errors(), done_) ? 0 : 1;
             }
             is_over_ = is_over_ && is_active_[k] == 0;
         }

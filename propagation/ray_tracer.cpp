@@ -140,7 +140,8 @@ Receiver RayTracer::describe_receiver(const Vec3& position) const {
         const double r = radii[i];
         *balls[i] = {.radius_squared = r * r, .inverse_volume = 0.75 / (math::kPi * r * r * r)};
     }
-    if (!sees_every_image) {
+    // Exact paths of that order leave no image to test.
+    if (!sees_every_image && options_.specular_order < kMaxTestedReflections) {
         receiver.ball_points = draw_ball_points(position);
     }
     if (!bvh::closest_point(

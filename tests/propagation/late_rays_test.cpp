@@ -336,7 +336,7 @@ TEST(LateRays, TheBatchesOfALooserTargetAreTheFirstOfATighterOnes) {
     };
     const LateEnergy loose = traced();
     options.max_error = 1e-6;
-    for (const std::size_t batches : {32, 64, 128}) {
+    for (const std::size_t batches : {16, 32, 48, 64, 96, 128}) {
         if (loose.errors[0].rays != batches * 2048) {
             continue;
         }
