@@ -5,6 +5,7 @@
 #include "earshot/audio/internal/metrics_reader.h"
 #include "earshot/audio/speech_levels.h"
 #include "earshot/base/math.h"
+#include "earshot/base/standard_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -289,16 +290,7 @@ private:
 
 /// Standard error of the mean of replicates from the values without each of them.
 double jackknife_error(std::span<const double> without) {
-    const auto count = static_cast<double>(without.size());
-    double mean = 0.0;
-    for (const double value : without) {
-        mean += value / count;
-    }
-    double squares = 0.0;
-    for (const double value : without) {
-        squares += (value - mean) * (value - mean);
-    }
-    return std::sqrt((count - 1.0) / count * squares);
+    return static_cast<double>(without.size() - 1) * standard_error_of_mean(without);
 }
 
 /// The error of a metric that has a value.

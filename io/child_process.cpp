@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/internal/child_process.h"
 
+#include "earshot/io/internal/descriptor.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -72,20 +74,6 @@ void lower_limit(int resource, std::size_t value) {
         limit.rlim_cur = std::min<rlim_t>(limit.rlim_cur, value);
         ::setrlimit(static_cast<decltype(RLIMIT_CPU)>(resource), &limit);
     }
-}
-
-bool write_all(int descriptor, std::string_view bytes) {
-    while (!bytes.empty()) {
-        const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-        if (written < 0 && errno == EINTR) {
-            continue;
-        }
-        if (written < 0) {
-            return false;
-        }
-        bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
-    return true;
 }
 
 // What this process does with signals is none of the child's business.

@@ -2,6 +2,7 @@
 #include "earshot/io/whole_file.h"
 
 #include "earshot/base/error.h"
+#include "earshot/io/internal/descriptor.h"
 
 #include <cerrno>
 #include <fcntl.h>
@@ -42,20 +43,6 @@ public:
 private:
     int number_;
 };
-
-bool write_all(int descriptor, std::string_view bytes) {
-    while (!bytes.empty()) {
-        const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
-        if (written < 0 && errno == EINTR) {
-            continue;
-        }
-        if (written < 0) {
-            return false;
-        }
-        bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
-    return true;
-}
 
 [[noreturn]] void throw_cannot_write(const fs::path& file, int code) {
     const fs::path folder = file.parent_path();

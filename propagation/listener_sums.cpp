@@ -2,6 +2,7 @@
 #include "earshot/propagation/internal/listener_sums.h"
 
 #include "earshot/base/math.h"
+#include "earshot/base/standard_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,20 +28,6 @@ std::size_t band_at(const audio::Bands& bands, double frequency_hz) {
 
 double decibels(double energy) {
     return 10.0 * math::log10(energy);
-}
-
-/// Standard error of a mean.
-double standard_error(std::span<const double> values) {
-    const auto count = static_cast<double>(values.size());
-    double mean = 0.0;
-    for (const double value : values) {
-        mean += value / count;
-    }
-    double squares = 0.0;
-    for (const double value : values) {
-        squares += (value - mean) * (value - mean);
-    }
-    return std::sqrt(squares / (count * (count - 1.0)));
 }
 
 }  // namespace
@@ -159,7 +146,7 @@ LateErrors ListenerSums::errors_of(std::size_t band) const {
             deviations.push_back(sum_over_levels(
                 [&](std::size_t n) { return factor * (decay[n] / mean[n] - 1.0); }));
         }
-        return standard_error(deviations);
+        return standard_error_of_mean(deviations);
     };
     result.level_db = error_of([](auto&& level_of) { return level_of(0); });
 

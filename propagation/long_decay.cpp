@@ -257,7 +257,7 @@ std::array<double, 3> eigenvalues(const std::array<double, 6>& m) {
 std::vector<std::string> names_of_loudest(const RayScene& scene,
                                           const RemainingEnergyTracer& tracer,
                                           const RemainingEnergy& remaining) {
-    constexpr double kMost = 0.8;  // of the energy
+    constexpr double kMinHeldShare = 0.8;  // of the energy
     constexpr std::size_t kMaxNames = 4;
     std::vector<std::size_t> order(remaining.of_material.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -267,7 +267,7 @@ std::vector<std::string> names_of_loudest(const RayScene& scene,
     std::vector<std::string> names;
     double held = 0.0;
     for (const std::size_t material : order) {
-        if (held >= kMost * remaining.reflected || names.size() == kMaxNames) {
+        if (held >= kMinHeldShare * remaining.reflected || names.size() == kMaxNames) {
             break;
         }
         held += remaining.of_material[material];

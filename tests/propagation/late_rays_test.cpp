@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "one_material_scene.h"
+#include "support/decay_line.h"
 #include <array>
 #include <cmath>
 #include <numeric>
@@ -47,20 +48,7 @@ double decay_time(const audio::EnergyHistogram& histogram) {
     for (std::size_t n = level.size() - 1; n-- > 0;) {
         level[n] += level[n + 1];
     }
-    const double whole = level.front();
-    double count = 0.0, t = 0.0, l = 0.0, tt = 0.0, tl = 0.0;
-    for (std::size_t n = 0; n < level.size(); ++n) {
-        const double db = 10.0 * std::log10(level[n] / whole);
-        if (db <= -5.0 && db >= -35.0) {
-            const double time = static_cast<double>(n) * histogram.bin;
-            count += 1.0;
-            t += time;
-            l += db;
-            tt += time * time;
-            tl += time * db;
-        }
-    }
-    return -60.0 * (count * tt - t * t) / (count * tl - t * l);
+    return support::line_time(level, histogram.bin, 5.0, 35.0);
 }
 
 /// Eyring's with Kuttruff's correction for the spread of free paths (Kuttruff 2009, section 5.5).
@@ -176,10 +164,10 @@ double image_energy(const BoxRoom& room,
                     double from,
                     double to) {
     double sum = 0.0;
-    constexpr int kMost = 30;
-    for (int x = -kMost; x <= kMost; ++x) {
-        for (int y = -kMost; y <= kMost; ++y) {
-            for (int z = -kMost; z <= kMost; ++z) {
+    constexpr int kMaxIndex = 30;
+    for (int x = -kMaxIndex; x <= kMaxIndex; ++x) {
+        for (int y = -kMaxIndex; y <= kMaxIndex; ++y) {
+            for (int z = -kMaxIndex; z <= kMaxIndex; ++z) {
                 const int n[3] = {x, y, z};
                 Vec3 image;
                 for (int k = 0; k < 3; ++k) {

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "one_material_scene.h"
+#include "support/decay_line.h"
 #include <cmath>
 #include <string>
 #include <vector>
@@ -127,19 +128,7 @@ inline double decay_time(std::vector<double> energies, double bin) {
     for (std::size_t n = energies.size() - 1; n-- > 0;) {
         energies[n] += energies[n + 1];
     }
-    double count = 0.0, t = 0.0, l = 0.0, tt = 0.0, tl = 0.0;
-    for (std::size_t n = 0; n < energies.size(); ++n) {
-        const double level = 10.0 * std::log10(energies[n] / energies[0]);
-        if (level <= -5.0 && level >= -35.0) {
-            const double time = static_cast<double>(n) * bin;
-            count += 1.0;
-            t += time;
-            l += level;
-            tt += time * time;
-            tl += time * level;
-        }
-    }
-    return -60.0 * (count * tt - t * t) / (count * tl - t * l);
+    return support::line_time(energies, bin, 5.0, 35.0);
 }
 
 /// A plane at y = 0 through which sound may pass, 60 m wide.

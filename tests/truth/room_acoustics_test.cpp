@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "support/decay_line.h"
 #include "support/dice.h"
 #include "support/rooms.h"
 #include "support/test_paths.h"
@@ -103,23 +104,6 @@ audio::RoomMetrics metrics_of(const BoxCase& box,
 
 Values found_values(const BoxCase& box, int order, std::uint64_t seed = 1, const Rays& rays = {}) {
     return values_of(metrics_of(box, order, seed, rays).bands[kBand], 1e9);
-}
-
-/// Time for 60 dB of a straight line through the levels of a range.
-double line_time(const std::vector<double>& remaining, double step, double from_db, double to_db) {
-    double count = 0.0, t = 0.0, l = 0.0, tt = 0.0, tl = 0.0;
-    for (std::size_t n = 0; n < remaining.size(); ++n) {
-        const double level = 10.0 * std::log10(remaining[n] / remaining.front());
-        if (level <= -from_db && level >= -to_db) {
-            const double time = static_cast<double>(n) * step;
-            count += 1.0;
-            t += time;
-            l += level;
-            tt += time * time;
-            tl += time * level;
-        }
-    }
-    return -60.0 * (count * tt - t * t) / (count * tl - t * l);
 }
 
 /// Energies of all images until the sound has decayed, on a grid of half a millisecond from the
