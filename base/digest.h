@@ -9,8 +9,8 @@
 
 namespace earshot {
 
-/// 64-bit digest of results (FNV-1a), for tests and benchmarks that compare bits. Not
-/// cryptographic.
+/// 64-bit digest (FNV-1a) of results, for tests and benchmarks that compare bits, and of names, for
+/// numbers that follow from them. Not cryptographic.
 class Digest {
 public:
     void add_bytes(std::span<const std::byte> bytes) noexcept;

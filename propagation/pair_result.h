@@ -37,8 +37,11 @@ struct Path {
 
 /// What one listener gets from one source.
 struct PairResult {
-    std::size_t source = 0;     ///< index into Scene::sources
-    std::size_t listener = 0;   ///< index into Scene::listeners
+    std::size_t source = 0;    ///< index into Scene::sources
+    std::size_t listener = 0;  ///< index into Scene::listeners
+    /// Tells the pair by the names of both, whatever else the scene holds: the noise that stands
+    /// for late sound is drawn for it (pair_key()).
+    std::uint64_t key = 0;
     double time = 0.0;          ///< seconds, of the scene's animation
     std::vector<Path> paths{};  ///< sorted by delay, order, triangles
     /// What arrives besides, past Options::specular_order or scattered; empty without rays.

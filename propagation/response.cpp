@@ -102,7 +102,7 @@ public:
           pair_(pair),
           arrivals_(arrivals_of(pair)),
           orientation_(orientation_of(listener)),
-          seed_(random_bits(renderer.format_.seed, pair.source, pair.listener)),
+          seed_(random_bits(renderer.format_.seed, pair.key, 0)),
           executor_(executor) {}
 
     Response render() const {

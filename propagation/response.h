@@ -50,8 +50,9 @@ public:
     ResponseRenderer(const audio::Bands& bands, ResponseFormat format);
 
     /// Adds each path at its exact delay and late sound as noise whose energy follows the
-    /// histogram of the pair (audio::late_noise). The noise is a function of the seed, the source
-    /// and the listener, so it is the same at all times of an animation. Throws Error as
+    /// histogram of the pair (audio::late_noise). The noise is a function of the seed and of
+    /// PairResult::key, so it is the same at all times of an animation and whatever other pairs
+    /// there are. Throws Error as
     /// audio::Assembler::assemble. Preconditions: the pair was simulated in the bands of the
     /// renderer, and with late directions unless the format is mono.
     Response render(const PairResult& pair,

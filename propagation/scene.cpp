@@ -1,11 +1,37 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/propagation/scene.h"
 
+#include "earshot/base/digest.h"
+#include "earshot/base/random.h"
+
+#include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace earshot::propagation {
 
 using geometry::Vec3;
+
+namespace {
+
+std::uint64_t emitter_key(std::span<const Emitter> emitters, std::size_t index) {
+    const std::string& name = emitters[index].name;
+    Digest digest;
+    digest.add_bytes(std::as_bytes(std::span(name)));
+    const std::uint64_t earlier = static_cast<std::uint64_t>(
+        std::count_if(emitters.begin(),
+                      emitters.begin() + static_cast<std::ptrdiff_t>(index),
+                      [&](const Emitter& emitter) { return emitter.name == name; }));
+    digest.add(earlier);
+    return digest.value();
+}
+
+}  // namespace
+
+std::uint64_t pair_key(const Scene& scene, std::size_t source, std::size_t listener) {
+    return random_bits(
+        emitter_key(scene.sources, source), emitter_key(scene.listeners, listener), 0);
+}
 
 Vec3 Scene::position_at(const Emitter& emitter, double t) const {
     if (emitter.node < 0) {

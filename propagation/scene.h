@@ -6,6 +6,8 @@
 #include "earshot/propagation/material.h"
 #include "earshot/propagation/pose.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -37,5 +39,9 @@ struct Scene {
     /// And where it looks. A node whose matrix squeezes an axis flat looks along -Z.
     Pose pose_at(const Emitter& emitter, double t) const;
 };
+
+/// A number for a pair of the scene, from the names of its source and listener alone; where a name
+/// stands several times, also from how often before. Preconditions: both indices exist.
+std::uint64_t pair_key(const Scene& scene, std::size_t source, std::size_t listener);
 
 }  // namespace earshot::propagation

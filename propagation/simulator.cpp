@@ -491,7 +491,10 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     std::vector<PairResult> pairs;
     for (std::size_t source = 0; source < sources.size(); ++source) {
         for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
-            pairs.push_back({.source = source, .listener = listener, .time = state.time});
+            pairs.push_back({.source = source,
+                             .listener = listener,
+                             .key = pair_key(state.scene, source, listener),
+                             .time = state.time});
         }
     }
     const auto pairs_of = [&](std::size_t source) {

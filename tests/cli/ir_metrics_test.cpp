@@ -13,6 +13,7 @@
 #include <fstream>
 #include <iterator>
 #include <sstream>
+#include <utility>
 
 namespace earshot::test {
 namespace {
@@ -208,6 +209,23 @@ TEST_F(IrMetrics, RefuseNoiseAndLevelsOfNoForm) {
         EXPECT_TRUE(failed_with(ir({"--speech-level", level}), 2, "--speech-level")) << level;
     }
     EXPECT_FALSE(fs::exists(folder_.path() / "out"));
+}
+
+TEST_F(IrMetrics, AndTheResponseOfAPairDependOnNoOtherPair) {
+    const auto of_the_pair = [&](const std::vector<std::string>& others) {
+        std::vector<std::string> arguments = others;
+        arguments.insert(arguments.end(), {"--source", "s=2,1.5,1", "--listener", "a=3,1.2,2"});
+        const RunResult result = ir(arguments);
+        EXPECT_EQ(result.status, 0) << result.err;
+        Json found;
+        for (const Json& pair : metrics()["pairs"]) {
+            found = pair["source"] == "s" && pair["listener"] == "a" ? pair : found;
+        }
+        return std::pair(found, file("s__a.wav"));
+    };
+    const auto alone = of_the_pair({});
+    ASSERT_FALSE(alone.second.empty());
+    EXPECT_EQ(of_the_pair({"--source", "t=1,1,1", "--listener", "b=4,1.8,3"}), alone);
 }
 
 }  // namespace

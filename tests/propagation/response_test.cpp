@@ -112,7 +112,9 @@ TEST(Response, HasNoiseOfItsOwnForEachPairAndTheSameAtAllTimes) {
     const std::vector<double> first = samples();
     pair.time = 2.0;
     EXPECT_EQ(samples(), first);
-    pair.listener = 3;
+    pair.listener = 3;  // its number is nobody's business
+    EXPECT_EQ(samples(), first);
+    pair.key = 3;
     EXPECT_NE(samples(), first);
 }
 

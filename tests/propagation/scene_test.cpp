@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 namespace earshot::propagation {
 namespace {
@@ -40,6 +42,33 @@ TEST(Pose, IsARightHandedFrameWhereverItLooks) {
             expect_near(glm::cross(pose.front, pose.left), pose.up);
         }
     }
+}
+
+Scene scene_of(const std::vector<std::string>& sources, const std::vector<std::string>& listeners) {
+    Scene scene;
+    for (const std::string& name : sources) {
+        scene.sources.push_back({.name = name});
+    }
+    for (const std::string& name : listeners) {
+        scene.listeners.push_back({.name = name});
+    }
+    return scene;
+}
+
+TEST(PairKey, FollowsTheNamesWhateverElseThereIs) {
+    const Scene few = scene_of({"s"}, {"a"});
+    const Scene many = scene_of({"t", "s"}, {"b", "c", "a"});
+    EXPECT_EQ(pair_key(few, 0, 0), pair_key(many, 1, 2));
+    EXPECT_NE(pair_key(many, 0, 2), pair_key(many, 1, 2));
+    EXPECT_NE(pair_key(many, 1, 0), pair_key(many, 1, 1));
+    EXPECT_NE(pair_key(few, 0, 0), pair_key(scene_of({"a"}, {"s"}), 0, 0));
+}
+
+TEST(PairKey, TellsEqualNamesApart) {
+    const Scene scene = scene_of({"", ""}, {"a", "a"});
+    EXPECT_NE(pair_key(scene, 0, 0), pair_key(scene, 0, 1));
+    EXPECT_NE(pair_key(scene, 0, 0), pair_key(scene, 1, 0));
+    EXPECT_NE(pair_key(scene, 0, 1), pair_key(scene, 1, 0));
 }
 
 }  // namespace
