@@ -1,7 +1,7 @@
 # earshot_sanitized(TARGET): the sources of a library or program once more as TARGET_sanitized, under the address and
-# undefined-behaviour sanitizers. earshot_sanitized_tests(FOLDER): the objects of a test program, linked with the
-# sanitized libraries. They are of what meets untrusted files; all else is the plain build's. Call them where TARGET is
-# made, libraries before programs. Built by the target earshot_sanitized_tests, run by
+# undefined-behaviour sanitizers. earshot_sanitized_tests(FOLDER [TEST...]): the objects of a test program, linked with
+# the sanitized libraries; the TESTs are left out. They are of what meets untrusted files; all else is the plain
+# build's. Call them where TARGET is made, libraries before programs. Built by the target earshot_sanitized_tests, run by
 # `ctest -C Sanitized -L sanitized`; `scripts/test --sanitized` does both.
 include_guard()
 set(EARSHOT_SANITIZERS -fsanitize=address,undefined -fno-sanitize-recover=all)
@@ -40,8 +40,9 @@ endfunction()
 
 # Of memory, a single allocation and the whole have limits; the fuzzed readers are held to them.
 function(earshot_add_sanitized_test folder program)
+  list(JOIN ARGN ":" left_out)
   add_test(NAME sanitized.${folder} CONFIGURATIONS Sanitized
-    COMMAND ${program} --gtest_brief=1 --gtest_filter=-*Slow*)
+    COMMAND ${program} --gtest_brief=1 --gtest_filter=-*Slow*:${left_out})
   set(environment ASAN_OPTIONS=max_allocation_size_mb=2048:hard_rss_limit_mb=3072)
   if(folder STREQUAL "cli")
     list(APPEND environment EARSHOT_PROGRAM=$<TARGET_FILE:earshot_sanitized>)
@@ -56,5 +57,5 @@ function(earshot_sanitized_tests folder)
   add_executable(${target}_sanitized EXCLUDE_FROM_ALL $<TARGET_OBJECTS:${target}>)
   set_target_properties(${target}_sanitized PROPERTIES LINKER_LANGUAGE CXX)
   earshot_link_sanitized(${target}_sanitized ${target})
-  earshot_add_sanitized_test(${folder} ${target}_sanitized)
+  earshot_add_sanitized_test(${folder} ${target}_sanitized ${ARGN})
 endfunction()
