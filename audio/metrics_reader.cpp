@@ -12,6 +12,9 @@ namespace earshot::audio {
 namespace {
 
 constexpr double kMinLateEnergy = 1e-6;  // of all: below it a clarity is that of the filter
+// Of a filter's bandwidth and a limit in time: with less, the filter carries so much energy past
+// the limit that clarity and centre time change by more than is just noticeable.
+constexpr double kMinBandwidthTime = 2.0;
 constexpr double kMinSpeechHz = 90.0;
 constexpr double kMaxSpeechHz = 11000.0;
 
@@ -91,6 +94,20 @@ void MetricsReader::read_times(const DecayCurve& curve,
     speech_ends_early_ |= ends_early && is_of_speech(band);
 }
 
+// Whether the filter of a recording's band carries too much energy past the limit for the metrics.
+bool MetricsReader::rings_past(double limit,
+                               const BandDecay& decay,
+                               std::size_t band,
+                               std::initializer_list<const char*> metrics) {
+    if (!decay.withhold_uncertain || decay.bandwidth_hz * limit >= kMinBandwidthTime) {
+        return false;
+    }
+    for (const char* metric : metrics) {
+        add(metric, band, "the band's filter rings for longer than " + in_ms(limit));
+    }
+    return true;
+}
+
 // Ratio of the energy before and after the limit.
 std::optional<double> MetricsReader::clarity_db(const DecayCurve& curve,
                                                 double limit,
@@ -111,13 +128,16 @@ BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
     const DecayCurve curve(decay.squared, decay.onset, decay.sample_rate, decay.noise.tail_energy);
     BandMetrics out;
     read_times(curve, decay, band, out);
-    if (decay.after_onset >= kSpeechLimit) {
+    if (decay.after_onset >= kSpeechLimit &&
+        !rings_past(kSpeechLimit, decay, band, {"c50", "d50"})) {
         out.clarity_c50_db = clarity_db(curve, kSpeechLimit, "c50", band);
         out.definition_d50 = 1.0 - curve.energy_from(kSpeechLimit) / curve.energy();
     }
     if (decay.after_onset >= kMusicLimit) {
-        out.clarity_c80_db = clarity_db(curve, kMusicLimit, "c80", band);
-        out.centre_time = centre_of(decay);
+        if (!rings_past(kMusicLimit, decay, band, {"c80", "ts"})) {
+            out.clarity_c80_db = clarity_db(curve, kMusicLimit, "c80", band);
+            out.centre_time = centre_of(decay);
+        }
         out.strength_db = 10.0 * math::log10(curve.energy() / (kReferenceEnergy * decay.reference));
     }
     if (decay.withhold_uncertain && decay.noise.energy > 0.0) {

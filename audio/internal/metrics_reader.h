@@ -5,6 +5,7 @@
 #include "earshot/audio/internal/noise_floor.h"
 #include "earshot/audio/room_metrics.h"
 
+#include <initializer_list>
 #include <optional>
 #include <span>
 #include <string>
@@ -50,6 +51,10 @@ private:
                     const BandDecay& decay,
                     std::size_t band,
                     BandMetrics& out);
+    bool rings_past(double limit,
+                    const BandDecay& decay,
+                    std::size_t band,
+                    std::initializer_list<const char*> metrics);
     std::optional<double> clarity_db(const DecayCurve& curve,
                                      double limit,
                                      const char* metric,

@@ -213,7 +213,7 @@ double ideal_speech_transmission_index(double time) {
 }
 
 constexpr double kTimes[] = {0.4, 0.7, 1.0, 1.5, 2.2, 3.0};
-constexpr std::size_t kFirstBand = 1;  // 63 Hz: the filter of 31.5 Hz rings for longer than 50 ms
+constexpr std::size_t kFirstBand = 0;  // 31.5 Hz
 constexpr std::size_t kLastBand = 8;   // 8 kHz
 
 bool has_reason(const RoomMetrics& metrics,
@@ -223,7 +223,7 @@ bool has_reason(const RoomMetrics& metrics,
     return std::any_of(metrics.notes.begin(), metrics.notes.end(), [&](const MetricNote& note) {
         const bool is_on_it = (note.metric == metric || note.metric == "all") &&
                               (!note.band_hz || band_hz == 0.0 || *note.band_hz == band_hz);
-        const bool is_true = note.text.find("the band's filter needs") != std::string::npos ||
+        const bool is_true = note.text.find("the band's filter ") != std::string::npos ||
                              std::any_of(degradation.reasons.begin(),
                                          degradation.reasons.end(),
                                          [&](const std::string& reason) {
