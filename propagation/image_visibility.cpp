@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 // From which points near a receiver an image of a sound source is visible.
-#include "earshot/base/math.h"
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/bvh/wide_ray.h"
 #include "earshot/propagation/internal/ray_tracer.h"
-#include "earshot/propagation/internal/spiral.h"
 
 #include <glm/geometric.hpp>
 

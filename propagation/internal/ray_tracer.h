@@ -47,8 +47,8 @@ struct Receiver {
     /// Rays that start here, re those of a batch: the share that is scattered of the sound from
     /// surfaces near here, in the loudest band. 0: none scatters.
     double near_scattering = 0.0;
-    /// Random points of that part of the ball; empty where every image that the receiver sees is
-    /// visible from all of it.
+    /// Random points of the visible part of `ball`; empty where every image that the receiver sees
+    /// is visible from all of it, and where exact paths leave no image to test.
     std::vector<geometry::Vec3> ball_points{};
 };
 
