@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/gltf_builder.h"
-#include "support/temporary_folder.h"
+#include "triangle_soup.h"
 #include <algorithm>
 #include <array>
 #include <draco/compression/encode.h>
@@ -22,35 +22,13 @@ namespace {
 using geometry::Vec3;
 using test::GltfBuilder;
 using Json = nlohmann::json;
-using Soup = std::vector<std::array<Vec3, 3>>;
 
-struct Read {
-    Soup soup;
-    std::string warnings;  ///< of geometry
-    std::string error;
-};
-
-Read read(const std::string& bytes, double time = 0.0) {
-    const test::TemporaryFolder folder;
-    Read result;
-    try {
-        const LoadedScene loaded = load_scene(folder.file("a.glb", bytes));
-        const std::vector<Vec3> positions = loaded.scene.mesh.positions_at(time);
-        for (const geometry::Triangle& t : loaded.scene.mesh.triangles()) {
-            result.soup.push_back({positions[t[0]], positions[t[1]], positions[t[2]]});
-        }
-        for (const Warning& warning : loaded.warnings) {
-            const bool is_acoustic = warning.what.find("acoustic") != std::string::npos;
-            result.warnings += is_acoustic ? "" : warning.what + "\n";
-        }
-    } catch (const Error& error) {
-        result.error = error.line();
-    }
-    return result;
+ReadSoup read(const std::string& bytes, double time = 0.0) {
+    return read_soup("a.glb", bytes, time);
 }
 
 void expect_refused(const GltfBuilder& builder, const std::string& part) {
-    const Read result = read(builder.glb());
+    const ReadSoup result = read(builder.glb());
     EXPECT_NE(result.error.find(part), std::string::npos) << part << "\n" << result.error;
 }
 
@@ -89,20 +67,6 @@ struct Grid {
     }
 };
 
-/// Each triangle rotated to begin with its smallest corner, all in order: encoders reorder both.
-Soup canonical(Soup soup) {
-    const auto less = [](const Vec3& a, const Vec3& b) {
-        return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
-    };
-    for (auto& t : soup) {
-        std::rotate(t.begin(), std::min_element(t.begin(), t.end(), less), t.end());
-    }
-    std::sort(soup.begin(), soup.end(), [&](const auto& a, const auto& b) {
-        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), less);
-    });
-    return soup;
-}
-
 // Instances.
 
 /// One triangle under a node at x = 10, with instances.
@@ -121,7 +85,7 @@ Json& instance_attributes(GltfBuilder& builder) {
 }
 
 TEST(GltfInstances, StandWhereTheirAttributesPutThem) {
-    const Read result = read(instanced({0, 0, 0, 0, 5, 0, 1, 0, -2}).glb());
+    const ReadSoup result = read(instanced({0, 0, 0, 0, 5, 0, 1, 0, -2}).glb());
     ASSERT_EQ(result.error, "");
     EXPECT_EQ(result.warnings, "");
     ASSERT_EQ(result.soup.size(), 3U);
@@ -142,7 +106,7 @@ TEST(GltfInstances, ScaleThenTurnThenMove) {
     instance_attributes(builder)["ROTATION"] =
         builder.add_accessor<std::int8_t>("VEC4", {0, 0, 127, 127}, true);
     instance_attributes(builder)["SCALE"] = builder.add_accessor<float>("VEC3", {3, 1, 1});
-    const Read result = read(builder.glb());
+    const ReadSoup result = read(builder.glb());
     ASSERT_EQ(result.soup.size(), 1U) << result.error;
     const Vec3 difference = result.soup[0][1] - Vec3(10, 3, 1);
     EXPECT_LT(glm::dot(difference, difference), 1e-24);
@@ -154,7 +118,7 @@ TEST(GltfInstances, MoveWithTheirNode) {
     const int slide = builder.add_accessor<float>("VEC3", {0, 0, 0, 4, 0, 0});
     builder.json["animations"] = Json::array();
     builder.add_animation(0, "translation", times, slide, "LINEAR");
-    const Read result = read(builder.glb(), 0.5);
+    const ReadSoup result = read(builder.glb(), 0.5);
     ASSERT_EQ(result.soup.size(), 2U) << result.error;
     EXPECT_EQ(result.soup[0][1], Vec3(3, 0, 0));
     EXPECT_EQ(result.soup[1][1], Vec3(3, 5, 0));
@@ -271,7 +235,7 @@ struct MeshoptFile {
 
 TEST(GltfMeshopt, AttributesAndTrianglesAreDecoded) {
     MeshoptFile file;
-    const Read result =
+    const ReadSoup result =
         read(compressed_mesh(file.builder, file.positions, file.indices, file.grid));
     ASSERT_EQ(result.error, "");
     EXPECT_EQ(result.warnings, "");
@@ -286,7 +250,7 @@ TEST(GltfMeshopt, IndexSequencesAreDecoded) {
     bytes.resize(meshopt_encodeIndexSequence(
         bytes.data(), bytes.size(), grid.indices.data(), grid.indices.size()));
     const int indices = add_compressed_view(file.builder, bytes, grid.indices.size(), 4, "INDICES");
-    const Read result = read(compressed_mesh(file.builder, file.positions, indices, grid));
+    const ReadSoup result = read(compressed_mesh(file.builder, file.positions, indices, grid));
     ASSERT_EQ(result.error, "");
     EXPECT_EQ(result.soup, grid.soup());  // a sequence keeps its order
 }
@@ -303,7 +267,7 @@ TEST(GltfMeshopt, ExponentialFiltersAreUndone) {
                                               12,
                                               "ATTRIBUTES",
                                               "EXPONENTIAL");
-    const Read result = read(compressed_mesh(file.builder, positions, file.indices, grid));
+    const ReadSoup result = read(compressed_mesh(file.builder, positions, file.indices, grid));
     ASSERT_EQ(result.error, "");
     const Soup want = canonical(grid.soup());
     ASSERT_EQ(result.soup.size(), want.size());
@@ -397,7 +361,7 @@ TEST(GltfDraco, MeshesAreDecoded) {
     for (const bool is_sequential : {false, true}) {
         for (const std::uint32_t size : {1U, 7U, 40U}) {
             const Grid grid(size);
-            const Read result = read(draco_file(draco_bytes(grid, is_sequential), grid).glb());
+            const ReadSoup result = read(draco_file(draco_bytes(grid, is_sequential), grid).glb());
             ASSERT_EQ(result.error, "");
             EXPECT_EQ(result.warnings, "");
             EXPECT_EQ(canonical(result.soup), canonical(grid.soup())) << size;
@@ -457,7 +421,7 @@ TEST(GltfDraco, DamagedDataNeverCrashes) {
 TEST(GltfExtensions, ThatMayChangeGeometryAreNamed) {
     GltfBuilder builder = test::one_triangle();
     builder.json["extensionsUsed"] = {"CESIUM_RTC", "KHR_materials_unlit", "EXT_texture_webp"};
-    const Read used = read(builder.glb());
+    const ReadSoup used = read(builder.glb());
     EXPECT_EQ(used.error, "");
     EXPECT_NE(used.warnings.find("uses the extension CESIUM_RTC"), std::string::npos);
     EXPECT_EQ(std::count(used.warnings.begin(), used.warnings.end(), '\n'), 1) << used.warnings;
@@ -475,7 +439,7 @@ TEST(GltfNumbers, MayBeWrittenWithAPoint) {
     builder.json["scene"] = 0.0;
     builder.json["scenes"] = {{{"nodes", {0.0}}}};
     builder.json["nodes"][0]["translation"] = {1.0, -0.0, 2.5};
-    const Read result = read(builder.glb());
+    const ReadSoup result = read(builder.glb());
     ASSERT_EQ(result.error, "");
     EXPECT_EQ(result.soup[0][1], Vec3(2.0, 0.0, 2.5));
 }
@@ -491,7 +455,7 @@ TEST(GltfIndices, WithoutAViewAreZeroButForSparseOnes) {
                                      {{"count", 2},
                                       {"indices", {{"bufferView", where}, {"componentType", 5121}}},
                                       {"values", {{"bufferView", values}}}}}};
-    const Read result = read(builder.glb());
+    const ReadSoup result = read(builder.glb());
     ASSERT_EQ(result.error, "");
     ASSERT_EQ(result.soup.size(), 2U);
     EXPECT_EQ(result.soup[0][1], Vec3(1, 0, 0));
@@ -505,7 +469,7 @@ TEST(GltfVertices, ThatNoTriangleUsesMayHoldAnything) {
     builder.primitive(0)["attributes"]["POSITION"] = builder.add_accessor<float>(
         "VEC3", {0, 0, 0, nan, 0, 0, 1, 0, 0, 0, 1, 0, 0, infinity, -infinity});
     builder.primitive(0)["indices"] = builder.add_accessor<std::uint16_t>("SCALAR", {0, 2, 3});
-    const Read result = read(builder.glb());
+    const ReadSoup result = read(builder.glb());
     ASSERT_EQ(result.error, "");
     EXPECT_EQ(result.soup, (Soup{{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}}));
     builder.primitive(0)["indices"] = builder.add_accessor<std::uint16_t>("SCALAR", {0, 2, 4});
@@ -519,7 +483,7 @@ TEST(GltfIndices, ThatAreNoWholeTrianglesAreLeftOut) {
         indices.resize(3 + surplus);
         const int accessor = builder.add_accessor("SCALAR", indices);
         builder.primitive(0)["indices"] = accessor;
-        const Read result = read(builder.glb());
+        const ReadSoup result = read(builder.glb());
         EXPECT_EQ(result.soup.size(), 1U) << result.error;
         EXPECT_NE(result.warnings.find("mesh 0 primitive 0: " + std::to_string(3 + surplus) +
                                        " indices are not whole triangles; the last " +

@@ -6,6 +6,7 @@
 
 #include "support/temporary_folder.h"
 #include "support/test_paths.h"
+#include "triangle_soup.h"
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -16,22 +17,12 @@ namespace {
 
 using geometry::Triangle;
 using geometry::Vec3;
-using Soup = std::vector<std::array<Vec3, 3>>;
 
 // A unit cube whose faces are counter-clockwise seen from outside.
 constexpr std::array<std::array<int, 3>, 8> kCorners{
     {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
 constexpr std::array<std::array<int, 4>, 6> kFaces{
     {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}};
-
-Soup soup_of(const propagation::Scene& scene) {
-    const std::vector<Vec3> positions = scene.mesh.positions_at(0.0);
-    Soup soup;
-    for (const Triangle& t : scene.mesh.triangles()) {
-        soup.push_back({positions[t[0]], positions[t[1]], positions[t[2]]});
-    }
-    return soup;
-}
 
 template <typename T>
 std::string raw(T value, bool is_reversed = false) {
@@ -133,20 +124,6 @@ std::string cube_stl(bool is_text) {
     comment.resize(80);
     return is_text ? "solid cube\n" + facets + "endsolid cube\n"
                    : comment + raw(std::uint32_t{12}) + facets;
-}
-
-/// Each triangle rotated to begin with its least corner, all in order: equal for equal surfaces.
-Soup canonical(Soup soup) {
-    const auto less = [](const Vec3& a, const Vec3& b) {
-        return std::array{a.x, a.y, a.z} < std::array{b.x, b.y, b.z};
-    };
-    for (auto& t : soup) {
-        std::rotate(t.begin(), std::min_element(t.begin(), t.end(), less), t.end());
-    }
-    std::sort(soup.begin(), soup.end(), [&](const auto& a, const auto& b) {
-        return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end(), less);
-    });
-    return soup;
 }
 
 TEST(MeshFiles, TheSameCubeInEveryFormatIsTheSameScene) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/temporary_folder.h"
+#include "triangle_soup.h"
 #include <array>
 #include <cmath>
 
@@ -14,39 +15,13 @@ namespace earshot::io {
 namespace {
 
 using geometry::Vec3;
-using Soup = std::vector<std::array<Vec3, 3>>;
 
 const Vec3 kA(0, 0, 0), kB(1, 0, 0), kC(1, 1, 0), kD(0, 1, 0);
 const Soup kOneTriangle = {{kA, kB, kC}};
 const Soup kSquare = {{kA, kB, kC}, {kA, kC, kD}};
 
-struct Read {
-    Soup soup;
-    std::string warnings;  ///< of geometry, one after another
-    std::string error;
-};
-
-Read read(const std::string& name, const std::string& bytes) {
-    const test::TemporaryFolder folder;
-    Read result;
-    try {
-        const LoadedScene loaded = load_scene(folder.file(name, bytes));
-        const std::vector<Vec3> positions = loaded.scene.mesh.positions_at(0.0);
-        for (const geometry::Triangle& t : loaded.scene.mesh.triangles()) {
-            result.soup.push_back({positions[t[0]], positions[t[1]], positions[t[2]]});
-        }
-        for (const Warning& warning : loaded.warnings) {
-            const bool is_acoustic = warning.what.find("acoustic") != std::string::npos;
-            result.warnings += is_acoustic ? "" : warning.what + "\n";
-        }
-    } catch (const Error& error) {
-        result.error = error.line();
-    }
-    return result;
-}
-
 void expect_read(const std::string& name, const std::string& bytes, const Soup& want) {
-    const Read result = read(name, bytes);
+    const ReadSoup result = read_soup(name, bytes);
     EXPECT_EQ(result.error, "") << bytes;
     EXPECT_EQ(result.soup, want) << bytes;
     EXPECT_EQ(result.warnings, "") << bytes;
@@ -56,14 +31,14 @@ void expect_warned(const std::string& name,
                    const std::string& bytes,
                    const Soup& want,
                    const std::string& part) {
-    const Read result = read(name, bytes);
+    const ReadSoup result = read_soup(name, bytes);
     EXPECT_EQ(result.error, "") << bytes;
     EXPECT_EQ(result.soup, want) << bytes;
     EXPECT_NE(result.warnings.find(part), std::string::npos) << result.warnings;
 }
 
 void expect_refused(const std::string& name, const std::string& bytes, const std::string& part) {
-    const Read result = read(name, bytes);
+    const ReadSoup result = read_soup(name, bytes);
     EXPECT_NE(result.error.find(part), std::string::npos) << bytes << "\n" << result.error;
 }
 
