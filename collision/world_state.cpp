@@ -208,7 +208,7 @@ std::vector<Contact> World::State::search_at_begin(const ContactOptions& options
     // 3. Their contacts.
     std::vector<Contact> contacts;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const auto [a, b] = pairs[i];
+        const std::uint32_t a = pairs[i].a, b = pairs[i].b;
         statistics += found[i].statistics;
         instant.add_work(a, found[i].statistics);
         if (a != b) {

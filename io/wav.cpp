@@ -16,7 +16,6 @@ namespace earshot::io {
 
 namespace {
 
-constexpr std::size_t kFramesPerBlock = 16384;
 constexpr std::size_t kSamplesPerBlock = 65536;  // of all channels, of which there are fewer
 // Compressed formats hold hours of silence in a few bytes. 46 minutes of one channel at 48 kHz.
 constexpr std::size_t kMaxSamplesRead = std::size_t{1} << 27U;

@@ -102,7 +102,7 @@ private:
         Reflections reflections{};
     };
 
-    const Vec3& corner(TriangleId triangle, int i) const {
+    const Vec3& corner(TriangleId triangle, std::size_t i) const {
         return mesh_.positions[mesh_.triangles[triangle][i]];
     }
     const RaySurface& surface_of(TriangleId triangle, bool is_back = false) const {

@@ -69,7 +69,7 @@ void LeafSlabs::update(const MovingScene& scene,
     }
     const geometry::Aabb& all = swept_bvh.tree().nodes()[0].box;
     Vec3 half(0.0);
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::uint8_t axis = 0; axis < 3; ++axis) {
         const double lower = all.lower[axis], upper = all.upper[axis];
         origin_[axis] = 0.5 * (lower + upper);
         half[axis] = 0.5 * (upper - lower);

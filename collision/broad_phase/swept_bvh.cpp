@@ -19,7 +19,7 @@ constexpr std::size_t kGrain = 4096;
 
 Aabb swept_box(const MovingCorners& corners, double margin) {
     Aabb box;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (std::uint8_t axis = 0; axis < 3; ++axis) {
         const auto at = [axis](const Vec3& p) { return p[axis]; };
         const auto& [a, b] = corners;
         const double lower = std::min({at(a[0]), at(a[1]), at(a[2]), at(b[0]), at(b[1]), at(b[2])});
