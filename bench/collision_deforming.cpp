@@ -146,9 +146,9 @@ void measure(const char* name, const std::vector<Part>& parts, Executor& executo
                 build_median,
                 kept_median / fresh_median,
                 kept_median / build_median,
-                static_cast<unsigned long long>(all.refits),
-                static_cast<unsigned long long>(all.repairs),
-                static_cast<unsigned long long>(all.rebuilds),
+                static_cast<unsigned long long>(all.updates.refits),
+                static_cast<unsigned long long>(all.updates.repairs),
+                static_cast<unsigned long long>(all.updates.rebuilds),
                 contacts,
                 same ? "" : ", WHICH DIFFER");
     std::fflush(stdout);

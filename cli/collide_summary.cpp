@@ -2,6 +2,7 @@
 #include "earshot/cli/collide_summary.h"
 
 #include "earshot/cli/output.h"
+#include "earshot/cli/update_summary.h"
 
 #include <nlohmann/json.hpp>
 
@@ -158,10 +159,8 @@ std::string collide_summary(const CollideMotion& motion,
     return text + "tests      " + std::to_string(totals.statistics.box_tests) + " of boxes, " +
            std::to_string(totals.statistics.triangle_pairs) + " pairs of triangles, " +
            std::to_string(totals.statistics.elementary_tests) + " of elements\ntrees      " +
-           std::to_string(totals.statistics.refits) + " refits, " +
-           std::to_string(totals.statistics.repairs) + " repairs, " +
-           std::to_string(totals.statistics.rebuilds) + " rebuilds\n" + time.data() +
-           "file       " + file + "\n";
+           update_text(totals.statistics.updates) + "\n" + time.data() + "file       " + file +
+           "\n";
 }
 
 std::string collide_summary_json(const CollideMotion& motion,
@@ -177,9 +176,8 @@ std::string collide_summary_json(const CollideMotion& motion,
                  {"box_tests", totals.statistics.box_tests},
                  {"triangle_pairs", totals.statistics.triangle_pairs},
                  {"elementary_tests", totals.statistics.elementary_tests},
-                 {"refits", totals.statistics.refits},
-                 {"repairs", totals.statistics.repairs},
-                 {"rebuilds", totals.statistics.rebuilds},
+                 {"front_nodes", totals.statistics.front_nodes},
+                 {"hierarchy", update_json(totals.statistics.updates)},
                  {"seconds", totals.seconds},
                  {"file", file}};
     if (options.first) {

@@ -7,16 +7,9 @@ WorldStatistics& WorldStatistics::operator+=(const WorldStatistics& other) noexc
     box_tests += other.box_tests;
     triangle_pairs += other.triangle_pairs;
     elementary_tests += other.elementary_tests;
-    refits += other.refits;
-    repairs += other.repairs;
-    rebuilds += other.rebuilds;
+    front_nodes += other.front_nodes;
+    updates += other.updates;
     return *this;
-}
-
-void WorldStatistics::count(bvh::UpdateAction action) noexcept {
-    refits += action == bvh::UpdateAction::refit ? 1 : 0;
-    repairs += action == bvh::UpdateAction::repair ? 1 : 0;
-    rebuilds += action == bvh::UpdateAction::rebuild ? 1 : 0;
 }
 
 }  // namespace earshot::collision

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/floating_point.h"
-#include "earshot/bvh/update_policy.h"
+#include "earshot/bvh/update_statistics.h"
 
 #include <cstdint>
 
@@ -15,13 +15,11 @@ struct WorldStatistics {
     /// Of a vertex and a face or of two edges; at an instant of two triangles, in double precision.
     std::uint64_t elementary_tests = 0;
 
-    // What following the meshes did to trees that were there before.
-    std::uint64_t refits = 0, repairs = 0, rebuilds = 0;
+    /// Nodes of the BVTTs at which the traversals stopped, and at which the next ones begin.
+    std::uint64_t front_nodes = 0;
+    bvh::UpdateStatistics updates{};  ///< of trees, by which they followed the meshes
 
     WorldStatistics& operator+=(const WorldStatistics& other) noexcept;
-
-    /// Counts an update of a tree.
-    void count(bvh::UpdateAction action) noexcept;
 };
 
 }  // namespace earshot::collision

@@ -76,6 +76,14 @@ BvttParent parent_of_last(std::span<const FrontEntry> entries,
                         : BvttParent{};
 }
 
+std::size_t BvttFront::size() const noexcept {
+    std::size_t entries = 0;
+    for (const auto& subfront : subfronts_) {
+        entries += subfront.size();
+    }
+    return entries;
+}
+
 void BvttFront::find_parents(std::span<const bvh::Node> nodes) {
     parents_.assign(nodes.size(), 0);
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
@@ -88,11 +96,7 @@ void BvttFront::find_parents(std::span<const bvh::Node> nodes) {
 void BvttFront::split_large_subfronts() {
     constexpr std::size_t kMinSize = 512;
     constexpr std::size_t kMinParts = 64;  // of a front of many entries
-    std::size_t entries = 0;
-    for (const auto& subfront : subfronts_) {
-        entries += subfront.size();
-    }
-    const std::size_t limit = std::max(kMinSize, entries / kMinParts);
+    const std::size_t limit = std::max(kMinSize, size() / kMinParts);
     for (std::size_t i = 0; i < subfronts_.size(); ++i) {
         while (subfronts_[i].size() > limit) {
             const auto middle =

@@ -122,7 +122,7 @@ void InstantBroadPhase::update_upper_tree(const MovingScene& scene,
             {.build = {.max_leaf_size = 1}, .queries_per_update = 0.0},  // until a search has told
             executor);
     } else {
-        statistics.count(upper_.update(boxes, executor).action);
+        statistics.updates.count(upper_.update(boxes, executor).action);
     }
     if (version_ != upper_.version()) {
         version_ = upper_.version();
@@ -149,6 +149,7 @@ std::vector<MeshPair> InstantBroadPhase::mesh_pairs(const MovingScene& scene,
         });
     upper_.expect_node_visits(static_cast<double>(box_tests));
     statistics.box_tests += box_tests;
+    statistics.front_nodes += front_.size();
     std::sort(pairs.begin(), pairs.end(), [](const MeshPair& x, const MeshPair& y) {
         return std::tie(x.a, x.b) < std::tie(y.a, y.b);
     });
@@ -166,7 +167,7 @@ void InstantBroadPhase::update_shape(const MovingScene& scene,
         kept.has_shape = true;
     } else if (!kept.is_shape_current) {
         kept.shape.expect_node_visits(kept.node_visits);
-        statistics.count(kept.shape.update(view, executor).action);
+        statistics.updates.count(kept.shape.update(view, executor).action);
         kept.node_visits = 0.0;
     }
     kept.is_shape_current = true;

@@ -16,7 +16,7 @@ void SweptBroadPhase::update(const MovingScene& scene,
         leaf_slabs_.build(scene, swept_bvh_);
     }
     if (const auto action = swept_bvh_.last_action()) {
-        statistics.count(*action);
+        statistics.updates.count(*action);
     }
     // 2. Leaf slabs.
     const double deviation =

@@ -154,6 +154,25 @@ TEST(BvttFront, MovesUpWhereBoxesHaveParted) {
     EXPECT_LT(tests[3], tests[1] / 10);
 }
 
+TEST(BvttFront, HoldsAllPairsOfLeavesWhereAllBoxesOverlapAndFewerWhereNoneDo) {
+    const auto size_of_front = [](double distance, std::size_t count) {
+        std::vector<Aabb> boxes(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const Vec3 middle(distance * static_cast<double>(i), 0.0, 0.0);
+            boxes[i].include(middle - Vec3(1.0));
+            boxes[i].include(middle + Vec3(1.0));
+        }
+        BvttFront front;
+        const bvh::Tree tree = bvh::Tree::build(boxes, {.max_leaf_size = 1});
+        traverse(front, tree, boxes, true, Executor::serial());
+        return front.size();
+    };
+    // Every leaf against itself and against all others.
+    EXPECT_EQ(size_of_front(0.0, 20), 20U * 21U / 2U);
+    // Every leaf against itself, and a culled pair of siblings for every inner node.
+    EXPECT_EQ(size_of_front(3.0, 20), 20U + 19U);
+}
+
 TEST(BvttFront, OfNoBoxesIsEmpty) {
     BvttFront front;
     EXPECT_TRUE(traverse(front, bvh::Tree(), {}, true, Executor::serial()).pairs.empty());

@@ -223,8 +223,8 @@ TEST(WorldMeshes, ThatDriftApartAreNotRefittedForEver) {
             EXPECT_LT(2 * kept.statistics().box_tests, 3 * fresh.statistics().box_tests) << i;
         }
     }
-    EXPECT_EQ(all.refits + all.repairs + all.rebuilds, 2U * 12U);
-    EXPECT_GT(all.repairs + all.rebuilds, 0U);
+    EXPECT_EQ(all.updates.refits + all.updates.repairs + all.updates.rebuilds, 2U * 12U);
+    EXPECT_GT(all.updates.repairs + all.updates.rebuilds, 0U);
 }
 
 TEST(WorldMeshes, CountTheSameWorkForAnyNumberOfThreads) {
@@ -248,9 +248,10 @@ TEST(WorldMeshes, CountTheSameWorkForAnyNumberOfThreads) {
                           {s.box_tests,
                            s.triangle_pairs,
                            s.elementary_tests,
-                           s.refits,
-                           s.repairs,
-                           s.rebuilds});
+                           s.front_nodes,
+                           s.updates.refits,
+                           s.updates.repairs,
+                           s.updates.rebuilds});
         }
         return counts;
     };

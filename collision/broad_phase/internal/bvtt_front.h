@@ -195,6 +195,9 @@ public:
     /// tree was replaced.
     void reset() { subfronts_.clear(); }
 
+    /// Nodes of the BVTT at which the last traversal stopped.
+    std::size_t size() const noexcept;
+
     /// Traverses a tree against itself. `new_tester()` makes the tester of a sub-front and
     /// finish(tester) takes it when its sub-front was followed, in the order of sub-fronts. They
     /// are followed in rounds of `round`, whose testers are made before any of them is followed.

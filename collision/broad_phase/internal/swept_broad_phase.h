@@ -53,6 +53,7 @@ public:
             [&] { return SweptPairs(swept_bvh_, new_tester()); },
             [&](auto& pairs) { finish(pairs.tester()); });
         statistics.box_tests += box_tests;
+        statistics.front_nodes += front_.size();
         swept_bvh_.expect_box_tests(box_tests);
     }
 
