@@ -120,6 +120,20 @@ struct Lanes {
 
 /// As many doubles as a register holds, at most 8: kernels loop in steps of Doubles::kCount.
 using Doubles = Lanes<double, hn::MaxLanes(hn::CappedTag<double, 8>())>;
+
+/// Real and imaginary parts of complex numbers, which lie in pairs in memory.
+struct ComplexDoubles {
+    Doubles re, im;
+
+    HWY_INLINE static ComplexDoubles load_unaligned(const double* pairs) {
+        ComplexDoubles result;
+        hn::LoadInterleaved2(Doubles::Tag(), pairs, result.re.part[0], result.im.part[0]);
+        return result;
+    }
+    HWY_INLINE void store_unaligned(double* pairs) const {
+        hn::StoreInterleaved2(re.part[0], im.part[0], Doubles::Tag(), pairs);
+    }
+};
 using Float4 = Lanes<float, 4>;
 using Float8 = Lanes<float, 8>;
 
@@ -138,6 +152,10 @@ HWY_INLINE Lanes<Real, N> operator*(Lanes<Real, N> a, Lanes<Real, N> b) {
 template <typename Real, std::size_t N>
 HWY_INLINE Lanes<Real, N> operator/(Lanes<Real, N> a, Lanes<Real, N> b) {
     return map<Lanes<Real, N>>([](auto u, auto v) { return hn::Div(u, v); }, a, b);
+}
+template <typename Real, std::size_t N>
+HWY_INLINE Lanes<Real, N> operator-(Lanes<Real, N> a) {
+    return map<Lanes<Real, N>>([](auto u) { return hn::Neg(u); }, a);
 }
 /// a * b + c, fused where the set can.
 template <typename Real, std::size_t N>

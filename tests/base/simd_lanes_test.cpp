@@ -27,7 +27,7 @@ template <typename Real>
 struct Results {
     alignas(64) Real sum[kCount], difference[kCount], product[kCount], quotient[kCount];
     alignas(64) Real smaller[kCount], larger[kCount], magnitude[kCount], selected[kCount];
-    alignas(64) Real fused[kCount], negated[kCount];
+    alignas(64) Real fused[kCount], negated[kCount], opposite[kCount];
     std::uint32_t less, at_most, both, either, only_less, chosen, any_less;
 };
 
@@ -67,6 +67,7 @@ void compute(const Rows<Real>& rows, std::size_t i, Results<Real>& out) {
     select(a < b, a, Row(Real(7))).store_unaligned(out.selected + i);
     mul_add(a, b, Row(Real(3))).store(out.fused + i);
     neg_mul_add(a, b, Row(Real(3))).store(out.negated + i);
+    (-a).store(out.opposite + i);
     const Row zero(Real(0));
     out.less |= bits(a < b) << i;
     out.at_most |= bits(a <= b) << i;
@@ -80,6 +81,14 @@ void compute(const Rows<Real>& rows, std::size_t i, Results<Real>& out) {
 void compute_doubles(const Rows<double>& rows, Results<double>& out) {
     for (std::size_t i = 0; i < kCount; i += Doubles::kCount) {
         compute<Doubles>(rows, i, out);
+    }
+}
+
+/// The products of complex numbers by i.
+void turn(const double* pairs, double* out) {
+    for (std::size_t i = 0; i < kCount; i += Doubles::kCount) {
+        const ComplexDoubles z = ComplexDoubles::load_unaligned(pairs + 2 * i);
+        ComplexDoubles{-z.im, z.re}.store_unaligned(out + 2 * i);
     }
 }
 
@@ -136,6 +145,7 @@ HWY_EXPORT(compute_doubles);
 HWY_EXPORT(compute_float4);
 HWY_EXPORT(compute_float8);
 HWY_EXPORT(shuffle);
+HWY_EXPORT(turn);
 
 template <typename Test>
 void for_each_target(Test&& test) {
@@ -171,6 +181,7 @@ void expect_scalar_results(const Rows<Real>& rows, const Results<Real>& found) {
         EXPECT_EQ(found.selected[i], a < b ? a : Real(7));
         EXPECT_TRUE(found.fused[i] == a * b + 3 || found.fused[i] == std::fma(a, b, Real(3)));
         EXPECT_TRUE(found.negated[i] == 3 - a * b || found.negated[i] == std::fma(-a, b, Real(3)));
+        EXPECT_EQ(found.opposite[i], -a);
         EXPECT_EQ(bit(found.less), a < b);
         EXPECT_EQ(bit(found.at_most), a <= b);
         EXPECT_EQ(bit(found.both), a <= b && a > 0);
@@ -193,6 +204,20 @@ TEST(SimdLanes, ComputeWhatScalarsDo) {
         expect_scalar_results(floats, by_four);
         HWY_DYNAMIC_DISPATCH(compute_float8)(floats, by_eight);
         expect_scalar_results(floats, by_eight);
+    });
+}
+
+TEST(SimdLanes, PartComplexNumbers) {
+    for_each_target([] {
+        std::array<double, 2 * kCount> numbers{}, found{};
+        for (std::size_t i = 0; i < numbers.size(); ++i) {
+            numbers[i] = static_cast<double>(i) + 0.5;
+        }
+        HWY_DYNAMIC_DISPATCH(turn)(numbers.data(), found.data());
+        for (std::size_t i = 0; i < kCount; ++i) {
+            EXPECT_EQ(found[2 * i], -numbers[2 * i + 1]);
+            EXPECT_EQ(found[2 * i + 1], numbers[2 * i]);
+        }
     });
 }
 
