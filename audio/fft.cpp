@@ -4,8 +4,8 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 
-#include <kissfft/kissfft.hh>
-
+#include <algorithm>
+#include <array>
 #include <bit>
 
 namespace earshot::audio {
@@ -13,106 +13,209 @@ namespace earshot::audio {
 namespace {
 
 using Complex = std::complex<double>;
-using Kiss = kissfft<double>;
 
-// KISS FFT fills its twiddle factors with std::exp, whose last bits depend on the CPU, and offers
-// no way to hand it others. A template argument of an explicit instantiation may name a private
-// member
-// ([temp.spec.general]/6), and a friend defined in that template carries the access out.
-std::vector<Complex>& twiddles_of(Kiss& plan);
+constexpr std::size_t kWidest = 8;  // doubles of the widest register
 
-template <std::vector<Complex> Kiss::*Twiddles>
-struct TwiddleAccess {
-    friend std::vector<Complex>& twiddles_of(Kiss& plan) { return plan.*Twiddles; }
+/// Points exp(-2 pi i k / size), from the sines and cosines of the first eighth of a turn, which
+/// are computed by the functions that have the same bits everywhere.
+class UnitCircle {
+public:
+    explicit UnitCircle(std::size_t size) : scale_(size % 8 == 0 ? 1 : 2), size_(scale_ * size) {
+        EARSHOT_ASSERT(size % 4 == 0);
+        for (std::size_t k = 0; k <= size_ / 8; ++k) {
+            const double angle =
+                2.0 * math::kPi * static_cast<double>(k) / static_cast<double>(size_);
+            eighth_.emplace_back(math::cos(angle), math::sin(angle));
+        }
+    }
+
+    /// Precondition: k < size.
+    Complex at(std::size_t k) const {
+        const std::size_t eighth = size_ / 8;
+        const std::size_t octant = scale_ * k / eighth;
+        const std::size_t after = scale_ * k % eighth;
+        // From the nearest axis, forward in even octants and backward in odd ones.
+        const bool backward = octant % 2 != 0;
+        const Complex point = eighth_[backward ? eighth - after : after];
+        const double x = point.real();
+        const double y = backward ? -point.imag() : point.imag();
+        switch ((octant + 1) / 2 % 4) {
+            case 0:
+                return {x, -y};
+            case 1:
+                return {-y, -x};
+            case 2:
+                return {-x, y};
+            default:
+                return {y, x};
+        }
+    }
+
+private:
+    std::size_t scale_;
+    std::size_t size_;
+    std::vector<Complex> eighth_;  // cosines and sines
 };
-template struct TwiddleAccess<&Kiss::_twiddles>;
 
-// exp(-2 pi i k / size) for k < count, by the scalar functions that have the same bits everywhere.
-std::vector<Complex> unit_circle(std::size_t size, std::size_t count) {
-    std::vector<Complex> points(count);
-    for (std::size_t k = 0; k < count; ++k) {
-        const double angle = 2.0 * math::kPi * static_cast<double>(k) / static_cast<double>(size);
-        points[k] = {math::cos(angle), -math::sin(angle)};
-    }
-    return points;
+bool is_fft_size(std::size_t size) {
+    const std::size_t odd = size >> std::countr_zero(size);
+    return size >= 4 && size % 4 == 0 && (odd == 1 || odd == 3 || odd == 5);
 }
 
-Kiss plan_with(const std::vector<Complex>& twiddles, bool inverse) {
-    Kiss plan(twiddles.size(), inverse);
-    std::vector<Complex>& own = twiddles_of(plan);
-    for (std::size_t k = 0; k < own.size(); ++k) {
-        own[k] = inverse ? std::conj(twiddles[k]) : twiddles[k];
+/// Radices of the passes: few, and 4 as long as rows are short.
+std::vector<std::size_t> radices_of(std::size_t size) {
+    auto twos = static_cast<std::size_t>(std::countr_zero(size));
+    const std::size_t odd = size >> twos;
+    std::vector<std::size_t> radices;
+    const std::size_t eights =
+        twos < 5 ? twos % 2 * (twos / 3) : (twos - 2) % 2 + (twos - 4) / 6 * 2;
+    twos -= 3 * eights;
+    for (; twos >= 2; twos -= 2) {
+        radices.push_back(4);
     }
-    return plan;
+    radices.insert(radices.end(), eights, 8);
+    if (twos == 1) {
+        radices.push_back(2);
+    }
+    if (odd > 1) {
+        radices.push_back(odd);
+    }
+    return radices;
 }
 
-// std::complex's operator* checks for NaN and may call a library function; this is the bare
-// product.
-Complex product(const Complex& a, const Complex& b) noexcept {
-    return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+/// The twiddle factors exp(-2 pi i j p / (r b)) of a pass of radix r and b blocks: per block, those
+/// of j = 1 ... r - 1. In a wide first pass, for each j real parts of all blocks, then imaginary
+/// parts.
+void append_twiddles(const FftPass& pass,
+                     bool wide,
+                     const UnitCircle& circle,
+                     std::size_t circle_size,
+                     LargeArray<double>& out) {
+    const std::size_t step = circle_size / (pass.radix * pass.blocks);
+    const std::size_t begin = out.size();
+    const std::size_t others = pass.radix - 1;
+    out.resize(begin + 2 * others * pass.blocks);
+    for (std::size_t p = 0; p < pass.blocks; ++p) {
+        for (std::size_t j = 0; j < others; ++j) {
+            const Complex factor = circle.at((j + 1) * p * step);
+            const std::size_t re = wide ? 2 * j * pass.blocks + p : 2 * (others * p + j);
+            out[begin + re] = factor.real();
+            out[begin + re + (wide ? pass.blocks : 1)] = factor.imag();
+        }
+    }
+}
+
+const double* numbers_of(std::span<const Complex> values) {
+    // std::complex<double> is layout-compatible with two doubles ([complex.numbers]/4).
+    return reinterpret_cast<const double*>(values.data());
 }
 
 }  // namespace
 
-struct RealFft::Plans {
-    explicit Plans(const std::vector<Complex>& twiddles)
-        : forward(plan_with(twiddles, false)), inverse(plan_with(twiddles, true)) {}
-    Kiss forward, inverse;
-};
-
-RealFft::RealFft(std::size_t size) : size_(size), half_turn_(unit_circle(size, size / 2)) {
-    EARSHOT_ASSERT(size >= 4 && std::has_single_bit(size));
-    plans_ = std::make_unique<const Plans>(unit_circle(size / 2, size / 2));
+FftBuffers FftWorkspace::buffers(std::size_t size) {
+    // Rows of a cache line between the arrays keep them from competing for the same sets.
+    const std::size_t apart = (size + kWidest - 1) / kWidest * kWidest + 3 * kWidest;
+    if (numbers_.size() < 4 * apart) {
+        numbers_.resize(4 * apart);
+    }
+    double* begin = numbers_.data();
+    return {.first = {begin, begin + apart}, .second = {begin + 2 * apart, begin + 3 * apart}};
 }
 
-RealFft::~RealFft() = default;
-RealFft::RealFft(RealFft&&) noexcept = default;
-RealFft& RealFft::operator=(RealFft&&) noexcept = default;
-
-// Even samples are transformed as real parts and odd ones as imaginary parts of a complex signal of
-// half the size; with E and O the transforms of the even and the odd samples, X = E + w O.
-void RealFft::forward(std::span<const double> signal, std::span<Complex> spectrum) const {
-    EARSHOT_ASSERT(signal.size() == size_ && spectrum.size() == bins());
-    const std::size_t half = size_ / 2;
-    // std::complex<double> is layout-compatible with two doubles ([complex.numbers]/4), and KISS
-    // FFT reads pairs in place like this itself.
-    plans_->forward.transform(reinterpret_cast<const Complex*>(signal.data()), spectrum.data());
-
-    const Complex first = spectrum[0];
-    spectrum[0] = {first.real() + first.imag(), 0.0};
-    spectrum[half] = {first.real() - first.imag(), 0.0};
-    for (std::size_t k = 1; k <= half / 2; ++k) {
-        const Complex a = spectrum[k];
-        const Complex b = std::conj(spectrum[half - k]);
-        const Complex even = 0.5 * (a + b);
-        const Complex odd = product({0.0, -0.5}, a - b);
-        const Complex turned = product(half_turn_[k], odd);
-        spectrum[k] = even + turned;
-        spectrum[half - k] = std::conj(even - turned);
+RealFft::RealFft(std::size_t size) : size_(size) {
+    EARSHOT_ASSERT(is_fft_size(size));
+    const UnitCircle circle(size);
+    const std::size_t half = size / 2;
+    std::size_t stride = 1;
+    std::vector<std::size_t> begins;
+    for (const std::size_t radix : radices_of(half)) {
+        const FftPass pass = {
+            .radix = radix, .blocks = half / stride / radix, .stride = stride, .twiddles = nullptr};
+        begins.push_back(factors_.size());
+        if (pass.blocks > 1) {
+            append_twiddles(pass, stride == 1 && has_wide_first_pass(half), circle, size, factors_);
+        }
+        passes_.push_back(pass);
+        stride *= radix;
     }
+    const std::size_t turn = half / 2 + 1;
+    for (std::size_t k = 0; k < turn; ++k) {
+        factors_.push_back(circle.at(k).real());
+    }
+    for (std::size_t k = 0; k < turn; ++k) {
+        factors_.push_back(circle.at(k).imag());
+    }
+    for (std::size_t i = 0; i < passes_.size(); ++i) {
+        passes_[i].twiddles = passes_[i].blocks > 1 ? factors_.data() + begins[i] : nullptr;
+    }
+}
+
+FftPlan RealFft::plan() const noexcept {
+    const std::size_t turn = size_ / 4 + 1;
+    const double* end = factors_.data() + factors_.size();
+    return {.size = size_ / 2,
+            .passes = passes_,
+            .half_turn_re = end - 2 * turn,
+            .half_turn_im = end - turn};
+}
+
+void RealFft::forward(std::span<const double> signal,
+                      std::span<Complex> spectrum,
+                      FftWorkspace& workspace) const {
+    EARSHOT_ASSERT(signal.size() == size_ && spectrum.size() == bins());
+    transform_real(plan(),
+                   signal.data(),
+                   workspace.buffers(size_ / 2),
+                   reinterpret_cast<double*>(spectrum.data()));
+}
+
+void RealFft::forward(std::span<const double> signal, std::span<Complex> spectrum) const {
+    FftWorkspace workspace;
+    forward(signal, spectrum, workspace);
+}
+
+void RealFft::inverse(std::span<const Complex> spectrum,
+                      std::span<double> signal,
+                      FftWorkspace& workspace) const {
+    EARSHOT_ASSERT(signal.size() == size_ && spectrum.size() == bins());
+    transform_to_real(plan(),
+                      numbers_of(spectrum),
+                      nullptr,
+                      1.0 / static_cast<double>(size_),
+                      workspace.buffers(size_ / 2),
+                      signal.data());
 }
 
 void RealFft::inverse(std::span<const Complex> spectrum, std::span<double> signal) const {
-    EARSHOT_ASSERT(signal.size() == size_ && spectrum.size() == bins());
-    const std::size_t half = size_ / 2;
-    const double scale = 1.0 / static_cast<double>(size_);  // a power of two: exact
+    FftWorkspace workspace;
+    inverse(spectrum, signal, workspace);
+}
 
-    std::vector<Complex> packed(half);
-    const double first = spectrum[0].real();
-    const double last = spectrum[half].real();
-    packed[0] = {scale * (first + last), scale * (first - last)};
-    for (std::size_t k = 1; k < half; ++k) {
-        const Complex a = spectrum[k];
-        const Complex b = std::conj(spectrum[half - k]);
-        const Complex turned = product(std::conj(half_turn_[k]), a - b);
-        packed[k] = scale * Complex(a.real() + b.real() - turned.imag(),
-                                    a.imag() + b.imag() + turned.real());
-    }
-    plans_->inverse.transform(packed.data(), reinterpret_cast<Complex*>(signal.data()));
+void RealFft::filtered_inverse(std::span<const Complex> spectrum,
+                               std::span<const double> gains,
+                               std::span<double> signal,
+                               FftWorkspace& workspace) const {
+    EARSHOT_ASSERT(signal.size() == size_ && spectrum.size() == bins() && gains.size() == bins());
+    transform_to_real(plan(),
+                      numbers_of(spectrum),
+                      gains.data(),
+                      1.0 / static_cast<double>(size_),
+                      workspace.buffers(size_ / 2),
+                      signal.data());
 }
 
 std::size_t power_of_two_from(std::size_t min_size) noexcept {
     return std::bit_ceil(min_size);
+}
+
+std::size_t fft_size_from(std::size_t min_size) noexcept {
+    std::size_t best = std::bit_ceil(std::max<std::size_t>(min_size, 4));
+    for (const std::size_t odd : {3, 5}) {
+        const std::size_t twos =
+            std::bit_ceil(std::max<std::size_t>((min_size + odd - 1) / odd, 4));
+        best = std::min(best, odd * twos);
+    }
+    return best;
 }
 
 }  // namespace earshot::audio

@@ -9,8 +9,9 @@
 
 namespace earshot {
 
-// Wide kernels are compiled once per instruction set and chosen when the program runs. They only
-// cull, conservatively, or decide what is certain, so the choice changes speed and nothing else.
+// Wide kernels are compiled once per instruction set and chosen when the program runs. They cull
+// conservatively, decide what is certain, or do the same operations on every number at any width
+// (docs/determinism.md), so the choice changes speed and nothing else.
 
 /// Names of the instruction sets that this CPU and this build have, best first: "avx512_dl",
 /// "avx512", "avx2", "sse4", "ssse3", and always "scalar" at the end.

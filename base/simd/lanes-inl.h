@@ -118,6 +118,63 @@ struct Lanes {
     }
 };
 
+/// Two rows of lanes, read from or written to pairs in memory.
+template <typename Row>
+struct RowPair {
+    Row first, second;
+};
+
+/// Lane i: numbers 2 i and 2 i + 1.
+template <typename Row>
+HWY_INLINE RowPair<Row> load_pairs(const double* numbers) {
+    constexpr std::size_t kStep = Row::kPartLanes;
+    RowPair<Row> pair;
+    for_each_part<Row::kParts>([&](std::size_t i) {
+        const double* part = numbers + 2 * i * kStep;
+        if constexpr (kStep == 1) {
+            pair.first.part[i] = hn::LoadU(typename Row::Tag(), part);
+            pair.second.part[i] = hn::LoadU(typename Row::Tag(), part + 1);
+        } else {
+            hn::LoadInterleaved2(
+                typename Row::Tag(), part, pair.first.part[i], pair.second.part[i]);
+        }
+    });
+    return pair;
+}
+template <typename Row>
+HWY_INLINE void store_pairs(Row first, Row second, double* numbers) {
+    constexpr std::size_t kStep = Row::kPartLanes;
+    for_each_part<Row::kParts>([&](std::size_t i) {
+        double* part = numbers + 2 * i * kStep;
+        if constexpr (kStep == 1) {
+            hn::StoreU(first.part[i], typename Row::Tag(), part);
+            hn::StoreU(second.part[i], typename Row::Tag(), part + 1);
+        } else {
+            hn::StoreInterleaved2(first.part[i], second.part[i], typename Row::Tag(), part);
+        }
+    });
+}
+/// Numbers 4 i ... 4 i + 3: lane i of each row.
+template <typename Row>
+HWY_INLINE void store_fours(Row first, Row second, Row third, Row fourth, double* numbers) {
+    for_each_part<Row::kParts>([&](std::size_t i) {
+        hn::StoreInterleaved4(first.part[i],
+                              second.part[i],
+                              third.part[i],
+                              fourth.part[i],
+                              typename Row::Tag(),
+                              numbers + 4 * i * Row::kPartLanes);
+    });
+}
+/// The lanes in opposite order.
+template <typename Real, std::size_t N>
+HWY_INLINE Lanes<Real, N> reverse(Lanes<Real, N> a) {
+    using Row = Lanes<Real, N>;
+    return per_part<Row>([&](std::size_t i) {
+        return hn::Reverse(typename Row::Tag(), a.part[Row::kParts - 1 - i]);
+    });
+}
+
 /// As many doubles as a register holds, at most 8: kernels loop in steps of Doubles::kCount.
 using Doubles = Lanes<double, hn::MaxLanes(hn::CappedTag<double, 8>())>;
 

@@ -157,11 +157,11 @@ TEST(Assemble, GivesTheSameBitsForAnyNumberOfThreads) {
 // Run again with CPU features masked (docs/determinism.md), this must not change.
 TEST(Assemble, HasTheSameBitsOnEveryMachine) {
     EXPECT_EQ(digest_of(assemble(Bands::octaves(), random_arrivals(30, 1))),
-              8881505059365954946ULL);
+              6337580841534555471ULL);
     EXPECT_EQ(digest_of(assemble(Bands::third_octaves(),
                                  random_arrivals(5, 2),
                                  {.sample_rate = 44100.0, .length = 0.0})),
-              5548883651261285617ULL);
+              5004661637090379220ULL);
 }
 
 TEST(Assemble, AnswersSilenceWithZeros) {

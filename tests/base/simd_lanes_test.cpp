@@ -47,6 +47,12 @@ struct Shuffles {
     std::size_t compressed;
 };
 
+/// 16 numbers read as pairs, the pairs written in opposite order, and the rows of fours.
+struct Interleaved {
+    alignas(64) double first[kCount], second[kCount], reversed[kCount];
+    double pairs[2 * kCount], fours[4 * kCount];
+};
+
 }  // namespace earshot
 #endif
 
@@ -101,6 +107,33 @@ void compute_float8(const Rows<float>& rows, Results<float>& out) {
     compute<Float8>(rows, 0, out);
 }
 
+/// Reads one number past the border of a cache line.
+template <typename Row>
+void interleave(const double* numbers, Interleaved& out) {
+    for (std::size_t i = 0; i < kCount; i += Row::kCount) {
+        const auto pair = load_pairs<Row>(numbers + 1 + 2 * i);
+        pair.first.store(out.first + i);
+        pair.second.store(out.second + i);
+        reverse(pair.first).store(out.reversed + kCount - Row::kCount - i);
+        store_pairs(pair.second, pair.first, out.pairs + 2 * i);
+        store_fours(pair.first,
+                    pair.second,
+                    pair.first + pair.first,
+                    pair.second + pair.second,
+                    out.fours + 4 * i);
+    }
+}
+
+void interleave_doubles(const double* numbers, Interleaved& out) {
+    interleave<Doubles>(numbers, out);
+}
+void interleave_eight(const double* numbers, Interleaved& out) {
+    interleave<Lanes<double, 8>>(numbers, out);
+}
+void interleave_one(const double* numbers, Interleaved& out) {
+    interleave<Lanes<double, 1>>(numbers, out);
+}
+
 void shuffle(const float* numbers, Shuffles& out) {
     const Float8 all = Float8::load(numbers);
     const Float4 a = lower_half(all);
@@ -144,6 +177,9 @@ namespace {
 HWY_EXPORT(compute_doubles);
 HWY_EXPORT(compute_float4);
 HWY_EXPORT(compute_float8);
+HWY_EXPORT(interleave_doubles);
+HWY_EXPORT(interleave_eight);
+HWY_EXPORT(interleave_one);
 HWY_EXPORT(shuffle);
 HWY_EXPORT(turn);
 
@@ -263,6 +299,41 @@ TEST(SimdLanes, MoveLanesAsNamed) {
         EXPECT_EQ(found.shorts[4], 65535.0F);
         EXPECT_EQ(found.smallest, -3.0F);
         EXPECT_EQ(found.largest, 9.0F);
+    });
+}
+
+void expect_interleaved(const std::array<double, 2 * kCount + 1>& n, const Interleaved& found) {
+    for (std::size_t i = 0; i < kCount; ++i) {
+        SCOPED_TRACE(i);
+        const double first = n[1 + 2 * i];
+        const double second = n[2 + 2 * i];
+        EXPECT_EQ(found.first[i], first);
+        EXPECT_EQ(found.second[i], second);
+        EXPECT_EQ(found.reversed[kCount - 1 - i], first);
+        EXPECT_EQ(found.pairs[2 * i], second);
+        EXPECT_EQ(found.pairs[2 * i + 1], first);
+        for (std::size_t row = 0; row < 4; ++row) {
+            EXPECT_EQ(found.fours[4 * i + row],
+                      (row % 2 == 0 ? first : second) * (row < 2 ? 1.0 : 2.0));
+        }
+    }
+}
+
+TEST(SimdLanes, ReadAndWritePairsAndFours) {
+    std::array<double, 2 * kCount + 1> numbers{};
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        numbers[i] = 0.5 + static_cast<double>(i * i);
+    }
+    for_each_target([&] {
+        Interleaved found{};
+        HWY_DYNAMIC_DISPATCH(interleave_doubles)(numbers.data(), found);
+        expect_interleaved(numbers, found);
+        found = {};
+        HWY_DYNAMIC_DISPATCH(interleave_eight)(numbers.data(), found);
+        expect_interleaved(numbers, found);
+        found = {};
+        HWY_DYNAMIC_DISPATCH(interleave_one)(numbers.data(), found);
+        expect_interleaved(numbers, found);
     });
 }
 
