@@ -52,12 +52,13 @@ ReinsertionReport optimise_by_reinsertion(Tree& tree,
         std::max(1.0, options.batch_size_ratio * static_cast<double>(tree.nodes().size())));
     std::size_t reinsertions = 0;
     for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-        const std::size_t in_batch = optimiser.reinsert_batch(batch_size, executor);
-        reinsertions += in_batch;
-        if (in_batch == 0) {
+        const auto in_batch = optimiser.reinsert_batch(batch_size, executor);
+        if (!in_batch) {
             break;
         }
+        reinsertions += *in_batch;
     }
+    optimiser.restore_best();
     if (reinsertions == 0) {
         return report;
     }

@@ -13,6 +13,11 @@ namespace {
 
 constexpr std::uint32_t kRoot = 0;
 
+// The limit p_T of Bittner, Hapala and Havran 2013.
+constexpr int kMaxBatchesWithoutGain = 10;
+// Of the inner area, well above what rounding adds up to.
+constexpr double kMinGain = 1e-9;
+
 Aabb united(Aabb a, const Aabb& b) noexcept {
     a.include(b);
     return a;
@@ -22,7 +27,9 @@ Aabb united(Aabb a, const Aabb& b) noexcept {
 
 ReinsertionOptimiser::ReinsertionOptimiser(std::span<const Node> nodes,
                                            std::span<const std::uint32_t> group_of_node)
-    : nodes_(nodes.begin(), nodes.end()), parents_(nodes.size(), kRoot) {
+    : nodes_(nodes.begin(), nodes.end()),
+      parents_(nodes.size(), kRoot),
+      is_settled_(nodes.size(), 0) {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
         set_parent_of_children(i);
     }
@@ -34,6 +41,7 @@ ReinsertionOptimiser::ReinsertionOptimiser(std::span<const Node> nodes,
                 group_of_node[i] != kMixedGroups && group_of_node[parents_[i]] == kMixedGroups;
         }
     }
+    best_area_ = inner_area();
 }
 
 void ReinsertionOptimiser::set_parent_of_children(std::uint32_t index) {
@@ -43,15 +51,30 @@ void ReinsertionOptimiser::set_parent_of_children(std::uint32_t index) {
     }
 }
 
-// Bittner, Hapala and Havran 2013, section 3.3, rank nodes by an inefficiency measure that combines
-// their area with the ratios of it to the areas of their children. The area alone selects equally
-// good candidates here and costs one pass over the nodes.
+// Bittner, Hapala and Havran 2013, section 3.3: the combined measure M_SUM * M_MIN * M_AREA, the
+// node's area over the mean of its children's, over the least of them, and itself. A node ranks
+// high if it is large and its children are small or one of them is: they lie far apart, so that one
+// of them had better be elsewhere.
+double ReinsertionOptimiser::inefficiency(std::uint32_t index) const noexcept {
+    // Children without an area, such as points, would outrank everything.
+    constexpr double kMinChildRatio = 0.01;
+    const double own = area(index);
+    if (!(own > 0.0)) {
+        return 0.0;
+    }
+    const double left = std::max(area(nodes_[index].first), kMinChildRatio * own);
+    const double right = std::max(area(nodes_[index].first + 1), kMinChildRatio * own);
+    return own / (0.5 * (left + right)) * (own / std::min(left, right)) * own;
+}
+
+/// The children of the `count` most inefficient nodes, by index. Neither the root's children nor
+/// those of a group's root can be reinserted. Nodes whose children have found no better place are
+/// passed over, so that later batches go on to others, which Bittner, Hapala and Havran reach by
+/// random picks.
 std::vector<std::uint32_t> ReinsertionOptimiser::find_candidates(std::size_t count,
                                                                  Executor& executor) const {
     struct Candidate {
-        // Below 0: the root and its children, which cannot be reinserted, nor can those of a
-        // group's root.
-        double area;
+        double inefficiency;
         std::uint32_t index;
     };
     std::vector<Candidate> all(nodes_.size());
@@ -59,19 +82,25 @@ std::vector<std::uint32_t> ReinsertionOptimiser::find_candidates(std::size_t cou
     executor.for_each(nodes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const auto index = static_cast<std::uint32_t>(i);
-            all[i] = {index == kRoot || is_top(parents_[i]) ? -1.0 : area(index), index};
+            const bool is_candidate =
+                !nodes_[index].is_leaf() && !is_top(index) && is_settled_[index] == 0;
+            all[i] = {is_candidate ? inefficiency(index) : 0.0, index};
         }
     });
-    const auto is_larger = [](const Candidate& a, const Candidate& b) {
-        return a.area != b.area ? a.area > b.area : a.index < b.index;
-    };
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(std::min(count, all.size()));
-    std::nth_element(all.begin(), end, all.end(), is_larger);
+    std::erase_if(all, [](const Candidate& candidate) { return candidate.inefficiency <= 0.0; });
+    if (count < all.size()) {
+        const auto is_worse = [](const Candidate& a, const Candidate& b) {
+            return a.inefficiency != b.inefficiency ? a.inefficiency > b.inefficiency
+                                                    : a.index < b.index;
+        };
+        const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+        std::nth_element(all.begin(), end, all.end(), is_worse);
+        all.erase(end, all.end());
+    }
     std::vector<std::uint32_t> candidates;
-    for (auto candidate = all.begin(); candidate != end; ++candidate) {
-        if (candidate->area > 0.0) {
-            candidates.push_back(candidate->index);
-        }
+    for (const Candidate& candidate : all) {
+        candidates.push_back(nodes_[candidate.index].first);
+        candidates.push_back(nodes_[candidate.index].first + 1);
     }
     std::sort(candidates.begin(), candidates.end());
     return candidates;
@@ -159,6 +188,19 @@ std::array<std::uint32_t, 6> ReinsertionOptimiser::get_conflicts(
             parents_[parent]};
 }
 
+void ReinsertionOptimiser::write_node(std::uint32_t index, const Node& node, bool is_group_root) {
+    const auto inner_area_of = [](const Node& of) {
+        return of.is_leaf() ? 0.0 : of.box.half_area();
+    };
+    undo_.push_back({index, is_barrier(index), nodes_[index]});
+    area_growth_ += inner_area_of(node) - inner_area_of(nodes_[index]);
+    nodes_[index] = node;
+    if (!is_group_root_.empty()) {
+        is_group_root_[index] = is_group_root ? 1 : 0;
+    }
+    set_parent_of_children(index);
+}
+
 // All nodes but three keep their index: the sibling moves to the index of the parent; the pair of
 // indices that becomes free holds the inserted node and the node that was at `to`; and the node at
 // the index of `to` becomes the new parent of that pair.
@@ -169,39 +211,29 @@ std::array<std::uint32_t, 6> ReinsertionOptimiser::get_conflicts(
 //   from  sibling  .  .                   c       d  from     to
 //         /    \                                             /  \          .
 //        c      d
-void ReinsertionOptimiser::move_node(std::uint32_t from, std::uint32_t to) {
-    nodes_[to] = nodes_[from];
-    if (!is_group_root_.empty()) {
-        is_group_root_[to] = is_group_root_[from];
-    }
-    set_parent_of_children(to);
-}
-
 void ReinsertionOptimiser::reinsert_node(const Reinsertion& reinsertion) {
     const std::uint32_t parent = parents_[reinsertion.from];
     const std::uint32_t sibling_index = sibling(reinsertion.from);
-    move_node(sibling_index, parent);
-    move_node(reinsertion.to, sibling_index);
-    nodes_[reinsertion.to] = {
-        .box = united(nodes_[sibling_index].box, nodes_[reinsertion.from].box),
-        .first = std::min(reinsertion.from, sibling_index)};
-    if (!is_group_root_.empty()) {
-        is_group_root_[reinsertion.to] = 0;
-    }
-    set_parent_of_children(reinsertion.to);
+    const std::uint32_t to = reinsertion.to;
+    write_node(parent, nodes_[sibling_index], is_barrier(sibling_index));
+    write_node(sibling_index, nodes_[to], is_barrier(to));
+    write_node(to,
+               {.box = united(nodes_[sibling_index].box, nodes_[reinsertion.from].box),
+                .first = std::min(reinsertion.from, sibling_index)},
+               false);
     refit_from(parents_[parent]);
-    refit_from(parents_[reinsertion.to]);
+    refit_from(parents_[to]);
 }
 
 void ReinsertionOptimiser::refit_from(std::uint32_t index) {
     while (true) {
-        Node& node = nodes_[index];
+        Node node = nodes_[index];
         if (!node.is_leaf()) {
-            const Aabb box = united(nodes_[node.first].box, nodes_[node.first + 1].box);
-            if (box == node.box) {
+            node.box = united(nodes_[node.first].box, nodes_[node.first + 1].box);
+            if (node.box == nodes_[index].box) {
                 return;
             }
-            node.box = box;
+            write_node(index, node, is_barrier(index));
         }
         if (index == kRoot) {
             return;
@@ -210,13 +242,17 @@ void ReinsertionOptimiser::refit_from(std::uint32_t index) {
     }
 }
 
-std::size_t ReinsertionOptimiser::reinsert_batch(std::size_t batch_size, Executor& executor) {
-    // In a tree of fewer than five nodes every node is the root or a child of the root.
-    if (nodes_.size() < 5) {
-        return 0;
-    }
+std::optional<std::size_t> ReinsertionOptimiser::reinsert_batch(std::size_t batch_size,
+                                                                Executor& executor) {
     // Search in parallel. The tree is not changed during the search.
-    const std::vector<std::uint32_t> candidates = find_candidates(batch_size, executor);
+    const std::size_t pairs = (batch_size + 1) / 2;
+    if (batches_without_gain_ == kMaxBatchesWithoutGain) {
+        return std::nullopt;
+    }
+    const std::vector<std::uint32_t> candidates = find_candidates(pairs, executor);
+    if (candidates.empty()) {
+        return std::nullopt;
+    }
     std::vector<Reinsertion> reinsertions(candidates.size());
     constexpr std::size_t kGrain = 256;
     executor.for_each(reinsertions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -224,8 +260,25 @@ std::size_t ReinsertionOptimiser::reinsert_batch(std::size_t batch_size, Executo
             reinsertions[i] = find_reinsertion(candidates[i]);
         }
     });
-    // Make the reinsertions one by one, those that reduce the area most first.
+    for (std::size_t i = 0; i < reinsertions.size(); i += 2) {
+        is_settled_[parents_[candidates[i]]] =
+            reinsertions[i].to == kRoot && reinsertions[i + 1].to == kRoot;
+    }
     std::erase_if(reinsertions, [](const Reinsertion& found) { return found.to == kRoot; });
+    const std::size_t count = make_reinsertions(reinsertions);
+    // Reinsertions that gain by themselves may lose together.
+    ++batches_without_gain_;
+    if (area_growth_ < -kMinGain * best_area_) {
+        batches_without_gain_ = 0;
+        best_area_ += area_growth_;
+        area_growth_ = 0.0;
+        undo_.clear();
+    }
+    return count;
+}
+
+/// Makes the reinsertions one by one, those that reduce the area most first.
+std::size_t ReinsertionOptimiser::make_reinsertions(std::span<Reinsertion> reinsertions) {
     std::sort(
         reinsertions.begin(), reinsertions.end(), [](const Reinsertion& a, const Reinsertion& b) {
             return a.area_diff != b.area_diff ? a.area_diff > b.area_diff : a.from < b.from;
@@ -241,11 +294,26 @@ std::size_t ReinsertionOptimiser::reinsert_batch(std::size_t batch_size, Executo
         }
         for (const std::uint32_t index : conflicts) {
             is_touched_[index] = 1;
+            is_settled_[index] = 0;
         }
         reinsert_node(reinsertion);
         ++count;
     }
     return count;
+}
+
+void ReinsertionOptimiser::restore_best() {
+    for (auto entry = undo_.rbegin(); entry != undo_.rend(); ++entry) {
+        nodes_[entry->index] = entry->node;
+        if (!is_group_root_.empty()) {
+            is_group_root_[entry->index] = entry->is_group_root ? 1 : 0;
+        }
+    }
+    for (const UndoEntry& entry : undo_) {
+        set_parent_of_children(entry.index);
+    }
+    area_growth_ = 0.0;
+    undo_.clear();
 }
 
 double ReinsertionOptimiser::inner_area() const noexcept {

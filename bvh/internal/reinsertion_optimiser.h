@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,10 +32,14 @@ public:
     /// the root nor a child of the root or of the root of a group.
     Reinsertion find_reinsertion(std::uint32_t from) const;
 
-    /// One batch: the `batch_size` largest nodes search for their best reinsertion in the unchanged
-    /// tree; the reinsertions that gain most are made first, and those that conflict with an
-    /// earlier one are dropped. Returns how many were made.
-    std::size_t reinsert_batch(std::size_t batch_size, Executor& executor);
+    /// One batch: the `batch_size` children of the most inefficient nodes search for their best
+    /// reinsertion in the unchanged tree; the reinsertions that gain most are made first, and those
+    /// that conflict with an earlier one are dropped. Returns how many were made; nothing if no
+    /// node was left to try, or if ten batches have lowered the cost no further.
+    std::optional<std::size_t> reinsert_batch(std::size_t batch_size, Executor& executor);
+
+    /// Undoes the batches after that with the least inner_area(), if any.
+    void restore_best();
 
     /// The nodes in depth-first order. Empty if a leaf lies deeper than `max_depth`.
     std::vector<Node> depth_first_nodes(std::size_t max_depth = kMaxDepth) const;
@@ -54,17 +59,31 @@ private:
         return !is_group_root_.empty() && is_group_root_[index] != 0;
     }
     bool is_top(std::uint32_t index) const noexcept { return index == 0 || is_barrier(index); }
-    void move_node(std::uint32_t from, std::uint32_t to);
+    double inefficiency(std::uint32_t index) const noexcept;
     std::vector<std::uint32_t> find_candidates(std::size_t count, Executor& executor) const;
     std::array<std::uint32_t, 6> get_conflicts(const Reinsertion& reinsertion) const noexcept;
+    std::size_t make_reinsertions(std::span<Reinsertion> reinsertions);
     void reinsert_node(const Reinsertion& reinsertion);
+    void write_node(std::uint32_t index, const Node& node, bool is_group_root);
     void set_parent_of_children(std::uint32_t index);
     void refit_from(std::uint32_t index);
+
+    /// What a node was before it was written.
+    struct UndoEntry {
+        std::uint32_t index;
+        bool is_group_root;
+        Node node;
+    };
 
     std::vector<Node> nodes_;
     std::vector<std::uint32_t> parents_;
     std::vector<std::uint8_t> is_group_root_;  // empty without groups
     std::vector<std::uint8_t> is_touched_;     // with a reinsertion of this batch
+    std::vector<std::uint8_t> is_settled_;     // its children found no better place
+    std::vector<UndoEntry> undo_;              // writes since the best state
+    double best_area_ = 0.0;                   // the least inner_area() so far
+    double area_growth_ = 0.0;                 // over it
+    int batches_without_gain_ = 0;
 };
 
 }  // namespace earshot::bvh
