@@ -85,6 +85,7 @@ int run(int argc, char** argv) {
     const int repeats = argc > 3 ? std::atoi(argv[3]) : 3;
     const auto loaded = earshot::io::load_scene(argv[1]);
     earshot::propagation::Options options = {.specular_order = order};
+    options.box_lattice = false;
     options.resolution = 32;
     const Measurement all = measure(loaded.scene, options, 1);
     std::printf("%s, order %d, 1 thread, least of %d\n", argv[1], order, repeats);

@@ -104,6 +104,7 @@ int run(int argc, char** argv) {
         "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     FinderOptions options;
     options.trace.max_order = order;
+    options.trace.box_lattice = false;
     measure("bidirectional", simulator.scene_view(), options, source, listeners, executor);
     options.forward_only = true;
     measure("forward only", simulator.scene_view(), options, source, listeners, executor);

@@ -107,11 +107,12 @@ void measure(const Scene& scene, Mode mode, int order, int resolution, Executor&
     const Vec3 listener = scene.position_at(scene.listeners.front(), 0.0);
     earshot::frustum::TraceResult found;
     const auto trace = [&] {
-        found = find_specular_paths(simulator.scene_view(),
-                                    source,
-                                    std::span(&listener, 1),
-                                    {.max_order = order, .mode = mode, .resolution = resolution},
-                                    executor);
+        found = find_specular_paths(
+            simulator.scene_view(),
+            source,
+            std::span(&listener, 1),
+            {.max_order = order, .mode = mode, .resolution = resolution, .box_lattice = false},
+            executor);
     };
     const double seconds = bench::min_times_of(3, trace).clock;
     const auto frusta = static_cast<double>(found.statistics.frusta);

@@ -3,7 +3,9 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
+#include "earshot/base/stage_progress.h"
 #include "earshot/frustum/internal/beam_tree.h"
+#include "earshot/frustum/internal/box_lattice.h"
 #include "earshot/frustum/internal/candidate_sequences.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/path_order.h"
@@ -83,6 +85,7 @@ private:
 struct SourceBeamTree::Kept {
     Vec3 source{0.0};
     std::vector<BeamTree> parts;  // one per task of the trace
+    bool is_in_box = false;       // no beam tree is needed
 };
 
 struct ListenerBeamTree::Kept {
@@ -109,7 +112,10 @@ struct PathFinder::State {
                  trace,
                  verifier.contact_radius(),
                  max_radius,
-                 orders_traced(trace.max_order, bidirectional)) {}
+                 orders_traced(trace.max_order, bidirectional)),
+          box(trace.box_lattice && trace.mode == Mode::complete
+                  ? BoxLattice::make(the_scene, verifier, trace)
+                  : std::nullopt) {}
 
     SceneView scene;
     FacetIndex index;
@@ -118,6 +124,29 @@ struct PathFinder::State {
     bool bidirectional;
     double max_radius;
     BeamTracer tracer;
+    std::optional<BoxLattice> box;  // refers to the verifier
+
+    /// Whether frusta from the point are not needed, if those at the other end are not.
+    bool is_in_box(const Vec3& point) const { return box && box->contains(point); }
+    bool is_in_box(std::span<const Vec3> points) const {
+        return std::all_of(
+            points.begin(), points.end(), [&](const Vec3& point) { return is_in_box(point); });
+    }
+
+    ListenerBeamTree trace_beams(std::span<const Vec3> listeners, Executor& executor) const;
+    /// The listeners with beam trees, which those in a box lack: then `traced`.
+    const ListenerBeamTree& with_beams(const ListenerBeamTree& listeners,
+                                       std::optional<ListenerBeamTree>& traced,
+                                       Executor& executor) const;
+    TaskResult find_by_frusta(const Vec3& source,
+                              const ListenerSet& listeners,
+                              FirstFacets first,
+                              Executor& executor,
+                              Progress* progress) const;
+    TaskResult find_in_box(const Vec3& source,
+                           std::span<const Vec3> listeners,
+                           Executor& executor,
+                           Progress* progress) const;
 
     CandidateGenerator generator(const Vec3& source, const ListenerSet& listeners) const {
         return {index, verifier, listeners, trace, max_radius, source};
@@ -198,6 +227,10 @@ double PathFinder::max_radius() const noexcept {
     return state_->max_radius;
 }
 
+bool PathFinder::is_box() const noexcept {
+    return state_->box.has_value();
+}
+
 SourceBeamTree PathFinder::trace_source(const Vec3& source,
                                         FirstFacets first,
                                         Executor& executor,
@@ -205,7 +238,8 @@ SourceBeamTree PathFinder::trace_source(const Vec3& source,
     EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
     auto kept = std::make_unique<SourceBeamTree::Kept>();
     kept->source = source;
-    if (state_->trace.max_order > 0) {
+    kept->is_in_box = first.empty() && state_->is_in_box(source);
+    if (state_->trace.max_order > 0 && !kept->is_in_box) {
         for (BeamRecorder& task : state_->tracer.trace<BeamRecorder>(
                  source, first, [] { return BeamRecorder(); }, executor, progress)) {
             kept->parts.push_back(task.take_tree());
@@ -216,32 +250,113 @@ SourceBeamTree PathFinder::trace_source(const Vec3& source,
 
 ListenerBeamTree PathFinder::trace_listeners(std::span<const Vec3> listeners,
                                              Executor& executor) const {
-    const State& state = *state_;
+    if (state_->trace.max_order > 0 && !state_->is_in_box(listeners)) {
+        return state_->trace_beams(listeners, executor);
+    }
     auto kept = std::make_unique<ListenerBeamTree::Kept>();
     kept->listeners.assign(listeners.begin(), listeners.end());
-    if (state.trace.max_order == 0) {
-        return ListenerBeamTree(std::move(kept));
-    }
-    const bool are_few =
-        state.trace.mode == Mode::complete && listeners.size() <= kMaxListenersWithBeams;
-    if (!state.bidirectional && !are_few) {
+    return ListenerBeamTree(std::move(kept));
+}
+
+ListenerBeamTree PathFinder::State::trace_beams(std::span<const Vec3> listeners,
+                                                Executor& executor) const {
+    auto kept = std::make_unique<ListenerBeamTree::Kept>();
+    kept->listeners.assign(listeners.begin(), listeners.end());
+    const bool are_few = trace.mode == Mode::complete && listeners.size() <= kMaxListenersWithBeams;
+    if (!bidirectional && !are_few) {
         kept->points.emplace(listeners);
     } else {
-        kept->beams.emplace(state.index,
-                            state.verifier.contact_radius(),
-                            state.max_radius,
+        kept->beams.emplace(index,
+                            verifier.contact_radius(),
+                            max_radius,
                             kept->listeners,
-                            state.bidirectional && state.trace.max_order > 1,
+                            bidirectional && trace.max_order > 1,
                             executor);
     }
     return ListenerBeamTree(std::move(kept));
+}
+
+const ListenerBeamTree& PathFinder::State::with_beams(const ListenerBeamTree& listeners,
+                                                      std::optional<ListenerBeamTree>& traced,
+                                                      Executor& executor) const {
+    const bool lacks_beams = !listeners.kept_->beams && !listeners.kept_->points;
+    if (trace.max_order == 0 || !lacks_beams) {
+        return listeners;
+    }
+    traced.emplace(trace_beams(listeners.listeners(), executor));
+    return *traced;
+}
+
+TaskResult PathFinder::State::find_by_frusta(const Vec3& source,
+                                             const ListenerSet& listeners,
+                                             FirstFacets first,
+                                             Executor& executor,
+                                             Progress* progress) const {
+    TaskResult result = find_direct(source, listeners);
+    if (trace.max_order > 0) {
+        const auto make_task = [&] { return CandidateTask(generator(source, listeners)); };
+        for (CandidateTask& task :
+             tracer.trace<CandidateTask>(source, first, make_task, executor, progress)) {
+            result.append(task.take_result());
+        }
+    }
+    return result;
+}
+
+// By the lattice; what it leaves to frusta, by frusta.
+TaskResult PathFinder::State::find_in_box(const Vec3& source,
+                                          std::span<const Vec3> listeners,
+                                          Executor& executor,
+                                          Progress* progress) const {
+    std::vector<std::optional<BoxLattice::Paths>> found(listeners.size());
+    StageProgress traced(progress, "tracing", listeners.size());
+    executor.for_each(listeners.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (box->contains(listeners[i])) {
+                found[i] = box->find(source, listeners[i]);
+            }
+        }
+        traced.add(end - begin);
+    });
+    TaskResult result;
+    const auto append = [&](std::vector<SpecularPath>& paths, auto&& number_of) {
+        for (SpecularPath& path : paths) {
+            path.listener = number_of(path);
+            result.paths.push_back(std::move(path));
+        }
+    };
+    std::vector<std::size_t> left;
+    std::vector<Vec3> positions_left;
+    for (std::size_t i = 0; i < listeners.size(); ++i) {
+        if (found[i]) {
+            append(found[i]->paths, [&](const SpecularPath&) { return i; });
+            result.statistics.candidates += found[i]->candidates;
+        } else {
+            left.push_back(i);
+            positions_left.push_back(listeners[i]);
+        }
+    }
+    if (!left.empty()) {
+        const ListenerBeamTree beams = trace_beams(positions_left, executor);
+        TaskResult rest = find_by_frusta(source, beams.kept_->set(), {}, executor, nullptr);
+        append(rest.paths, [&](const SpecularPath& path) { return left[path.listener]; });
+        rest.paths.clear();
+        rest.statistics.frusta += beams.frusta();
+        result.append(std::move(rest));
+    }
+    return result;
 }
 
 TraceResult PathFinder::connect(const SourceBeamTree& source,
                                 const ListenerBeamTree& listeners,
                                 Executor& executor) const {
     const State& state = *state_;
-    const ListenerSet set = listeners.kept_->set();
+    if (source.kept_->is_in_box) {
+        return state.finish(
+            state.find_in_box(source.source(), listeners.listeners(), executor, nullptr));
+    }
+    std::optional<ListenerBeamTree> traced;
+    const ListenerSet set = state.with_beams(listeners, traced, executor).kept_->set();
     const auto& parts = source.kept_->parts;
     TaskResult result = state.find_direct(source.source(), set);
     std::vector<TaskResult> results(parts.size());
@@ -295,16 +410,12 @@ TraceResult PathFinder::find(const Vec3& source,
                              Progress* progress) const {
     EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
     const State& state = *state_;
-    const ListenerSet set = listeners.kept_->set();
-    TaskResult result = state.find_direct(source, set);
-    if (state.trace.max_order > 0) {
-        const auto make_task = [&] { return CandidateTask(state.generator(source, set)); };
-        for (CandidateTask& task :
-             state.tracer.trace<CandidateTask>(source, first, make_task, executor, progress)) {
-            result.append(task.take_result());
-        }
+    if (first.empty() && state.is_in_box(source)) {
+        return state.finish(state.find_in_box(source, listeners.listeners(), executor, progress));
     }
-    return state.finish(std::move(result));
+    std::optional<ListenerBeamTree> traced;
+    const ListenerSet set = state.with_beams(listeners, traced, executor).kept_->set();
+    return state.finish(state.find_by_frusta(source, set, first, executor, progress));
 }
 
 TraceResult PathFinder::find(const PlacedPairs& pairs,

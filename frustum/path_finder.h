@@ -124,6 +124,9 @@ public:
     /// Largest distance of a source or listener from the origin, metres.
     double max_radius() const noexcept;
 
+    /// Whether the scene is a box whose image lattice gives the paths between points inside.
+    bool is_box() const noexcept;
+
 private:
     struct State;
     std::unique_ptr<State> state_;

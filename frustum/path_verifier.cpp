@@ -4,10 +4,10 @@
 #include "earshot/bvh/ray.h"
 #include "earshot/bvh/traverse.h"
 #include "earshot/frustum/internal/coincident_layers.h"
+#include "earshot/frustum/internal/containment.h"
 #include "earshot/frustum/internal/facet_index.h"
-#include "earshot/geometry/predicates.h"
+#include "earshot/frustum/internal/reflection_point.h"
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -27,49 +27,6 @@ namespace {
 /// A leg that meets a second surface at its reflection point does so within flatness / sin(angle)
 /// of it. Angles below a thousandth of a radian are left to the plane distance alone.
 constexpr double kContactRadius = 1024.0;
-
-/// The two coordinates that remain when the plane's dominant axis is dropped.
-glm::dvec2 project(const Vec3& point, int axis) noexcept {
-    return {point[(axis + 1) % 3], point[(axis + 2) % 3]};
-}
-
-double squared_distance_to_edge(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
-    const glm::dvec2 edge = b - a;
-    const double squared = glm::dot(edge, edge);
-    const double t = squared > 0.0 ? std::clamp(glm::dot(p - a, edge) / squared, 0.0, 1.0) : 0.0;
-    const glm::dvec2 gap = p - (a + t * edge);
-    return glm::dot(gap, gap);
-}
-
-enum class Containment { outside, near, inside };
-
-/// A source or image less than this many rounding slacks from a facet's plane is not reflected:
-/// with less, the slack allowed to the other end of the leg would move the reflection point by a
-/// good part of the leg.
-constexpr double kGrazingSlacks = 8.0;
-
-bool lies_in_box(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner) noexcept {
-    const glm::dvec2 lower = glm::min(glm::min(corner[0], corner[1]), corner[2]);
-    const glm::dvec2 upper = glm::max(glm::max(corner[0], corner[1]), corner[2]);
-    return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y;
-}
-
-/// Where a point lies relative to a triangle: decided exactly; `near` is outside by up to `slack`.
-/// A sliver may stand on edge in its facet and project to a line, all of whose points are on no
-/// edge's outside: its box tells them apart.
-Containment locate(const glm::dvec2& p, const std::array<glm::dvec2, 3>& corner, double slack) {
-    const int ab = geometry::orient2d(corner[0], corner[1], p);
-    const int bc = geometry::orient2d(corner[1], corner[2], p);
-    const int ca = geometry::orient2d(corner[2], corner[0], p);
-    if (((ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0)) &&
-        lies_in_box(p, corner)) {
-        return Containment::inside;
-    }
-    const double nearest = std::min({squared_distance_to_edge(p, corner[0], corner[1]),
-                                     squared_distance_to_edge(p, corner[1], corner[2]),
-                                     squared_distance_to_edge(p, corner[2], corner[0])});
-    return nearest <= slack * slack ? Containment::near : Containment::outside;
-}
 
 }  // namespace
 
@@ -109,19 +66,12 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         const FacetId facet = sequence[i - 1];
         const Plane& plane = scene_.facets.facets[facet].plane;
         const Vec3& target = path.points[i + 1];
-        const double before = plane.distance(images[i - 1]);  // its sign: the reflecting side
-        const double behind = plane.distance(images[i]);
-        const bool front = before > 0.0;
-        double ahead = plane.distance(target);
-        if (std::abs(before) <= kGrazingSlacks * slack ||
-            (front ? ahead < -slack : ahead > slack)) {
+        const auto reflection = find_reflection(plane, images[i - 1], images[i], target, slack);
+        if (!reflection ||
+            (!reflection->is_front && !scene_.one_sided.empty() && scene_.one_sided[facet] != 0)) {
             return std::nullopt;
         }
-        ahead = front ? std::max(ahead, 0.0) : std::min(ahead, 0.0);
-        if (!front && !scene_.one_sided.empty() && scene_.one_sided[facet] != 0) {
-            return std::nullopt;
-        }
-        path.points[i] = target + (ahead / (ahead - behind)) * (images[i] - target);
+        path.points[i] = reflection->point;
         const auto triangle = triangle_at(facet, path.points[i], slack);
         if (!triangle) {
             return std::nullopt;

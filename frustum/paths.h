@@ -28,6 +28,9 @@ struct TraceOptions {
     /// Paths are left out for which the product of SceneView::max_pressure_factor over their
     /// facets, divided by their length in metres, is less.
     double min_pressure = 0.0;
+    /// Answer rooms that are boxes by their image lattice in place of frusta, in complete mode.
+    /// Changes the time only.
+    bool box_lattice = true;
 };
 
 /// A sound path with specular reflections and straight transmissions.

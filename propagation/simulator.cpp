@@ -347,7 +347,8 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
             .resolution = options.resolution,
             .max_length = options.max_length,
             // Air only takes; the last word is is_wanted().
-            .min_pressure = kRoom * min_pressure / loudest};
+            .min_pressure = kRoom * min_pressure / loudest,
+            .box_lattice = options.box_lattice};
         sources.clear();
         listeners.reset();
         finder.emplace(scene_view(),

@@ -24,6 +24,8 @@ struct Options {
     int specular_order = 4;  ///< max reflections and transmissions of a path, >= 0
     frustum::Mode mode = frustum::Mode::complete;
     int resolution = 0;  ///< sub-frusta along a frustum's side; 0: the mode's default
+    /// Answer rooms that are boxes by their image lattice; changes the time only.
+    bool box_lattice = true;
     Air air{};
     bool air_absorption = true;
     bool transmission = false;  ///< sound also goes through materials that transmit

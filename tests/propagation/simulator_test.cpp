@@ -141,7 +141,8 @@ TEST(Simulator, ReportsWhileItTracesAndWhileRaysRun) {
     };
     Scene scene = box_scene();
     scene.sources.push_back(scene.sources.front());
-    Simulator simulator(scene, {.specular_order = 4, .rays = 3000, .late_length = 0.1});
+    Simulator simulator(
+        scene, {.specular_order = 4, .box_lattice = false, .rays = 3000, .late_length = 0.1});
     Reports reports;
     const auto told = simulator.run(Executor::serial(), &reports);
     // Tracing comes first, subtree by subtree of the beam trees.
