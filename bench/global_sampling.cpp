@@ -89,11 +89,10 @@ int run(int argc, char** argv) {
                                                .samples_per_batch = 10'000,
                                                .distributions = mixture.distributions};
         last = visibility::sample_cells(
-            setup.tree, setup.mesh, objects, cells, options, setup.executor);
+            setup.hierarchy.view(), objects, cells, options, setup.executor);
         print_row(mixture,
                   last,
-                  visibility::validate_pvs(setup.tree,
-                                           setup.mesh,
+                  visibility::validate_pvs(setup.hierarchy.view(),
                                            objects,
                                            cells,
                                            last.visible,

@@ -24,7 +24,7 @@ using visibility::RegionPvs;
 
 RegionPvs sample(SamplingSetup& setup, GuidedSamplingOptions options) {
     options.min_new_triangles = 0;  // only the number of rays ends the sampling
-    return visibility::sample_region(setup.tree, setup.mesh, setup.region, options, setup.executor);
+    return visibility::sample_region(setup.hierarchy.view(), setup.region, options, setup.executor);
 }
 
 std::uint64_t found(const RegionPvs& view, std::uint64_t rays) {
@@ -90,8 +90,7 @@ int run(int argc, char** argv) {
                 missing(guided, plain),
                 missing(longer, plain));
     const visibility::MissedShare missed =
-        visibility::validate_pvs(setup.tree,
-                                 setup.mesh,
+        visibility::validate_pvs(setup.hierarchy.view(),
                                  visibility::Objects::triangles(setup.mesh.triangles.size()),
                                  visibility::ViewCells(setup.region),
                                  std::vector<std::vector<visibility::ObjectId>>{guided.triangles},

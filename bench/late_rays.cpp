@@ -8,6 +8,7 @@
 #include "earshot/propagation/late_rays.h"
 
 #include "earshot/base/error.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/io/scene_file.h"
 
 #include "harness.h"
@@ -62,8 +63,8 @@ void measure(const char* name,
     materials[0].absorption = EnergyCoefficient(0.1);
     materials[0].scattering = EnergyCoefficient(0.2);
     const std::vector<std::uint32_t> material_of_triangle(mesh.triangles.size(), 0);
-    const auto tree = earshot::bvh::Tree::build(earshot::bvh::triangle_boxes(mesh.view()));
-    const RayScene scene = {tree, mesh.view(), material_of_triangle, materials};
+    const earshot::bvh::DeformableBvh bvh(mesh.view());
+    const RayScene scene = {bvh.view(), material_of_triangle, materials};
     std::uint64_t bounces = 0;
     const auto trace = [&] {
         bounces = trace_late_rays(scene,

@@ -3,7 +3,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/visibility/region.h"
@@ -49,14 +49,15 @@ inline geometry::Vec3 point_of(const char* text) {
     return point;
 }
 
-/// The scene, region and tree of a benchmark of sampling, from the arguments [SCENE [X,Y,Z X,Y,Z
+/// The scene, region and hierarchy of a benchmark of sampling, from the arguments [SCENE [X,Y,Z
+/// X,Y,Z
 /// ...]].
 struct SamplingSetup {
     SamplingSetup(int argc, char** argv, const visibility::ViewRegion& default_region)
         : scene(io::load_scene(argc > 1 ? argv[1] : "scenes/city.gltf").scene),
           positions(scene.mesh.positions_at(0.0)),
           mesh{positions, scene.mesh.triangles()},
-          tree(bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh)), mesh, executor)),
+          hierarchy(mesh, {}, executor),
           region(argc > 3 ? visibility::ViewRegion{point_of(argv[2]), point_of(argv[3])}
                           : default_region) {}
 
@@ -64,7 +65,7 @@ struct SamplingSetup {
     propagation::Scene scene;
     std::vector<geometry::Vec3> positions;
     geometry::MeshView mesh;
-    bvh::WideTree tree;
+    bvh::DeformableBvh hierarchy;
     visibility::ViewRegion region;
 };
 

@@ -7,6 +7,7 @@
 
 #include "earshot/base/digest.h"
 #include "earshot/base/error.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/visibility/build_view_cells.h"
 #include "earshot/visibility/cell_shape.h"
@@ -108,19 +109,17 @@ void add(Digest& digest, const BuiltCells& built) {
 
 void measure(const Mesh& mesh, const Choice& choice) {
     Executor executor(choice.threads);
-    const auto tree =
-        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
+    const bvh::DeformableBvh hierarchy(mesh.view());
     const ViewRegion region = box_of(mesh);
     const Objects objects = Objects::groups(mesh.view(), choice.group);
     const auto costs = object_costs(objects);
     std::vector<FreeSegment> segments;
     const bench::Times sampling = bench::times_of([&] {
         segments = sample_free_segments(
-            tree, mesh.view(), region, {.count = choice.segments, .skip_solids = true}, executor);
+            hierarchy.view(), region, {.count = choice.segments, .skip_solids = true}, executor);
     });
     const auto others =
-        sample_free_segments(tree,
-                             mesh.view(),
+        sample_free_segments(hierarchy.view(),
                              region,
                              {.seed = 2, .count = 4 * choice.segments, .skip_solids = true},
                              executor);

@@ -5,6 +5,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/visibility/coherent_line_of_sight.h"
 
@@ -66,8 +67,7 @@ std::map<std::string, std::vector<Segment>> make_sets(const Mesh& mesh, std::siz
 }
 
 void compare_with_embree(const Mesh& mesh, std::size_t count) {
-    const auto tree =
-        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
+    const bvh::DeformableBvh hierarchy(mesh.view());
     auto contenders = bench::embree_contenders(1);
     for (auto& contender : contenders) {
         contender->build(mesh.view(), Executor::serial());
@@ -82,8 +82,8 @@ void compare_with_embree(const Mesh& mesh, std::size_t count) {
             contender->prepare(segments);
         }
         for (int repeat = 0; repeat < kRepeats; ++repeat) {
-            times[0].push_back(bench::seconds_of(
-                [&] { seen = visibility::visible(tree, mesh.view(), segments); }));
+            times[0].push_back(
+                bench::seconds_of([&] { seen = visibility::visible(hierarchy.view(), segments); }));
             for (std::size_t i = 0; i < contenders.size(); ++i) {
                 times[i + 1].push_back(
                     bench::seconds_of([&] { contenders[i]->any(Executor::serial()); }));
@@ -145,7 +145,7 @@ void measure_coherence(const Mesh& mesh, std::size_t count) {
             seconds += bench::seconds_of([&] { coherent.visible(moved.view(), segments); });
             scratch_seconds += bench::seconds_of([&] {
                 tree.update(moved.view());
-                visibility::visible(tree.tree(), moved.view(), segments);
+                visibility::visible(tree.view(), segments);
             });
             counted.visible(moved.view(), segments);
             nodes += counted.statistics().nodes;

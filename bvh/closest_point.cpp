@@ -13,25 +13,6 @@ using geometry::Vec3;
 
 namespace {
 
-/// Keeps the closest candidate.
-class Closest {
-public:
-    explicit Closest(double max_distance) noexcept : max_distance_(max_distance) {}
-
-    double max_distance() const noexcept { return max_distance_; }
-    void add(const ClosestPoint& candidate) noexcept {
-        if (!best_ || is_closer(candidate, *best_)) {
-            best_ = candidate;
-            max_distance_ = candidate.distance;
-        }
-    }
-    const std::optional<ClosestPoint>& best() const noexcept { return best_; }
-
-private:
-    std::optional<ClosestPoint> best_;
-    double max_distance_;
-};
-
 /// Keeps the k closest candidates, as a heap with the farthest on top.
 class KClosest {
 public:
@@ -69,7 +50,7 @@ std::optional<ClosestPoint> closest_point(const Tree& tree,
                                           const geometry::MeshView& mesh,
                                           const Vec3& point,
                                           double max_distance) noexcept {
-    Closest closest(max_distance);
+    ClosestCollector closest(max_distance);
     search_closest_points(tree, mesh, PreparedPoint(point), closest);
     return closest.best();
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/bvh/update_policy.h"
 #include "earshot/bvh/wide_tree.h"
 
@@ -57,10 +58,16 @@ public:
     /// update.
     void expect_node_visits(double visits) noexcept;
 
+    /// The mesh given last with its tree, which answers queries. Valid until the next update, as
+    /// long as the mesh's arrays stay where they are.
+    MeshBvh view() const noexcept { return {wide_, mesh_}; }
     /// Of a mesh; to be queried with the mesh given last.
     const WideTree& tree() const noexcept { return wide_; }
     /// Of boxes, as they were given last.
     const Tree& binary_tree() const noexcept { return tree_; }
+
+    /// What has been done so far.
+    const UpdateCounts& update_counts() const noexcept { return counts_; }
 
     /// Grows by one whenever the topology changes.
     std::uint64_t version() const noexcept { return version_; }
@@ -77,6 +84,8 @@ private:
     UpdateOptions options_;
     Tree tree_;  // of a mesh: refitted only when it is repaired
     WideTree wide_;
+    geometry::MeshView mesh_;
+    UpdateCounts counts_;
     UpdatePolicy policy_;
     double sah_cost_ = 0.0;
     std::uint64_t version_ = 1;

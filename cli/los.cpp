@@ -140,9 +140,9 @@ private:
                     tree.emplace(mesh, bvh::UpdateOptions{}, executor);
                 }
                 if (with_blockers_) {
-                    blocker_matrix(tree->tree(), mesh, points, excluded, executor, take);
+                    blocker_matrix(tree->view(), points, excluded, executor, take);
                 } else {
-                    visibility_matrix(tree->tree(), mesh, points, excluded, executor, take);
+                    visibility_matrix(tree->view(), points, excluded, executor, take);
                 }
             }
             json.end_frame();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/simd.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
@@ -104,9 +104,8 @@ public:
         const double time = scene_.times(app()).front();
         const std::vector<Vec3> positions = loaded.scene.mesh.positions_at(time);
         const geometry::MeshView mesh = {positions, loaded.scene.mesh.triangles()};
-        const auto tree = bvh::WideTree::build(
-            bvh::Tree::build(bvh::triangle_boxes(mesh, executor), {}, executor), mesh, executor);
-        const ViewRegion region = given_region ? *given_region : box_of(tree);
+        const bvh::DeformableBvh hierarchy(mesh, {}, executor);
+        const ViewRegion region = given_region ? *given_region : box_of(hierarchy.tree().box());
         start_ = std::chrono::steady_clock::now();
         std::optional<VisibleSets> sets;
         {
@@ -117,8 +116,8 @@ public:
                                          .mesh_digest = mesh_digest(mesh),
                                          .seed = static_cast<std::uint64_t>(common().seed)};
             sets = cells_ > 0 || grid
-                       ? sample_all_cells(tree, mesh, region, grid, provenance, executor)
-                       : sample_one_region(tree, mesh, region, provenance, executor);
+                       ? sample_all_cells(hierarchy.view(), region, grid, provenance, executor)
+                       : sample_one_region(hierarchy.view(), region, provenance, executor);
         }
         io::write_visible_sets(output_, *sets);
         if (!common().quiet) {
@@ -170,10 +169,9 @@ private:
         return region;
     }
 
-    static ViewRegion box_of(const bvh::WideTree& tree) {
+    static ViewRegion box_of(const geometry::Aabb& box) {
         const auto point = [](const auto& p) { return Vec3(p[0], p[1], p[2]); };
-        return tree.box().is_empty() ? ViewRegion{}
-                                     : ViewRegion{point(tree.box().lower), point(tree.box().upper)};
+        return box.is_empty() ? ViewRegion{} : ViewRegion{point(box.lower), point(box.upper)};
     }
 
     Interrupt deadline() const {
@@ -191,8 +189,7 @@ private:
                          mesh, static_cast<std::size_t>(triangles_per_object_), executor);
     }
 
-    VisibleSets sample_one_region(const bvh::WideTree& tree,
-                                  const geometry::MeshView& mesh,
+    VisibleSets sample_one_region(const bvh::MeshBvh& bvh,
                                   const ViewRegion& region,
                                   SetsProvenance provenance,
                                   Executor& executor) const {
@@ -201,9 +198,9 @@ private:
         options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
         options.min_new_triangles =
             until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.min_new_triangles;
-        const RegionPvs pvs = sample_region(tree, mesh, region, options, executor);
+        const RegionPvs pvs = sample_region(bvh, region, options, executor);
         provenance.rays = pvs.rays;
-        Objects objects = objects_of(mesh, executor);
+        Objects objects = objects_of(bvh.mesh(), executor);
         std::vector<ObjectId> set;
         for (const geometry::TriangleId triangle : pvs.triangles) {
             set.push_back(objects.of(triangle));
@@ -212,27 +209,25 @@ private:
         set.erase(std::unique(set.begin(), set.end()), set.end());
         const ViewCells cells(region);
         std::vector<std::vector<ObjectId>> sets = {std::move(set)};
-        provenance.validation = validate(tree, mesh, objects, cells, sets, provenance, executor);
+        provenance.validation = validate(bvh, objects, cells, sets, provenance, executor);
         return {cells, std::move(objects), std::move(sets), std::move(provenance)};
     }
 
-    VisibleSets sample_all_cells(const bvh::WideTree& tree,
-                                 const geometry::MeshView& mesh,
+    VisibleSets sample_all_cells(const bvh::MeshBvh& bvh,
                                  const ViewRegion& region,
                                  const std::optional<std::array<std::uint32_t, 3>>& grid,
                                  SetsProvenance provenance,
                                  Executor& executor) const {
-        Objects objects = objects_of(mesh, executor);
+        Objects objects = objects_of(bvh.mesh(), executor);
         ViewCells cells =
-            grid ? ViewCells::grid(region, *grid) : divided(tree, mesh, region, objects, executor);
+            grid ? ViewCells::grid(region, *grid) : divided(bvh, region, objects, executor);
         GlobalSamplingOptions options = {
             .seed = provenance.seed, .progress = progress_, .interrupt = deadline()};
         options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
         options.max_growth = until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.max_growth;
-        GlobalPvs pvs = sample_cells(tree, mesh, objects, cells, options, executor);
+        GlobalPvs pvs = sample_cells(bvh, objects, cells, options, executor);
         provenance.rays = pvs.rays;
-        provenance.validation =
-            validate(tree, mesh, objects, cells, pvs.visible, provenance, executor);
+        provenance.validation = validate(bvh, objects, cells, pvs.visible, provenance, executor);
         MergeHistory history = merge_cells(cells, pvs.visible, object_costs(objects), {}, executor);
         return {std::move(cells),
                 std::move(objects),
@@ -242,8 +237,7 @@ private:
     }
 
     /// Empty if no validation rays are wanted.
-    std::optional<MissedShare> validate(const bvh::WideTree& tree,
-                                        const geometry::MeshView& mesh,
+    std::optional<MissedShare> validate(const bvh::MeshBvh& bvh,
                                         const Objects& objects,
                                         const ViewCells& cells,
                                         const std::vector<std::vector<ObjectId>>& sets,
@@ -256,8 +250,7 @@ private:
         if (rays == 0) {
             return std::nullopt;
         }
-        return validate_pvs(tree,
-                            mesh,
+        return validate_pvs(bvh,
                             objects,
                             cells,
                             sets,
@@ -265,14 +258,12 @@ private:
                             executor);
     }
 
-    ViewCells divided(const bvh::WideTree& tree,
-                      const geometry::MeshView& mesh,
+    ViewCells divided(const bvh::MeshBvh& bvh,
                       const ViewRegion& region,
                       const Objects& objects,
                       Executor& executor) const {
         const auto seed = static_cast<std::uint64_t>(common().seed);
-        const auto segments = sample_free_segments(tree,
-                                                   mesh,
+        const auto segments = sample_free_segments(bvh,
                                                    region,
                                                    {.seed = seed,
                                                     .count = static_cast<std::size_t>(segments_),
@@ -282,7 +273,7 @@ private:
                                 segments,
                                 objects,
                                 {.max_cells = static_cast<std::size_t>(cells_),
-                                 .mesh = mesh,
+                                 .mesh = bvh.mesh(),
                                  .seed = seed,
                                  .progress = progress_,
                                  .interrupt = deadline()},

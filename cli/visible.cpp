@@ -118,14 +118,14 @@ private:
             } else {
                 tree.emplace(mesh, bvh::UpdateOptions{}, executor);
             }
-            warn_on_surface(tree->tree(), mesh, excluded, loaded.warnings);
+            warn_on_surface(tree->view(), excluded, loaded.warnings);
             const VisibleTriangles visible =
-                visible_triangles(tree->tree(), mesh, point_, options, executor, inner);
+                visible_triangles(tree->view(), point_, options, executor, inner);
             summary.add_frame(visible);
             write(visible, json, times, frame);
             if (picture_.is_chosen()) {
                 const visibility::ItemBuffer buffer =
-                    render_item_buffer(tree->tree(), mesh, point_, view, excluded, executor, inner);
+                    render_item_buffer(tree->view(), point_, view, excluded, executor, inner);
                 io::write_png(scene_.file_of_frame(picture_.file(), frame),
                               picture_.paint(buffer, mesh, scene));
             }
@@ -134,11 +134,10 @@ private:
     }
 
     /// Rounding decides which rays are stopped by a triangle that the point lies on.
-    void warn_on_surface(const bvh::WideTree& tree,
-                         const MeshView& mesh,
+    void warn_on_surface(const bvh::MeshBvh& bvh,
                          const visibility::ExclusionMask& excluded,
                          Warnings& warnings) {
-        const auto touched = visibility::first_blocker(tree, mesh, {point_, point_}, excluded);
+        const auto touched = visibility::first_blocker(bvh, {point_, point_}, excluded);
         if (touched && !has_warned_) {
             has_warned_ = true;
             warnings.push_back({from_option_,

@@ -27,7 +27,7 @@ void Sight::set_time(double time) {
 }
 
 bool Sight::visible(const Vec3& a, const Vec3& b) const {
-    return visibility::visible(state_->tree.tree(), state_->mesh(), {a, b});
+    return visibility::visible(state_->tree.view(), {a, b});
 }
 
 }  // namespace earshot

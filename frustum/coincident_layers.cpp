@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/coincident_layers.h"
 
-#include "earshot/bvh/traverse.h"
-
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -36,9 +34,9 @@ bool is_coincident_layer(const SceneView& scene,
     const geometry::Facets& facets = scene.facets;
     const double deviation =
         surface.deviation + facets.facets[facets.of_triangle[triangle]].deviation;
-    const geometry::Triangle& corners = scene.mesh.triangles[triangle];
+    const geometry::Triangle& corners = scene.mesh().triangles[triangle];
     return std::all_of(corners.begin(), corners.end(), [&](geometry::VertexId vertex) {
-        return std::abs(surface.plane.distance(scene.mesh.positions[vertex])) <=
+        return std::abs(surface.plane.distance(scene.mesh().positions[vertex])) <=
                deviation + facets.tolerance;
     });
 }
@@ -53,7 +51,7 @@ std::vector<std::uint8_t> find_transmissive_layers(const SceneView& scene) {
         return {};
     }
     std::vector<std::uint8_t> may_be_covered(facets.facets.size(), 0);
-    for (std::size_t i = 0; i < scene.mesh.triangles.size(); ++i) {
+    for (std::size_t i = 0; i < scene.mesh().triangles.size(); ++i) {
         const auto id = static_cast<TriangleId>(i);
         const FacetId facet = facets.of_triangle[id];
         if (scene.transmissive[facet] == 0) {
@@ -61,19 +59,19 @@ std::vector<std::uint8_t> find_transmissive_layers(const SceneView& scene) {
         }
         const double margin = facets.facets[facet].deviation + 2.0 * facets.tolerance;
         geometry::Aabb box;
-        for (const geometry::VertexId vertex : scene.mesh.triangles[id]) {
-            box.include(scene.mesh.positions[vertex] - margin);
-            box.include(scene.mesh.positions[vertex] + margin);
+        for (const geometry::VertexId vertex : scene.mesh().triangles[id]) {
+            box.include(scene.mesh().positions[vertex] - margin);
+            box.include(scene.mesh().positions[vertex] + margin);
         }
-        const auto overlaps = [&](const bvh::Node& node) {
+        const auto overlaps = [&](const geometry::Aabb& other) {
             for (std::size_t k = 0; k < 3; ++k) {
-                if (node.box.lower[k] > box.upper[k] || node.box.upper[k] < box.lower[k]) {
+                if (other.lower[k] > box.upper[k] || other.upper[k] < box.lower[k]) {
                     return false;
                 }
             }
             return true;
         };
-        bvh::traverse(scene.tree, overlaps, [&](TriangleId other) {
+        scene.bvh.traverse(overlaps, [&](TriangleId other) {
             const FacetId covered = facets.of_triangle[other];
             if (other > id && scene.transmissive[covered] == 0 &&
                 glm::length(glm::cross(facets.facets[facet].plane.normal,

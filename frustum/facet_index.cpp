@@ -31,9 +31,9 @@ FacetIndex::FacetIndex(const SceneView& scene)
       max_pressure_factor_(scene.max_pressure_factor),
       may_be_covered_(find_transmissive_layers(scene)),
       tolerance_(scene.facets.tolerance) {
-    for (const geometry::Triangle& triangle : scene.mesh.triangles) {
+    for (const geometry::Triangle& triangle : scene.mesh().triangles) {
         for (const geometry::VertexId vertex : triangle) {
-            const Vec3& p = scene.mesh.positions[vertex];
+            const Vec3& p = scene.mesh().positions[vertex];
             extent_ = std::max({extent_, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         }
     }

@@ -2,7 +2,6 @@
 #include "earshot/frustum/layer_overlaps.h"
 
 #include "earshot/base/assert.h"
-#include "earshot/bvh/traverse.h"
 #include "earshot/frustum/internal/coincident_layers.h"
 #include "earshot/frustum/internal/facet_index.h"
 
@@ -115,7 +114,7 @@ std::optional<Overlap> overlap_of(std::vector<glm::dvec2> a,
 
 std::vector<LayerOverlap> find_layer_overlaps(const SceneView& scene,
                                               std::span<const std::uint32_t> labels) {
-    EARSHOT_ASSERT(labels.size() == scene.mesh.triangles.size());
+    EARSHOT_ASSERT(labels.size() == scene.mesh().triangles.size());
     std::vector<LayerOverlap> overlaps;
     if (std::equal(labels.begin() + (labels.empty() ? 0 : 1), labels.end(), labels.begin())) {
         return overlaps;
@@ -124,18 +123,18 @@ std::vector<LayerOverlap> find_layer_overlaps(const SceneView& scene,
     for (std::size_t i = 0; i < labels.size(); ++i) {
         const auto id = static_cast<TriangleId>(i);
         const Facet& facet = facets.facets[facets.of_triangle[id]];
-        const Corners corners = corners_of(scene.mesh, id);
+        const Corners corners = corners_of(scene.mesh(), id);
         const PlaneFrame frame(corners[0], facet.plane.normal);
         geometry::Aabb box;
         for (const Vec3& corner : corners) {
             box.include(corner - (facet.deviation + facets.tolerance));
             box.include(corner + (facet.deviation + facets.tolerance));
         }
-        const auto overlaps_box = [&](const bvh::Node& node) {
+        const auto overlaps_box = [&](const geometry::Aabb& other) {
             bool overlaps_all = true;
             for (std::size_t k = 0; k < 3; ++k) {
-                overlaps_all = overlaps_all && node.box.lower[k] <= box.upper[k] &&
-                               node.box.upper[k] >= box.lower[k];
+                overlaps_all = overlaps_all && other.lower[k] <= box.upper[k] &&
+                               other.upper[k] >= box.lower[k];
             }
             return overlaps_all;
         };
@@ -143,14 +142,14 @@ std::vector<LayerOverlap> find_layer_overlaps(const SceneView& scene,
             return std::vector{frame.project(p[0]), frame.project(p[1]), frame.project(p[2])};
         };
         const std::size_t begin = overlaps.size();
-        bvh::traverse(scene.tree, overlaps_box, [&](TriangleId other) {
+        scene.bvh.traverse(overlaps_box, [&](TriangleId other) {
             const Facet& layer = facets.facets[facets.of_triangle[other]];
             if (other <= id || labels[other] == labels[id] ||
                 glm::length(glm::cross(facet.plane.normal, layer.plane.normal)) > kMaxLayerTilt) {
                 return true;
             }
             const auto overlap = overlap_of(project(corners),
-                                            project(corners_of(scene.mesh, other)),
+                                            project(corners_of(scene.mesh(), other)),
                                             kMinWidthInTolerances * facets.tolerance);
             if (overlap) {
                 const Vec3 point = frame.lift(overlap->centre);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/path_verifier.h"
 
-#include "earshot/bvh/ray.h"
-#include "earshot/bvh/traverse.h"
 #include "earshot/frustum/internal/coincident_layers.h"
 #include "earshot/frustum/internal/containment.h"
 #include "earshot/frustum/internal/facet_index.h"
@@ -31,16 +29,9 @@ constexpr double kContactRadius = 1024.0;
 }  // namespace
 
 PathVerifier::PathVerifier(const SceneView& scene)
-    : scene_(scene), may_be_covered_(find_transmissive_layers(scene)) {
-    if (!scene.tree.nodes().empty()) {
-        const geometry::Aabb& box = scene.tree.nodes().front().box;
-        for (std::size_t k = 0; k < 3; ++k) {
-            extent_ = std::max({extent_,
-                                std::abs(static_cast<double>(box.lower[k])),
-                                std::abs(static_cast<double>(box.upper[k]))});
-        }
-    }
-}
+    : scene_(scene),
+      may_be_covered_(find_transmissive_layers(scene)),
+      extent_(scene.bvh.max_abs_coordinate()) {}
 
 double PathVerifier::rounding_slack(double distance) const noexcept {
     return kRounding * (extent_ + distance);
@@ -110,13 +101,12 @@ void PathVerifier::visit_triangles_at(FacetId facet,
     // The point lies in the plane, the triangles within the facet's deviation of it, measured along
     // the dominant axis at most sqrt(3) times as far.
     const double margin = 2.0 * surface.deviation + slack;
-    bvh::traverse(
-        scene_.tree,
-        [&](const bvh::Node& node) {
+    scene_.bvh.traverse(
+        [&](const geometry::Aabb& box) {
             for (int k = 0; k < 3; ++k) {
                 const auto index = static_cast<std::size_t>(k);
-                if (point[k] < static_cast<double>(node.box.lower[index]) - margin ||
-                    point[k] > static_cast<double>(node.box.upper[index]) + margin) {
+                if (point[k] < static_cast<double>(box.lower[index]) - margin ||
+                    point[k] > static_cast<double>(box.upper[index]) + margin) {
                     return false;
                 }
             }
@@ -124,10 +114,10 @@ void PathVerifier::visit_triangles_at(FacetId facet,
         },
         [&](TriangleId id) {
             if (scene_.facets.of_triangle[id] == facet) {
-                const geometry::Triangle& triangle = scene_.mesh.triangles[id];
+                const geometry::Triangle& triangle = scene_.mesh().triangles[id];
                 std::array<glm::dvec2, 3> corner;
                 for (std::size_t k = 0; k < 3; ++k) {
-                    corner[k] = project(scene_.mesh.positions[triangle[k]], axis);
+                    corner[k] = project(scene_.mesh().positions[triangle[k]], axis);
                 }
                 visit(id, locate(p, corner, slack));
             }
@@ -157,8 +147,8 @@ bool PathVerifier::extends_above(
     const double flatness = base.deviation + scene_.facets.tolerance;
     bool extends = false;
     visit_triangles_at(facet, point, slack, [&](TriangleId id, Containment where) {
-        for (const geometry::VertexId vertex : scene_.mesh.triangles[id]) {
-            const double height = side * base.plane.distance(scene_.mesh.positions[vertex]);
+        for (const geometry::VertexId vertex : scene_.mesh().triangles[id]) {
+            const double height = side * base.plane.distance(scene_.mesh().positions[vertex]);
             extends = extends || (where != Containment::outside && height > flatness);
         }
     });
@@ -268,7 +258,7 @@ bool PathVerifier::leg_is_unobstructed(const Vec3& from,
         transmissions.push_back({t, facet, id});
         return false;
     };
-    if (bvh::any_hit(scene_.tree, scene_.mesh, geometry::Segment{from, to}, blocks)) {
+    if (scene_.bvh.any_hit({from, to}, blocks)) {
         return false;
     }
     remove_covered(transmissions, from, to);

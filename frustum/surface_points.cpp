@@ -2,7 +2,6 @@
 #include "earshot/frustum/surface_points.h"
 
 #include "earshot/base/math.h"
-#include "earshot/bvh/traverse.h"
 #include "earshot/frustum/internal/coincident_layers.h"
 #include "earshot/geometry/closest_point.h"
 
@@ -32,19 +31,6 @@ constexpr double kRelativeHeight = 0x1p-27;
 constexpr double kEdgeProbe = 4.0;
 constexpr int kEdgeProbes = 32;
 
-double largest_coordinate(const SceneView& scene) {
-    double largest = 0.0;
-    if (!scene.tree.nodes().empty()) {
-        const geometry::Aabb& box = scene.tree.nodes().front().box;
-        for (std::size_t k = 0; k < 3; ++k) {
-            largest = std::max({largest,
-                                std::abs(static_cast<double>(box.lower[k])),
-                                std::abs(static_cast<double>(box.upper[k]))});
-        }
-    }
-    return largest;
-}
-
 }  // namespace
 
 /// The point must lie at least so far on one side of a plane.
@@ -56,7 +42,7 @@ struct SurfacePoints::Constraint {
 
 SurfacePoints::SurfacePoints(const SceneView& scene, double max_radius)
     : scene_(scene),
-      min_height_(kRelativeHeight * std::max(largest_coordinate(scene), max_radius)) {}
+      min_height_(kRelativeHeight * std::max(scene.bvh.max_abs_coordinate(), max_radius)) {}
 
 std::vector<TriangleId> SurfacePoints::triangles_at(const Vec3& point) const {
     return triangles_within(point, scene_.facets.tolerance);
@@ -66,13 +52,11 @@ std::vector<TriangleId> SurfacePoints::triangles_within(const Vec3& point, doubl
     const geometry::PreparedPoint prepared(point);
     const double max_squared = geometry::PreparedPoint::squared_bound(distance);
     std::vector<TriangleId> found;
-    bvh::traverse(
-        scene_.tree,
-        [&](const bvh::Node& node) { return prepared.squared_distance(node.box) <= max_squared; },
+    scene_.bvh.traverse(
+        [&](const geometry::Aabb& box) { return prepared.squared_distance(box) <= max_squared; },
         [&](TriangleId id) {
-            const auto [a, b, c] = scene_.mesh.triangles[id];
-            const auto& positions = scene_.mesh.positions;
-            if (prepared.closest_point(positions[a], positions[b], positions[c], distance)) {
+            const auto [a, b, c] = scene_.bvh.corners(id);
+            if (prepared.closest_point(a, b, c, distance)) {
                 found.push_back(id);
             }
             return true;
@@ -171,10 +155,8 @@ bool SurfacePoints::is_at_free_edge(const Vec3& point, const Facet& sheet) const
         const Vec3 probe = point + radius * (math::cos(angle) * u + math::sin(angle) * v);
         const geometry::PreparedPoint prepared(probe);
         const bool goes_on = std::any_of(near.begin(), near.end(), [&](TriangleId id) {
-            const auto [a, b, c] = scene_.mesh.triangles[id];
-            const auto& positions = scene_.mesh.positions;
-            return prepared.closest_point(positions[a], positions[b], positions[c], 0.5 * radius)
-                .has_value();
+            const auto [a, b, c] = scene_.bvh.corners(id);
+            return prepared.closest_point(a, b, c, 0.5 * radius).has_value();
         });
         if (!goes_on) {
             return true;

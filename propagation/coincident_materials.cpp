@@ -57,7 +57,7 @@ Warnings coincident_materials(const Scene& scene,
     }
     for (const geometry::DuplicateTriangle& pair : duplicates) {
         const auto [a, b, c] = scene.mesh.triangles()[pair.duplicate];
-        const auto& p = view.mesh.positions;
+        const auto& p = view.mesh().positions;
         const double area = 0.5 * glm::length(glm::cross(p[b] - p[a], p[c] - p[a]));
         add(pair.kept, pair.duplicate, area, (p[a] + p[b] + p[c]) / 3.0);
     }

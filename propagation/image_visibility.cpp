@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // From which points near a receiver an image of a sound source is visible.
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_ray.h"
 #include "earshot/propagation/internal/ray_tracer.h"
 
 #include <glm/geometric.hpp>
@@ -32,8 +31,7 @@ Vec3 mirrored(const Vec3& point, const Vec3& plane_point, const Vec3& normal) {
 }  // namespace
 
 Vec3 RayTracer::image_in(TriangleId triangle, const Vec3& point) const {
-    return mirrored(
-        point, geometry::corners(scene_.mesh, triangle)[0], triangle_surfaces_[triangle].normal);
+    return mirrored(point, scene_.bvh.corners(triangle)[0], triangle_surfaces_[triangle].normal);
 }
 
 /// Whether two triangles mirror a point alike: of one plane, with the same energy.
@@ -61,7 +59,7 @@ bool RayTracer::is_visible(const ImageChain& chain, const Vec3& from) const {
     for (std::size_t i = chain.mirrors.size(); i-- > 0;) {
         const double distance = glm::length(image - point);
         const Ray ray = {point, (image - point) / distance};
-        const auto hit = bvh::closest_hit(wide_, scene_.mesh, ray);
+        const auto hit = scene_.bvh.closest_hit(ray);
         if (!hit || !(hit->t < distance) ||
             !is_same_mirror(chain, hit->triangle, chain.mirrors[i], image, ray.direction)) {
             return false;
@@ -71,7 +69,7 @@ bool RayTracer::is_visible(const ImageChain& chain, const Vec3& from) const {
         point += hit->t * ray.direction + side * self_intersection_offset_ * normal;
         image = image_in(chain.mirrors[i], image);
     }
-    return !bvh::occluded(wide_, scene_.mesh, {point, image});
+    return !scene_.bvh.occluded({point, image});
 }
 
 // The energy density in the part K of the ball that is visible from the receiver has the expected
@@ -107,7 +105,7 @@ std::vector<Vec3> RayTracer::draw_ball_points(const Vec3& centre) const {
                           2.0 * number(trial, 1) - 1.0,
                           2.0 * number(trial, 2) - 1.0);
         const Vec3 point = centre + options_.receiver_radius * offset;
-        if (glm::dot(offset, offset) < 1.0 && !bvh::occluded(wide_, scene_.mesh, {point, centre})) {
+        if (glm::dot(offset, offset) < 1.0 && !scene_.bvh.occluded({point, centre})) {
             points.push_back(point);
         }
     }
@@ -117,7 +115,7 @@ std::vector<Vec3> RayTracer::draw_ball_points(const Vec3& centre) const {
 /// Whether every triangle is a part of a wall, and walls are whole and of one material.
 bool RayTracer::has_whole_walls(const RectangularRoom& room,
                                 std::span<const std::size_t> axis_of_triangle) const {
-    const geometry::MeshView& mesh = scene_.mesh;
+    const geometry::MeshView& mesh = scene_.mesh();
     double areas[3][2] = {};
     std::optional<std::uint32_t> materials[3][2];
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -150,7 +148,7 @@ bool RayTracer::has_whole_walls(const RectangularRoom& room,
 /// The room, if it is rectangular and has one material per wall: there, every image that a listener
 /// sees is visible from all of the room, by one order of its mirrors or another.
 std::optional<RectangularRoom> RayTracer::find_rectangular_room() const {
-    const geometry::MeshView& mesh = scene_.mesh;
+    const geometry::MeshView& mesh = scene_.mesh();
     // Axes: the normals.
     std::vector<Vec3> axes;
     std::vector<std::size_t> axis_of_triangle;

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "earshot/audio/energy_histogram.h"
-#include "earshot/bvh/tree.h"
-#include "earshot/geometry/mesh.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/propagation/air.h"
 #include "earshot/propagation/directivity.h"
 #include "earshot/propagation/late_errors.h"
@@ -18,10 +17,11 @@ namespace earshot::propagation {
 
 /// The scene at one instant, as rays see it. Owned by the caller.
 struct RayScene {
-    const bvh::Tree& tree;  ///< over the triangles of `mesh`
-    geometry::MeshView mesh;
-    std::span<const std::uint32_t> material_of_triangle;  ///< one per triangle of `mesh`
+    bvh::MeshBvh bvh;
+    std::span<const std::uint32_t> material_of_triangle;  ///< one per triangle of the mesh
     std::span<const Material> materials;
+
+    const geometry::MeshView& mesh() const noexcept { return bvh.mesh(); }
 };
 
 struct RaySource {

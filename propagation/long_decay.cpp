@@ -3,7 +3,6 @@
 
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/lambert.h"
 #include "earshot/propagation/internal/spiral.h"
 #include "earshot/propagation/plausibility.h"
@@ -76,14 +75,11 @@ struct RemainingEnergy {
 /// Rays of a source, traced as those of late sound are, without an end by chance.
 class RemainingEnergyTracer {
 public:
-    RemainingEnergyTracer(const RayScene& scene,
-                          const Vec3& source,
-                          const audio::Bands& bands,
-                          Executor& executor)
+    RemainingEnergyTracer(const RayScene& scene, const Vec3& source, const audio::Bands& bands)
         : scene_(scene),
           source_(source),
-          wide_(bvh::WideTree::build(scene.tree, scene.mesh, executor)),
-          offset_(kSelfIntersectionOffset * (wide_.max_abs_coordinate() + glm::length(source))) {
+          offset_(kSelfIntersectionOffset *
+                  (scene.bvh.max_abs_coordinate() + glm::length(source))) {
         const auto mid = mid_bands(bands);
         for (const Material& material : scene.materials) {
             const audio::Spectrum absorption = material.absorption.over(bands);
@@ -146,12 +142,10 @@ private:
         }
         std::vector<std::optional<geometry::Hit>> hits(rays.size());
         if (leg == 0) {
-            bvh::closest_hits(wide_, scene_.mesh, rays, hits);
+            scene_.bvh.closest_hits(rays, hits);
         } else {
-            bvh::closest_hits(wide_,
-                              scene_.mesh,
-                              bvh::SecondaryRays{.rays = rays, .origin_triangles = origins},
-                              hits);
+            scene_.bvh.closest_hits(bvh::SecondaryRays{.rays = rays, .origin_triangles = origins},
+                                    hits);
         }
         const RandomStream branch(kSeed, kStreams * leg + 1);
         const RandomStream direction(kSeed, kStreams * leg + 2);
@@ -201,7 +195,7 @@ private:
                  double chance,
                  std::uint64_t direction,
                  Flight& flight) const {
-        const auto [a, b, c] = geometry::corners(scene_.mesh, hit.triangle);
+        const auto [a, b, c] = scene_.bvh.corners(hit.triangle);
         Vec3 normal = glm::normalize(glm::cross(b - a, c - a));
         const double along = glm::dot(normal, flight.ray.direction);
         const MidSurface& surface = surfaces_[scene_.material_of_triangle[hit.triangle]];
@@ -229,7 +223,6 @@ private:
 
     const RayScene& scene_;
     Vec3 source_;
-    bvh::WideTree wide_;
     double offset_;
     std::vector<MidSurface> surfaces_;
 };
@@ -322,7 +315,7 @@ std::string long_decay_cause(const RayScene& scene,
     const double end = 2.0 * begin;
     const double decades = 6.0 * end / (speed * t30_mid);
     constexpr double kNegligible = 1e-4;  // of the energy that a ray has on average
-    const RemainingEnergyTracer tracer(scene, source, options.bands, executor);
+    const RemainingEnergyTracer tracer(scene, source, options.bands);
     const RemainingEnergy remaining =
         tracer.trace(begin, end, kNegligible * math::pow10(-decades), executor);
     return remaining.reflected > 0.0

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/propagation/internal/near_field.h"
 
-#include "earshot/bvh/overlap.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/spiral.h"
 
 #include <glm/geometric.hpp>
@@ -63,15 +61,13 @@ std::optional<std::size_t> NearField::Patch::cell_at(double u, double v) const n
 class NearField::Builder {
 public:
     Builder(NearField& field,
-            const bvh::WideTree& wide,
-            const MeshView& mesh,
+            const bvh::MeshBvh& bvh,
             std::span<const std::uint32_t> material_of_triangle,
             std::span<const RaySurface> surfaces,
             const Vec3& listener,
             double offset)
         : field_(field),
-          wide_(wide),
-          mesh_(mesh),
+          bvh_(bvh),
           material_of_triangle_(material_of_triangle),
           surfaces_(surfaces),
           listener_(listener),
@@ -103,7 +99,7 @@ private:
     };
 
     const Vec3& corner(TriangleId triangle, std::size_t i) const {
-        return mesh_.positions[mesh_.triangles[triangle][i]];
+        return bvh_.mesh().positions[bvh_.mesh().triangles[triangle][i]];
     }
     const RaySurface& surface_of(TriangleId triangle, bool is_back = false) const {
         return surfaces_[2 * material_of_triangle_[triangle] + (is_back ? 1 : 0)];
@@ -118,8 +114,7 @@ private:
                 std::uint32_t factor);
 
     NearField& field_;
-    const bvh::WideTree& wide_;
-    const MeshView& mesh_;
+    const bvh::MeshBvh& bvh_;
     std::span<const std::uint32_t> material_of_triangle_;
     std::span<const RaySurface> surfaces_;
     Vec3 listener_;
@@ -270,10 +265,9 @@ void NearField::Builder::look() {
         }
         hits.resize(rays.size());
         if (probes.front().reflections.empty()) {
-            bvh::closest_hits(wide_, mesh_, rays, hits);
+            bvh_.closest_hits(rays, hits);
         } else {
-            bvh::closest_hits(
-                wide_, mesh_, bvh::SecondaryRays{.rays = rays, .origin_triangles = left}, hits);
+            bvh_.closest_hits(bvh::SecondaryRays{.rays = rays, .origin_triangles = left}, hits);
         }
         std::size_t kept = 0;
         for (std::size_t i = 0; i < probes.size(); ++i) {
@@ -363,16 +357,14 @@ void NearField::Builder::spread() {
     field_.first_of_cell_.push_back(static_cast<std::uint32_t>(field_.contributions_.size()));
 }
 
-NearField::NearField(const bvh::Tree& tree,
-                     const bvh::WideTree& wide,
-                     const MeshView& mesh,
+NearField::NearField(const bvh::MeshBvh& bvh,
                      std::span<const std::uint32_t> material_of_triangle,
                      std::span<const RaySurface> surfaces,
                      const Vec3& listener,
                      double offset) {
     const geometry::SphereRegion sphere(listener, kNearDistance + kDiscRadius);
-    Builder builder(*this, wide, mesh, material_of_triangle, surfaces, listener, offset);
-    builder.cut(bvh::overlapping(tree, mesh, sphere));
+    Builder builder(*this, bvh, material_of_triangle, surfaces, listener, offset);
+    builder.cut(bvh.overlapping(sphere));
     builder.join_surfaces();
     builder.look();
     builder.spread();

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Where rays that start at a listener may be scattered first by a surface near it.
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/near_field.h"
 #include "earshot/propagation/internal/ray_tracer.h"
 
@@ -74,8 +73,7 @@ void reflect(const geometry::Hit& hit,
     ray.origin_triangle = hit.triangle;
 }
 
-std::vector<std::optional<geometry::Hit>> closest_hits(const bvh::WideTree& tree,
-                                                       const geometry::MeshView& mesh,
+std::vector<std::optional<geometry::Hit>> closest_hits(const bvh::MeshBvh& bvh,
                                                        std::span<const SpecularRay> specular,
                                                        bool are_reflected) {
     std::vector<Ray> rays;
@@ -86,12 +84,10 @@ std::vector<std::optional<geometry::Hit>> closest_hits(const bvh::WideTree& tree
     }
     std::vector<std::optional<geometry::Hit>> hits(rays.size());
     if (are_reflected) {
-        bvh::closest_hits(tree,
-                          mesh,
-                          bvh::SecondaryRays{.rays = rays, .origin_triangles = origin_triangles},
-                          hits);
+        bvh.closest_hits(bvh::SecondaryRays{.rays = rays, .origin_triangles = origin_triangles},
+                         hits);
     } else {
-        bvh::closest_hits(tree, mesh, rays, hits);
+        bvh.closest_hits(rays, hits);
     }
     return hits;
 }
@@ -116,7 +112,7 @@ std::vector<NearScattering> RayTracer::find_near_scattering(const Vec3& from,
     }
     std::vector<Choice> choices(directions.size());
     for (std::uint64_t reflections = 0; reflections <= kMaxNearReflections; ++reflections) {
-        const auto hits = closest_hits(wide_, scene_.mesh, specular, reflections > 0);
+        const auto hits = closest_hits(scene_.bvh, specular, reflections > 0);
         std::size_t kept = 0;
         for (std::size_t i = 0; i < specular.size(); ++i) {
             SpecularRay& ray = specular[i];

@@ -4,7 +4,6 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/lambert.h"
 #include "earshot/propagation/internal/spiral.h"
 
@@ -96,12 +95,10 @@ template <std::size_t kBands>
 void RayBatch<kBands>::find_hits(std::uint64_t bounce) {
     hits_.resize(rays_.size());
     if (bounce == 0) {
-        bvh::closest_hits(tracer_.wide_, scene_.mesh, rays_, hits_);
+        scene_.bvh.closest_hits(rays_, hits_);
     } else {
-        bvh::closest_hits(tracer_.wide_,
-                          scene_.mesh,
-                          bvh::SecondaryRays{.rays = rays_, .origin_triangles = origin_triangles_},
-                          hits_);
+        scene_.bvh.closest_hits(
+            bvh::SecondaryRays{.rays = rays_, .origin_triangles = origin_triangles_}, hits_);
     }
 }
 

@@ -2,7 +2,6 @@
 // What receivers record of the rays of a batch: chords of specular legs, diffuse rain, the near
 // field of the source.
 #include "earshot/base/math.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/ray_batch.h"
 
 #include <glm/geometric.hpp>
@@ -93,7 +92,7 @@ void RayBatch<kBands>::find_chord(std::size_t i,
 template <std::size_t kBands>
 void RayBatch<kBands>::record_chords(const RandomStream& trials) {
     occluded_.resize(shadow_rays_.size());
-    bvh::occluded(tracer_.wide_, scene_.mesh, shadow_rays_, occluded_);
+    scene_.bvh.occluded(shadow_rays_, occluded_);
     for (std::size_t j = 0; j < chords_.size(); ++j) {
         if (occluded_[j] == 0) {
             const Chord& chord = chords_[j];
@@ -262,9 +261,7 @@ void RayBatch<kBands>::cast_diffuse_rain() {
         }
     }
     occluded_.resize(shadow_rays_.size());
-    bvh::occluded(
-        tracer_.wide_,
-        scene_.mesh,
+    scene_.bvh.occluded(
         bvh::SecondarySegments{.segments = shadow_rays_, .origin_triangles = shadow_ray_origins_},
         occluded_);
     for (std::size_t j = 0; j < shadow_rays_.size(); ++j) {

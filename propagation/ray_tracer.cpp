@@ -2,8 +2,6 @@
 #include "earshot/propagation/internal/ray_tracer.h"
 
 #include "earshot/base/math.h"
-#include "earshot/bvh/closest_point.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/spiral.h"
 
 #include <glm/common.hpp>
@@ -19,6 +17,7 @@
 namespace earshot::propagation {
 
 using geometry::Ray;
+using geometry::TriangleId;
 using geometry::Vec3;
 
 namespace {
@@ -91,13 +90,12 @@ RayTracer::RayTracer(const RayScene& scene,
     : scene_(scene),
       source_(source),
       options_(options),
-      wide_(bvh::WideTree::build(scene.tree, scene.mesh, executor)),
       bands_(options.bands.count()),
       max_distance_(speed_of_sound(options.air) * options.length),
       bins_per_metre_(1.0 / (speed_of_sound(options.air) * options.bin)),
       bins_(static_cast<std::size_t>(std::ceil(options.length / options.bin))),
-      self_intersection_offset_(kSelfIntersectionOffset *
-                                (wide_.max_abs_coordinate() + glm::length(source.pose.position))) {
+      self_intersection_offset_(kSelfIntersectionOffset * (scene.bvh.max_abs_coordinate() +
+                                                           glm::length(source.pose.position))) {
     describe_surfaces();
     describe_triangles();
     rectangular_room_ = find_rectangular_room();
@@ -114,7 +112,7 @@ double RayTracer::scattered_radius() const {
     constexpr double kMaxRadius = 1.5;
     Vec3 low(std::numeric_limits<double>::infinity());
     Vec3 high = -low;
-    for (const Vec3& position : scene_.mesh.positions) {
+    for (const Vec3& position : scene_.mesh().positions) {
         low = glm::min(low, position);
         high = glm::max(high, position);
     }
@@ -144,8 +142,7 @@ Receiver RayTracer::describe_receiver(const Vec3& position) const {
     if (!sees_every_image && options_.specular_order < kMaxTestedReflections) {
         receiver.ball_points = draw_ball_points(position);
     }
-    if (!bvh::closest_point(
-            scene_.tree, scene_.mesh, position, std::max(scattered_radius_, kNearDistance))) {
+    if (!scene_.bvh.closest_point(position, std::max(scattered_radius_, kNearDistance))) {
         return receiver;
     }
     std::vector<Vec3> directions;
@@ -154,7 +151,7 @@ Receiver RayTracer::describe_receiver(const Vec3& position) const {
         directions.push_back(probe_direction(i));
         probes.push_back({position, directions.back()});
     }
-    const auto hits = bvh::closest_hits(wide_, scene_.mesh, probes);
+    const auto hits = scene_.bvh.closest_hits(probes);
     for (std::size_t i = 0; i < balls.size(); ++i) {
         double cubes = 0.0;
         for (const auto& hit : hits) {
@@ -190,9 +187,7 @@ void RayTracer::describe_receivers(std::span<const Vec3> listeners, Executor& ex
 void RayTracer::describe_source() {
     source_receiver_ = describe_receiver(source_.pose.position);
     if (source_receiver_.near_scattering > 0.0) {
-        source_field_.emplace(scene_.tree,
-                              wide_,
-                              scene_.mesh,
+        source_field_.emplace(scene_.bvh,
                               scene_.material_of_triangle,
                               surfaces_,
                               source_.pose.position,
@@ -240,9 +235,9 @@ void RayTracer::describe_surfaces() {
 }
 
 void RayTracer::describe_triangles() {
-    triangle_surfaces_.reserve(scene_.mesh.triangles.size());
-    for (std::size_t i = 0; i < scene_.mesh.triangles.size(); ++i) {
-        const auto [a, b, c] = geometry::corners(scene_.mesh, i);
+    triangle_surfaces_.reserve(scene_.mesh().triangles.size());
+    for (std::size_t i = 0; i < scene_.mesh().triangles.size(); ++i) {
+        const auto [a, b, c] = scene_.bvh.corners(static_cast<TriangleId>(i));
         triangle_surfaces_.push_back({.normal = glm::normalize(glm::cross(b - a, c - a)),
                                       .front = 2 * scene_.material_of_triangle[i]});
     }

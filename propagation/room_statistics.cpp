@@ -3,7 +3,6 @@
 
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/propagation/internal/lambert.h"
 #include "earshot/propagation/internal/spiral.h"
 
@@ -50,8 +49,7 @@ struct SideCount {
 /// Rays of one chunk, which the surfaces reflect by Lambert's law.
 class DiffuseWalk {
 public:
-    DiffuseWalk(const RayScene& scene, const bvh::WideTree& wide, double offset)
-        : scene_(scene), wide_(wide), offset_(offset) {}
+    DiffuseWalk(const RayScene& scene, double offset) : scene_(scene), offset_(offset) {}
 
     /// Departures in the order of reflections, then of rays. A ray that escapes departs again from
     /// where it was: this leaves the stationary distribution of departures uniform over the
@@ -69,10 +67,8 @@ public:
                            lambert_direction(at_[i].normal, random.bits(at_[i].id))};
                 origins[i] = at_[i].side / 2;
             }
-            bvh::closest_hits(wide_,
-                              scene_.mesh,
-                              bvh::SecondaryRays{.rays = legs, .origin_triangles = origins},
-                              hits);
+            scene_.bvh.closest_hits(bvh::SecondaryRays{.rays = legs, .origin_triangles = origins},
+                                    hits);
             for (std::size_t i = 0; i < at_.size(); ++i) {
                 if (n > kMixingReflections) {
                     departures.push_back({at_[i].side, at_[i].id, hits[i] ? hits[i]->t : -1.0});
@@ -94,7 +90,7 @@ private:
 
     /// The rays that meet a surface at all.
     void start(std::span<const Ray> rays, std::uint32_t first_id) {
-        const auto hits = bvh::closest_hits(wide_, scene_.mesh, rays);
+        const auto hits = scene_.bvh.closest_hits(rays);
         at_.clear();
         for (std::size_t i = 0; i < rays.size(); ++i) {
             if (hits[i]) {
@@ -105,7 +101,7 @@ private:
     }
 
     void arrive(const Ray& ray, const geometry::Hit& hit, Place& place) const {
-        const auto [a, b, c] = geometry::corners(scene_.mesh, hit.triangle);
+        const auto [a, b, c] = scene_.bvh.corners(hit.triangle);
         const Vec3 front = glm::normalize(glm::cross(b - a, c - a));
         const bool is_back = glm::dot(front, ray.direction) > 0.0;
         place.side = 2 * static_cast<std::uint32_t>(hit.triangle) + (is_back ? 1 : 0);
@@ -114,7 +110,6 @@ private:
     }
 
     const RayScene& scene_;
-    const bvh::WideTree& wide_;
     double offset_;
     std::vector<Place> at_;
 };
@@ -122,8 +117,7 @@ private:
 std::vector<SideCount> count_departures(const RayScene& scene,
                                         std::span<const Vec3> sources,
                                         Executor& executor) {
-    const bvh::WideTree wide = bvh::WideTree::build(scene.tree, scene.mesh, executor);
-    double extent = wide.max_abs_coordinate();
+    double extent = scene.bvh.max_abs_coordinate();
     std::vector<Ray> rays;
     for (std::size_t source = 0; source < sources.size(); ++source) {
         extent = std::max(extent, glm::length(sources[source]));
@@ -135,11 +129,11 @@ std::vector<SideCount> count_departures(const RayScene& scene,
     }
     std::vector<std::vector<Departure>> chunks(chunk_count(rays.size(), kChunk));
     executor.for_each(rays.size(), kChunk, [&](std::size_t begin, std::size_t end) {
-        DiffuseWalk walk(scene, wide, kSelfIntersectionOffset * extent);
+        DiffuseWalk walk(scene, kSelfIntersectionOffset * extent);
         chunks[begin / kChunk] = walk.run(std::span(rays).subspan(begin, end - begin),
                                           static_cast<std::uint32_t>(begin));
     });
-    std::vector<SideCount> sides(2 * scene.mesh.triangles.size());
+    std::vector<SideCount> sides(2 * scene.mesh().triangles.size());
     for (const std::vector<Departure>& chunk : chunks) {
         for (const Departure& departure : chunk) {
             SideCount& side = sides[departure.side];
@@ -203,7 +197,7 @@ SideSums sum_over_area(const RayScene& scene,
         if (side.departures == 0) {
             continue;
         }
-        const auto [a, b, c] = geometry::corners(scene.mesh, i / 2);
+        const auto [a, b, c] = scene.bvh.corners(static_cast<TriangleId>(i / 2));
         const double area = 0.5 * glm::length(glm::cross(b - a, c - a));
         const std::uint32_t material = scene.material_of_triangle[i / 2];
         const bool is_dead_back = i % 2 == 1 && scene.materials[material].one_sided;

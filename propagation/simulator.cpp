@@ -2,7 +2,7 @@
 #include "earshot/propagation/simulator.h"
 
 #include "earshot/base/math.h"
-#include "earshot/bvh/quality.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/frustum/surface_points.h"
 #include "earshot/geometry/facets.h"
@@ -26,10 +26,6 @@ namespace earshot::propagation {
 using geometry::Vec3;
 
 namespace {
-
-/// A refitted tree is kept until its cost has grown by this factor. The answers are the same either
-/// way; a rebuild costs some tens of refits.
-constexpr double kRebuildAtCost = 1.5;
 
 /// What pressures may differ by for having been multiplied in another order.
 constexpr double kRoom = 1.0 - 0x1p-40;
@@ -89,8 +85,9 @@ struct Simulator::State {
     geometry::Facets facets;
     std::vector<std::uint8_t> one_sided, transmissive;  // per facet
     std::vector<double> max_pressure_factor;            // per facet, of the loudest band
-    bvh::Tree tree;
-    double cost_when_built = 0.0;
+    std::optional<bvh::DeformableBvh> bvh;              // over the kept triangles
+    bvh::UpdateCounts former_updates;                   // of hierarchies over other triangles
+    std::uint64_t queries = 0;                          // of the last run, about
     GeometrySummary summary;
     frustum::TraceStatistics statistics;
 
@@ -100,18 +97,14 @@ struct Simulator::State {
     std::optional<frustum::ListenerBeamTree> listeners;
 
     frustum::SceneView scene_view() const {
-        return {.tree = tree,
-                .mesh = mesh(),
+        return {.bvh = bvh->view(),
                 .facets = facets,
                 .one_sided = one_sided,
                 .transmissive = transmissive,
                 .max_pressure_factor = max_pressure_factor};
     }
     RayScene ray_scene() const {
-        return {.tree = tree,
-                .mesh = mesh(),
-                .material_of_triangle = labels,
-                .materials = scene.materials};
+        return {.bvh = bvh->view(), .material_of_triangle = labels, .materials = scene.materials};
     }
     void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
     std::vector<std::uint8_t> first_facets(const Vec3& source) const;
@@ -127,7 +120,7 @@ struct Simulator::State {
     geometry::MeshView mesh() const { return {positions, triangles}; }
     void move_geometry(Executor& executor);
     void check_visible_sets() const;
-    void update_tree(bool same_triangles, Executor& executor);
+    void update_bvh(bool same_triangles, Executor& executor);
     void describe_facets();
     void add_paths(std::size_t source,
                    const RaySource& sender,
@@ -139,7 +132,7 @@ struct Simulator::State {
                         const frustum::PlacedPairs& placed,
                         std::span<PairResult> pairs,
                         Executor& executor,
-                        Progress* progress) const;
+                        Progress* progress);
     LateEnergy late_sound(const RaySource& source,
                           std::span<const Vec3> to,
                           Executor& executor,
@@ -173,7 +166,7 @@ void Simulator::State::move_geometry(Executor& executor) {
         triangles[i] = scene.mesh.triangles()[kept[i]];
         labels[i] = scene.material_of_triangle[kept[i]];
     }
-    update_tree(same_triangles, executor);
+    update_bvh(same_triangles, executor);
     facets = geometry::find_facets(mesh(), clean.weld, labels);
     describe_facets();
     summary = {.clean = clean.report, .triangles = kept.size(), .facets = facets.facets.size()};
@@ -258,16 +251,16 @@ bool Simulator::State::is_wanted(const Path& path) const {
                        [&](double p) { return std::abs(p) >= min_pressure; });
 }
 
-void Simulator::State::update_tree(bool same_triangles, Executor& executor) {
-    const auto boxes = bvh::triangle_boxes(mesh(), executor);
-    if (same_triangles) {
-        tree.refit(boxes, executor);
-        if (bvh::sah_cost(tree) <= kRebuildAtCost * cost_when_built) {
-            return;
-        }
+void Simulator::State::update_bvh(bool same_triangles, Executor& executor) {
+    if (bvh && same_triangles) {
+        bvh->expect_queries(static_cast<double>(queries));
+        bvh->update(mesh(), executor);
+        return;
     }
-    tree = bvh::Tree::build(boxes, {}, executor);
-    cost_when_built = bvh::sah_cost(tree);
+    if (bvh) {
+        former_updates += bvh->update_counts();
+    }
+    bvh.emplace(mesh(), bvh::UpdateOptions{}, executor);
 }
 
 Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
@@ -442,6 +435,8 @@ void Simulator::State::add_paths(std::size_t source,
     statistics.frusta += traced.statistics.frusta;
     statistics.candidates += traced.statistics.candidates;
     statistics.paths += traced.statistics.paths;
+    queries +=
+        traced.statistics.candidates * static_cast<std::uint64_t>(options.specular_order + 1);
     for (const frustum::SpecularPath& specular : traced.paths) {
         Path path = describe(specular);
         radiate(sender, path);
@@ -459,13 +454,15 @@ void Simulator::State::add_late_sound(const RaySource& sender,
                                       const frustum::PlacedPairs& placed,
                                       std::span<PairResult> pairs,
                                       Executor& executor,
-                                      Progress* progress) const {
+                                      Progress* progress) {
     for (std::size_t i = 0; i < placed.groups.size(); ++i) {
         const frustum::PlacedListeners& group = placed.groups[i];
         PartProgress part(progress, i, placed.groups.size());
         RaySource placed_sender = sender;
         placed_sender.pose.position = group.source;
         LateEnergy late = late_sound(placed_sender, group.positions, executor, &part);
+        // A leg of a ray, and a shadow ray to each listener.
+        queries += late.balance.bounces * (1 + group.positions.size());
         for (std::size_t k = 0; k < group.numbers.size(); ++k) {
             PairResult& pair = pairs[group.numbers[k]];
             pair.late = std::move(late.listeners[k]);
@@ -504,6 +501,7 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
 
     // Early sound: exact paths.
     state.prepare_finder(sources, listeners, executor);
+    state.queries = 0;
     state.statistics = {.frusta = state.listeners->frusta()};
     std::vector<frustum::PlacedPairs> placed;  // per source
     for (std::size_t source = 0; source < sources.size(); ++source) {
@@ -534,6 +532,12 @@ const GeometrySummary& Simulator::geometry() const noexcept {
 Warnings Simulator::warnings() const {
     return coincident_materials(
         state_->scene, state_->scene_view(), state_->kept, state_->duplicates);
+}
+
+bvh::UpdateCounts Simulator::update_counts() const noexcept {
+    bvh::UpdateCounts counts = state_->former_updates;
+    counts += state_->bvh->update_counts();
+    return counts;
 }
 
 const frustum::TraceStatistics& Simulator::statistics() const noexcept {

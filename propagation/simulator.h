@@ -5,6 +5,7 @@
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
+#include "earshot/bvh/update_policy.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
@@ -91,6 +92,8 @@ public:
     frustum::SceneView scene_view() const noexcept;
     /// The scene as rays see it; valid as long.
     RayScene ray_scene() const noexcept;
+    /// How the hierarchy over the triangles has followed them so far.
+    bvh::UpdateCounts update_counts() const noexcept;
     /// Of the last run, summed over sources.
     const frustum::TraceStatistics& statistics() const noexcept;
 

@@ -2,7 +2,6 @@
 #include "earshot/visibility/coherent_line_of_sight.h"
 
 #include "earshot/bvh/traverse_wide.h"
-#include "earshot/bvh/wide_ray.h"
 #include "earshot/visibility/internal/mesh_touch.h"
 
 #include <algorithm>
@@ -125,7 +124,7 @@ TriangleId CoherentLineOfSight::state_of(const MeshView& mesh,
         return last;
     }
     // The wide kernels are faster at telling that no triangle blocks, but not which one does.
-    if (!collects_statistics_ && !bvh::occluded(tree_.tree(), mesh, segment)) {
+    if (!collects_statistics_ && !tree_.view().occluded(segment)) {
         return kNoBlocker;
     }
     TriangleId blocker = kNoBlocker;

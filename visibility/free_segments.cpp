@@ -18,13 +18,13 @@ namespace {
 
 constexpr std::size_t kRaysPerChunk = 4096;
 
-ViewRegion around(const ViewRegion& region, const bvh::WideTree& tree) {
+ViewRegion around(const ViewRegion& region, const geometry::Aabb& box) {
     ViewRegion all = region;
-    if (!tree.box().is_empty()) {
+    if (!box.is_empty()) {
         for (int axis = 0; axis < 3; ++axis) {
             const auto k = static_cast<std::size_t>(axis);
-            all.lower[axis] = std::min(all.lower[axis], double{tree.box().lower[k]});
-            all.upper[axis] = std::max(all.upper[axis], double{tree.box().upper[k]});
+            all.lower[axis] = std::min(all.lower[axis], double{box.lower[k]});
+            all.upper[axis] = std::max(all.upper[axis], double{box.upper[k]});
         }
     }
     return all;
@@ -45,8 +45,7 @@ double way_out(const Ray& ray, const ViewRegion& all) {
 
 }  // namespace
 
-std::vector<FreeSegment> cast_free_segments(const bvh::WideTree& tree,
-                                            const geometry::MeshView& mesh,
+std::vector<FreeSegment> cast_free_segments(const bvh::MeshBvh& bvh,
                                             std::span<const Ray> rays,
                                             const ViewRegion& region,
                                             const ExclusionMask& excluded,
@@ -57,8 +56,8 @@ std::vector<FreeSegment> cast_free_segments(const bvh::WideTree& tree,
         both[2 * i + 1] = {rays[i].origin, -rays[i].direction};
     }
     std::vector<std::optional<geometry::Hit>> hits(both.size());
-    closest_hits(tree, mesh, both, excluded, hits, executor);
-    const ViewRegion all = around(region, tree);
+    closest_hits(bvh, both, excluded, hits, executor);
+    const ViewRegion all = around(region, bvh.tree().box());
     std::vector<FreeSegment> result(rays.size());
     executor.for_each(rays.size(), kRaysPerChunk, [&](std::size_t begin, std::size_t end) {
         const auto end_of = [&](std::size_t k) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/exclusion_mask.h"
 #include "earshot/visibility/region.h"
@@ -30,10 +30,9 @@ struct FreeSegment {
 /// The maximal free segment through the origin of every ray, by a ray along its direction and one
 /// against it (Bittner et al. 2009, section 3). A segment that hits nothing ends at the boundary of
 /// the box around the region and the tree; that of a ray whose origin is outside of this box is
-/// empty. Precondition: the tree was built over or refitted to this mesh. Excluded triangles are
+/// empty. Excluded triangles are
 /// treated as absent.
-std::vector<FreeSegment> cast_free_segments(const bvh::WideTree& tree,
-                                            const geometry::MeshView& mesh,
+std::vector<FreeSegment> cast_free_segments(const bvh::MeshBvh& bvh,
                                             std::span<const geometry::Ray> rays,
                                             const ViewRegion& region,
                                             const ExclusionMask& excluded = {},

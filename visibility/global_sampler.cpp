@@ -42,20 +42,18 @@ bool is_mutation(SampleDistribution distribution) noexcept {
 
 }  // namespace
 
-GlobalSampler::GlobalSampler(const bvh::WideTree& tree,
-                             const geometry::MeshView& mesh,
+GlobalSampler::GlobalSampler(const bvh::MeshBvh& bvh,
                              const Objects& objects,
                              const ViewCells& cells,
                              const GlobalSamplingOptions& options,
                              Executor& executor)
-    : tree_(tree),
-      mesh_(mesh),
+    : bvh_(bvh),
       objects_(objects),
       cells_(cells),
       options_(options),
       executor_(executor),
-      excluded_(with_degenerate(options.excluded, mesh)),
-      generator_(mesh, objects, cells.region(), options.seed),
+      excluded_(with_degenerate(options.excluded, bvh.mesh())),
+      generator_(bvh.mesh(), objects, cells.region(), options.seed),
       words_((objects.size() + 63) / 64),
       bits_(words_ * cells.size(), 0),
       sizes_(cells.size(), 0),
@@ -71,8 +69,7 @@ GlobalPvs GlobalSampler::run() {
         std::vector<geometry::Ray> rays(samples.size());
         std::transform(
             samples.begin(), samples.end(), rays.begin(), [](const auto& s) { return s.ray; });
-        const auto segments =
-            cast_free_segments(tree_, mesh_, rays, cells_.region(), excluded_, executor_);
+        const auto segments = cast_free_segments(bvh_, rays, cells_.region(), excluded_, executor_);
         add_contributions(samples, segments, find_contributions(samples, segments));
         pvs_.rays += 2 * samples.size();
         pvs_.curve.push_back({pvs_.rays, entries_});

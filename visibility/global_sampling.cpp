@@ -16,13 +16,12 @@ constexpr std::size_t kMaxBits = std::size_t{1} << 35U;
 
 }  // namespace
 
-GlobalPvs sample_cells(const bvh::WideTree& tree,
-                       const geometry::MeshView& mesh,
+GlobalPvs sample_cells(const bvh::MeshBvh& bvh,
                        const Objects& objects,
                        const ViewCells& cells,
                        const GlobalSamplingOptions& options,
                        Executor& executor) {
-    EARSHOT_ASSERT(objects.object_of_triangle().size() == mesh.triangles.size());
+    EARSHOT_ASSERT(objects.object_of_triangle().size() == bvh.mesh().triangles.size());
     if (objects.size() > kMaxBits / cells.size()) {
         throw Error("visible sets",
                     std::to_string(cells.size()) + " cells of " + std::to_string(objects.size()) +
@@ -34,7 +33,7 @@ GlobalPvs sample_cells(const bvh::WideTree& tree,
         })) {
         throw Error("visible sets", "no distribution of samples is allowed", "allow one");
     }
-    return GlobalSampler(tree, mesh, objects, cells, options, executor).run();
+    return GlobalSampler(bvh, objects, cells, options, executor).run();
 }
 
 }  // namespace earshot::visibility

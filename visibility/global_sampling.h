@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/global_pvs.h"
 #include "earshot/visibility/view_cells.h"
@@ -15,9 +15,8 @@ namespace earshot::visibility {
 /// triangles are treated as absent, and so are triangles without area. The sets depend on the
 /// arguments alone, unless sampling is interrupted. Throws Error if the sets would take more than 4
 /// GiB while they grow (a bit for every cell and object), or if no distribution is allowed.
-/// Precondition: the tree was built over or refitted to this mesh; objects are of its triangles.
-GlobalPvs sample_cells(const bvh::WideTree& tree,
-                       const geometry::MeshView& mesh,
+/// Precondition: objects are of its triangles.
+GlobalPvs sample_cells(const bvh::MeshBvh& bvh,
                        const Objects& objects,
                        const ViewCells& cells,
                        const GlobalSamplingOptions& options = {},

@@ -47,23 +47,21 @@ constexpr double kMaxPlaneDistance = 4.0;
 
 }  // namespace
 
-GuidedSampler::GuidedSampler(const bvh::WideTree& tree,
-                             const geometry::MeshView& mesh,
+GuidedSampler::GuidedSampler(const bvh::MeshBvh& bvh,
                              const ViewRegion& region,
                              const GuidedSamplingOptions& options,
                              Executor& executor)
-    : tree_(tree),
-      mesh_(mesh),
+    : bvh_(bvh),
       region_(region),
       options_(options),
       executor_(executor),
-      excluded_(with_degenerate(options.excluded, mesh)) {
-    index_of_triangle_.assign(mesh.triangles.size(), kUnknown);
-    if (!tree.box().is_empty()) {
+      excluded_(with_degenerate(options.excluded, bvh.mesh())) {
+    index_of_triangle_.assign(bvh.mesh().triangles.size(), kUnknown);
+    if (!bvh.tree().box().is_empty()) {
         Vec3 size(0.0);
         for (int axis = 0; axis < 3; ++axis) {
             const auto k = static_cast<std::size_t>(axis);
-            size[axis] = double{tree.box().upper[k]} - double{tree.box().lower[k]};
+            size[axis] = double{bvh.tree().box().upper[k]} - double{bvh.tree().box().lower[k]};
         }
         diagonal_ = glm::length(size);
     }
@@ -105,7 +103,7 @@ RegionPvs GuidedSampler::run() {
 }
 
 bool GuidedSampler::is_finished() const {
-    if (is_interrupted_ || rays_ >= options_.max_rays || mesh_.triangles.empty()) {
+    if (is_interrupted_ || rays_ >= options_.max_rays || bvh_.mesh().triangles.empty()) {
         return true;
     }
     if (rays_ < options_.window) {
@@ -128,8 +126,7 @@ std::size_t GuidedSampler::cast(std::span<const Ray> rays) {
     hits_.resize(count);
     is_interrupted_ =
         is_interrupted_ ||
-        !closest_hits(
-            tree_, mesh_, rays.first(count), excluded_, hits_, executor_, options_.interrupt);
+        !closest_hits(bvh_, rays.first(count), excluded_, hits_, executor_, options_.interrupt);
     if (is_interrupted_) {
         return 0;
     }
@@ -213,7 +210,7 @@ void GuidedSampler::reseed_known_triangles() {
                 region_.lower[axis] +
                 (k < boundary_axes ? std::round(position) : position) * region_.size()[axis];
         }
-        const Corners corners = geometry::corners(mesh_, found_[index % found_.size()]);
+        const Corners corners = bvh_.corners(found_[index % found_.size()]);
         const double u = std::sqrt(random_number(4));
         const double v = random_number(5);
         ray.direction = corners[0] + (u * (1.0 - v)) * (corners[1] - corners[0]) +
@@ -240,9 +237,8 @@ void GuidedSampler::sample_borders(std::span<const Seed> seeds) {
     std::vector<BorderSample> samples;
     samples.reserve(kPolygonVertices * seeds.size());
     for (std::size_t i = 0; i < seeds.size(); ++i) {
-        for (const Vec3& point : enlarged_polygon(seeds[i].eye,
-                                                  geometry::corners(mesh_, seeds[i].triangle),
-                                                  options_.border_angle)) {
+        for (const Vec3& point : enlarged_polygon(
+                 seeds[i].eye, bvh_.corners(seeds[i].triangle), options_.border_angle)) {
             samples.push_back({.seed = i, .target = point});
         }
     }
@@ -320,20 +316,17 @@ void GuidedSampler::sample_reverse(const Seed& seed, const BorderSample& sample)
     }
     const Ray ray = {seed.eye, sample.target - seed.eye};
     const auto expected =
-        expected_hit(ray, geometry::corners(mesh_, seed.triangle), kMaxPlaneDistance * diagonal_);
+        expected_hit(ray, bvh_.corners(seed.triangle), kMaxPlaneDistance * diagonal_);
     if (!expected ||
         !(glm::distance(*expected, seed.eye) - glm::distance(sample.hit_point, seed.eye) >
           options_.threshold * diagonal_)) {
         return;
     }
     const double gap = options_.border_angle * diagonal_;
-    if (const auto reverse = reverse_ray({ray,
-                                          sample.hit_point,
-                                          geometry::corners(mesh_, sample.hit->triangle),
-                                          seed.hit_point,
-                                          *expected},
-                                         region_,
-                                         gap)) {
+    if (const auto reverse = reverse_ray(
+            {ray, sample.hit_point, bvh_.corners(sample.hit->triangle), seed.hit_point, *expected},
+            region_,
+            gap)) {
         reverse_rays_.push_back(*reverse);
     }
 }

@@ -8,18 +8,17 @@ namespace earshot::visibility {
 
 using geometry::TriangleId;
 
-RegionPvs sample_region(const bvh::WideTree& tree,
-                        const geometry::MeshView& mesh,
+RegionPvs sample_region(const bvh::MeshBvh& bvh,
                         const ViewRegion& region,
                         const GuidedSamplingOptions& options,
                         Executor& executor) {
     validate(region);
-    GuidedSampler sampler(tree, mesh, region, options, executor);
+    GuidedSampler sampler(bvh, region, options, executor);
     RegionPvs pvs = sampler.run();
     const geometry::BoxRegion box(region.lower, region.upper);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (std::size_t i = 0; i < bvh.mesh().triangles.size(); ++i) {
         const auto id = static_cast<TriangleId>(i);
-        const auto [a, b, c] = geometry::corners(mesh, i);
+        const auto [a, b, c] = bvh.corners(static_cast<geometry::TriangleId>(i));
         const bool is_inside = box.touches(a, b, c);
         if (!sampler.excluded().contains(id) && (sampler.is_known(id) || is_inside)) {
             pvs.triangles.push_back(id);

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/region.h"
 #include "earshot/visibility/region_pvs.h"
@@ -16,8 +16,7 @@ namespace earshot::visibility {
 /// so are triangles without area. The set depends on mesh, region and options alone, unless it is
 /// interrupted. Throws Error as validate(region). Precondition: the tree was built over or refitted
 /// to this mesh.
-RegionPvs sample_region(const bvh::WideTree& tree,
-                        const geometry::MeshView& mesh,
+RegionPvs sample_region(const bvh::MeshBvh& bvh,
                         const ViewRegion& region,
                         const GuidedSamplingOptions& options = {},
                         Executor& executor = Executor::serial());

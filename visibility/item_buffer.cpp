@@ -59,8 +59,7 @@ private:
 
 }  // namespace
 
-ItemBuffer render_item_buffer(const bvh::WideTree& tree,
-                              const geometry::MeshView& mesh,
+ItemBuffer render_item_buffer(const bvh::MeshBvh& bvh,
                               const Vec3& point,
                               const View& view,
                               const ExclusionMask& excluded,
@@ -76,7 +75,7 @@ ItemBuffer render_item_buffer(const bvh::WideTree& tree,
         .view = view, .directions = std::vector<Vec3>(pixels), .triangles = {}, .distances = {}};
     buffer.triangles.reserve(pixels);
     buffer.distances.reserve(pixels);
-    const ExclusionMask absent = with_degenerate(excluded, mesh);
+    const ExclusionMask absent = with_degenerate(excluded, bvh.mesh());
     std::vector<Ray> rays;
     std::vector<std::optional<Hit>> hits;
     for (std::size_t row = 0; row < view.height; row += rows_per_batch) {
@@ -91,7 +90,7 @@ ItemBuffer render_item_buffer(const bvh::WideTree& tree,
             }
         });
         hits.resize(rays.size());
-        closest_hits(tree, mesh, rays, absent, hits, executor);
+        closest_hits(bvh, rays, absent, hits, executor);
         for (const std::optional<Hit>& hit : hits) {
             buffer.triangles.push_back(hit ? hit->triangle : kNoTriangle);
             buffer.distances.push_back(hit ? hit->t : std::numeric_limits<double>::infinity());

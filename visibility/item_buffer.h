@@ -4,7 +4,7 @@
 #include "earshot/base/math.h"
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/types.h"
 #include "earshot/visibility/exclusion_mask.h"
@@ -39,8 +39,7 @@ struct ItemBuffer {
 /// Casts one ray from `point` through the middle of every pixel. Excluded triangles are treated as
 /// absent, and so are triangles without area. Precondition: width and height are not 0, and the
 /// tree was built over or refitted to this mesh.
-ItemBuffer render_item_buffer(const bvh::WideTree& tree,
-                              const geometry::MeshView& mesh,
+ItemBuffer render_item_buffer(const bvh::MeshBvh& bvh,
                               const geometry::Vec3& point,
                               const View& view,
                               const ExclusionMask& excluded = {},

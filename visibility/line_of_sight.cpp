@@ -3,8 +3,6 @@
 
 #include "earshot/bvh/better_hit.h"
 #include "earshot/bvh/traverse_wide.h"
-#include "earshot/bvh/wide_batch.h"
-#include "earshot/bvh/wide_ray.h"
 #include "earshot/visibility/internal/batch_query.h"
 #include "earshot/visibility/internal/coherent_order.h"
 #include "earshot/visibility/internal/mesh_touch.h"
@@ -14,8 +12,6 @@
 
 namespace earshot::visibility {
 
-using bvh::WideTree;
-using geometry::MeshView;
 using geometry::Segment;
 using geometry::TriangleId;
 
@@ -24,21 +20,19 @@ namespace {
 constexpr std::size_t kGrain = 512;
 
 /// Whether a triangle outside of the mask blocks the segment.
-bool is_blocked(const WideTree& tree,
-                const MeshView& mesh,
+bool is_blocked(const bvh::MeshBvh& bvh,
                 const Segment& segment,
                 const ExclusionMask& excluded) noexcept {
     bool is_blocked = false;
-    bvh::traverse_front_to_back(tree, segment, 1.0, bvh::every_slot, [&](TriangleId id) {
-        is_blocked = !excluded.contains(id) && touches(segment, mesh, id);
+    bvh::traverse_front_to_back(bvh.tree(), segment, 1.0, bvh::every_slot, [&](TriangleId id) {
+        is_blocked = !excluded.contains(id) && touches(segment, bvh.mesh(), id);
         return !is_blocked;
     });
     return is_blocked;
 }
 
 /// first_blocker() of a segment that is blocked by some triangle, excluded or not.
-std::optional<Blocker> find_first(const WideTree& tree,
-                                  const MeshView& mesh,
+std::optional<Blocker> find_first(const bvh::MeshBvh& bvh,
                                   const Segment& segment,
                                   const ExclusionMask& excluded) noexcept {
     // Twice the error bound of geometry::first_touch: a triangle whose box begins this much later
@@ -46,11 +40,11 @@ std::optional<Blocker> find_first(const WideTree& tree,
     constexpr double kSlack = 0x1p-36;
     std::optional<Blocker> first;
     double t_max = 1.0;
-    bvh::traverse_front_to_back(tree, segment, t_max, bvh::every_slot, [&](TriangleId id) {
+    bvh::traverse_front_to_back(bvh.tree(), segment, t_max, bvh::every_slot, [&](TriangleId id) {
         if (excluded.contains(id)) {
             return true;
         }
-        const auto t = first_touch(segment, mesh, id);
+        const auto t = first_touch(segment, bvh.mesh(), id);
         if (t && (!first || bvh::better_hit(Blocker{id, *t}, *first))) {
             first = {id, *t};
             t_max = std::min(1.0, *t + kSlack);
@@ -63,8 +57,7 @@ std::optional<Blocker> find_first(const WideTree& tree,
 /// Queries segments in an order in which neighbours are close to each other; the answers stand in
 /// the order of the segments.
 template <typename Answer>
-void query_sorted(const WideTree& tree,
-                  const MeshView& mesh,
+void query_sorted(const bvh::MeshBvh& bvh,
                   std::span<const Segment> segments,
                   const ExclusionMask& excluded,
                   std::span<Answer> answers,
@@ -77,8 +70,7 @@ void query_sorted(const WideTree& tree,
         for (std::size_t i = 0; i < batch.size(); ++i) {
             sorted[i] = batch[order[i]];
         }
-        query_batch(tree,
-                    mesh,
+        query_batch(bvh,
                     std::span<const Segment>(sorted).first(batch.size()),
                     excluded,
                     std::span(of_sorted).first(batch.size()),
@@ -90,86 +82,75 @@ void query_sorted(const WideTree& tree,
 }
 
 template <typename Answer>
-std::vector<Answer> query_all(const WideTree& tree,
-                              const MeshView& mesh,
+std::vector<Answer> query_all(const bvh::MeshBvh& bvh,
                               std::span<const Segment> segments,
                               const ExclusionMask& excluded,
                               Executor& executor) {
     // While most of the tree stays in the caches, sorting costs more than it saves.
     constexpr std::size_t kMinBytesForSorting = std::size_t{128} << 20U;
     std::vector<Answer> answers(segments.size());
-    if (tree.bytes() < kMinBytesForSorting) {
-        query_batch(tree, mesh, segments, excluded, std::span(answers), executor);
+    if (bvh.tree().bytes() < kMinBytesForSorting) {
+        query_batch(bvh, segments, excluded, std::span(answers), executor);
     } else {
-        query_sorted(tree, mesh, segments, excluded, std::span(answers), executor);
+        query_sorted(bvh, segments, excluded, std::span(answers), executor);
     }
     return answers;
 }
 
 }  // namespace
 
-bool visible(const WideTree& tree,
-             const MeshView& mesh,
+bool visible(const bvh::MeshBvh& bvh,
              const Segment& segment,
              const ExclusionMask& excluded) noexcept {
-    return !bvh::occluded(tree, mesh, segment) ||
-           (!excluded.is_empty() && !is_blocked(tree, mesh, segment, excluded));
+    return !bvh.occluded(segment) || (!excluded.is_empty() && !is_blocked(bvh, segment, excluded));
 }
 
-std::optional<Blocker> first_blocker(const WideTree& tree,
-                                     const MeshView& mesh,
+std::optional<Blocker> first_blocker(const bvh::MeshBvh& bvh,
                                      const Segment& segment,
                                      const ExclusionMask& excluded) noexcept {
-    return bvh::occluded(tree, mesh, segment) ? find_first(tree, mesh, segment, excluded)
-                                              : std::nullopt;
+    return bvh.occluded(segment) ? find_first(bvh, segment, excluded) : std::nullopt;
 }
 
-void query_batch(const WideTree& tree,
-                 const MeshView& mesh,
+void query_batch(const bvh::MeshBvh& bvh,
                  std::span<const Segment> segments,
                  const ExclusionMask& excluded,
                  std::span<std::uint8_t> visible,
                  Executor& executor) {
-    bvh::occluded(tree, mesh, segments, visible, executor);
+    bvh.occluded(segments, visible, executor);
     executor.for_each(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const bool is_visible =
-                visible[i] == 0 ||
-                (!excluded.is_empty() && !is_blocked(tree, mesh, segments[i], excluded));
+            const bool is_visible = visible[i] == 0 || (!excluded.is_empty() &&
+                                                        !is_blocked(bvh, segments[i], excluded));
             visible[i] = is_visible ? 1 : 0;
         }
     });
 }
 
-void query_batch(const WideTree& tree,
-                 const MeshView& mesh,
+void query_batch(const bvh::MeshBvh& bvh,
                  std::span<const Segment> segments,
                  const ExclusionMask& excluded,
                  std::span<std::optional<Blocker>> blockers,
                  Executor& executor) {
-    const auto blocked = bvh::occluded(tree, mesh, segments, executor);
+    const auto blocked = bvh.occluded(segments, executor);
     executor.for_each(segments.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            blockers[i] =
-                blocked[i] != 0 ? find_first(tree, mesh, segments[i], excluded) : std::nullopt;
+            blockers[i] = blocked[i] != 0 ? find_first(bvh, segments[i], excluded) : std::nullopt;
         }
     });
 }
 
-std::vector<std::uint8_t> visible(const WideTree& tree,
-                                  const MeshView& mesh,
+std::vector<std::uint8_t> visible(const bvh::MeshBvh& bvh,
                                   std::span<const Segment> segments,
                                   const ExclusionMask& excluded,
                                   Executor& executor) {
-    return query_all<std::uint8_t>(tree, mesh, segments, excluded, executor);
+    return query_all<std::uint8_t>(bvh, segments, excluded, executor);
 }
 
-std::vector<std::optional<Blocker>> first_blockers(const WideTree& tree,
-                                                   const MeshView& mesh,
+std::vector<std::optional<Blocker>> first_blockers(const bvh::MeshBvh& bvh,
                                                    std::span<const Segment> segments,
                                                    const ExclusionMask& excluded,
                                                    Executor& executor) {
-    return query_all<std::optional<Blocker>>(tree, mesh, segments, excluded, executor);
+    return query_all<std::optional<Blocker>>(bvh, segments, excluded, executor);
 }
 
 }  // namespace earshot::visibility

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/types.h"
 #include "earshot/visibility/exclusion_mask.h"
@@ -22,8 +22,7 @@ namespace earshot::visibility {
 // the executor; and a mesh whose triangles share their edges has no gaps. The winding of a triangle
 // plays no part.
 //
-// Preconditions: the tree was built over or refitted to this mesh, and coordinates are finite, at
-// most 1e12 m. Const trees may be queried from many threads.
+// Precondition: coordinates are finite, at most 1e12 m. May be called from many threads.
 
 /// The triangle that blocks a line of sight.
 struct Blocker {
@@ -33,16 +32,14 @@ struct Blocker {
 };
 
 /// Whether no triangle outside of the exclusion mask blocks the segment. Does not allocate.
-bool visible(const bvh::WideTree& tree,
-             const geometry::MeshView& mesh,
+bool visible(const bvh::MeshBvh& bvh,
              const geometry::Segment& segment,
              const ExclusionMask& excluded = {}) noexcept;
 
 /// The triangle that blocks the segment first from `from`: the one of the smallest `t`, and of
 /// several at one `t`, as at a shared edge, the one of the lowest TriangleId. Empty if visible().
 /// Does not allocate.
-std::optional<Blocker> first_blocker(const bvh::WideTree& tree,
-                                     const geometry::MeshView& mesh,
+std::optional<Blocker> first_blocker(const bvh::MeshBvh& bvh,
                                      const geometry::Segment& segment,
                                      const ExclusionMask& excluded = {}) noexcept;
 
@@ -50,15 +47,13 @@ std::optional<Blocker> first_blocker(const bvh::WideTree& tree,
 // neighbours take similar paths through it; the results stand in the order of the segments.
 
 /// visible() of every segment: 1 or 0.
-std::vector<std::uint8_t> visible(const bvh::WideTree& tree,
-                                  const geometry::MeshView& mesh,
+std::vector<std::uint8_t> visible(const bvh::MeshBvh& bvh,
                                   std::span<const geometry::Segment> segments,
                                   const ExclusionMask& excluded = {},
                                   Executor& executor = Executor::serial());
 
 /// first_blocker() of every segment.
-std::vector<std::optional<Blocker>> first_blockers(const bvh::WideTree& tree,
-                                                   const geometry::MeshView& mesh,
+std::vector<std::optional<Blocker>> first_blockers(const bvh::MeshBvh& bvh,
                                                    std::span<const geometry::Segment> segments,
                                                    const ExclusionMask& excluded = {},
                                                    Executor& executor = Executor::serial());

@@ -2,8 +2,6 @@
 #include "earshot/visibility/internal/masked_hits.h"
 
 #include "earshot/bvh/better_hit.h"
-#include "earshot/bvh/traverse_wide.h"
-#include "earshot/bvh/wide_batch.h"
 #include "earshot/geometry/intersect.h"
 #include "earshot/geometry/predicates.h"
 
@@ -11,7 +9,6 @@
 
 namespace earshot::visibility {
 
-using bvh::WideTree;
 using geometry::Hit;
 using geometry::MeshView;
 using geometry::Ray;
@@ -22,24 +19,22 @@ namespace {
 constexpr std::size_t kGrain = 256;
 
 /// bvh::closest_hit() among the triangles that are not excluded, in double precision throughout.
-std::optional<Hit> closest_hit(const WideTree& tree,
-                               const MeshView& mesh,
+std::optional<Hit> closest_hit(const bvh::MeshBvh& bvh,
                                const Ray& ray,
                                const ExclusionMask& excluded) noexcept {
-    const geometry::PreparedRay prepared(ray, tree.max_abs_coordinate());
+    const geometry::PreparedRay prepared(ray, bvh.max_abs_coordinate());
     std::optional<Hit> best;
     if (!prepared.is_valid()) {
         return best;
     }
     double t_max = prepared.t_max();
-    bvh::traverse(
-        tree,
+    bvh.traverse(
         [&](const geometry::Aabb& box) { return !prepared.box_interval(box, t_max).is_empty(); },
         [&](TriangleId id) {
             if (excluded.contains(id)) {
                 return true;
             }
-            const auto [a, b, c] = geometry::corners(mesh, id);
+            const auto [a, b, c] = bvh.corners(id);
             if (auto hit = prepared.hit(a, b, c, t_max)) {
                 hit->triangle = id;
                 if (!best || bvh::better_hit(*hit, *best)) {
@@ -54,14 +49,13 @@ std::optional<Hit> closest_hit(const WideTree& tree,
 
 }  // namespace
 
-bool closest_hits(const WideTree& tree,
-                  const MeshView& mesh,
+bool closest_hits(const bvh::MeshBvh& bvh,
                   std::span<const Ray> rays,
                   const ExclusionMask& excluded,
                   std::span<std::optional<Hit>> hits,
                   Executor& executor,
                   const Interrupt& interrupt) {
-    if (!bvh::closest_hits(tree, mesh, rays, hits, executor, interrupt)) {
+    if (!bvh.closest_hits(rays, hits, executor, interrupt)) {
         return false;
     }
     if (excluded.is_empty()) {
@@ -72,7 +66,7 @@ bool closest_hits(const WideTree& tree,
     executor.for_each(rays.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (hits[i] && excluded.contains(hits[i]->triangle)) {
-                hits[i] = closest_hit(tree, mesh, rays[i], excluded);
+                hits[i] = closest_hit(bvh, rays[i], excluded);
             }
         }
     });

@@ -3,7 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-#include "earshot/bvh/tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 
 #include <algorithm>
 #include <numeric>
@@ -24,7 +24,9 @@ Objects Objects::groups(const geometry::MeshView& mesh,
     EARSHOT_ASSERT(max_triangles > 0);
     const bvh::BuildOptions options = {
         .max_leaf_size = static_cast<int>(std::min<std::size_t>(max_triangles, 4))};
-    const auto tree = bvh::Tree::build(bvh::triangle_boxes(mesh, executor), options, executor);
+    const bvh::DeformableBvh hierarchy(
+        bvh::triangle_boxes(mesh, executor), {.build = options}, executor);
+    const bvh::Tree& tree = hierarchy.binary_tree();
     std::vector<ObjectId> object_of_triangle(mesh.triangles.size(), 0);
     if (tree.nodes().empty()) {
         return Objects({});

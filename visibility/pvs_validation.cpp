@@ -24,15 +24,14 @@ constexpr std::uint64_t kFirstStream = 200;
 
 }  // namespace
 
-MissedShare validate_pvs(const bvh::WideTree& tree,
-                         const geometry::MeshView& mesh,
+MissedShare validate_pvs(const bvh::MeshBvh& bvh,
                          const Objects& objects,
                          const ViewCells& cells,
                          std::span<const std::vector<ObjectId>> sets,
                          const ValidationOptions& options,
                          Executor& executor) {
     EARSHOT_ASSERT(sets.size() == cells.size());
-    const ExclusionMask excluded = with_degenerate(options.excluded, mesh);
+    const ExclusionMask excluded = with_degenerate(options.excluded, bvh.mesh());
     MissedShare result;
     std::vector<Ray> rays;
     std::vector<std::optional<Hit>> hits;
@@ -46,7 +45,7 @@ MissedShare validate_pvs(const bvh::WideTree& tree,
                 rays[i] = random_ray(cells.region(), options.seed, kFirstStream, result.rays + i);
             }
         });
-        closest_hits(tree, mesh, rays, excluded, hits, executor);
+        closest_hits(bvh, rays, excluded, hits, executor);
         for (std::size_t i = 0; i < count; ++i) {
             const auto cell = cells.cell_at(rays[i].origin);
             if (hits[i] && cell) {

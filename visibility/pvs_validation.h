@@ -3,7 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/exclusion_mask.h"
 #include "earshot/visibility/missed_share.h"
@@ -28,10 +28,9 @@ struct ValidationOptions {
 /// viewpoints uniform in the region and directions uniform on the sphere. A ray is missed if its
 /// closest hit is an object that the set of its viewpoint's cell lacks (the pixel error of Bittner
 /// et al. 2009, section 5.3). Ray i is a function of seed and i alone; the result does not depend
-/// on the executor. Precondition: the tree was built over or refitted to this mesh; there is a set
+/// on the executor. Precondition: there is a set
 /// per cell.
-MissedShare validate_pvs(const bvh::WideTree& tree,
-                         const geometry::MeshView& mesh,
+MissedShare validate_pvs(const bvh::MeshBvh& bvh,
                          const Objects& objects,
                          const ViewCells& cells,
                          std::span<const std::vector<ObjectId>> sets,

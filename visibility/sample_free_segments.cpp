@@ -39,8 +39,7 @@ bool hits_back(const MeshView& mesh, TriangleId triangle, const Vec3& direction)
 
 /// Moves origins inside of solids out of them, along their rays, and removes the rays that stay
 /// inside.
-void leave_solids(const bvh::WideTree& tree,
-                  const MeshView& mesh,
+void leave_solids(const bvh::MeshBvh& bvh,
                   const ExclusionMask& excluded,
                   double step_out,
                   std::vector<Ray>& rays,
@@ -55,11 +54,11 @@ void leave_solids(const bvh::WideTree& tree,
         std::transform(
             inside.begin(), inside.end(), moving.begin(), [&](std::size_t i) { return rays[i]; });
         std::vector<std::optional<geometry::Hit>> hits(moving.size());
-        closest_hits(tree, mesh, moving, excluded, hits, executor);
+        closest_hits(bvh, moving, excluded, hits, executor);
         std::vector<std::size_t> still;
         for (std::size_t k = 0; k < inside.size(); ++k) {
             Ray& ray = rays[inside[k]];
-            if (!hits[k] || !hits_back(mesh, hits[k]->triangle, ray.direction)) {
+            if (!hits[k] || !hits_back(bvh.mesh(), hits[k]->triangle, ray.direction)) {
                 continue;
             }
             if (move == kMaxMoves) {
@@ -87,13 +86,12 @@ bool is_free_of_solids(const MeshView& mesh, const FreeSegment& free, const Vec3
 
 }  // namespace
 
-std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
-                                              const MeshView& mesh,
+std::vector<FreeSegment> sample_free_segments(const bvh::MeshBvh& bvh,
                                               const ViewRegion& region,
                                               const SegmentSampling& sampling,
                                               Executor& executor) {
     validate(region);
-    const ExclusionMask excluded = with_degenerate(sampling.excluded, mesh);
+    const ExclusionMask excluded = with_degenerate(sampling.excluded, bvh.mesh());
     const double step_out = kStepOut * glm::length(region.size());
     std::vector<FreeSegment> result;
     std::vector<Ray> rays;
@@ -106,13 +104,13 @@ std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
             }
         });
         if (sampling.skip_solids) {
-            leave_solids(tree, mesh, excluded, step_out, rays, executor);
+            leave_solids(bvh, excluded, step_out, rays, executor);
         }
-        const auto segments = cast_free_segments(tree, mesh, rays, region, excluded, executor);
+        const auto segments = cast_free_segments(bvh, rays, region, excluded, executor);
         for (std::size_t i = 0; i < segments.size(); ++i) {
             if (segments[i].is_valid() &&
                 (!sampling.skip_solids ||
-                 is_free_of_solids(mesh, segments[i], rays[i].direction))) {
+                 is_free_of_solids(bvh.mesh(), segments[i], rays[i].direction))) {
                 result.push_back(segments[i]);
             }
         }

@@ -24,8 +24,7 @@ struct SegmentSampling {
 /// sphere, that end at a triangle on at least one side; in the order of the samples (GameTools
 /// 2007, the sampling of view cells). Sample i is a function of seed and i alone. Precondition: the
 /// tree was built over or refitted to this mesh. Throws Error as validate(region).
-std::vector<FreeSegment> sample_free_segments(const bvh::WideTree& tree,
-                                              const geometry::MeshView& mesh,
+std::vector<FreeSegment> sample_free_segments(const bvh::MeshBvh& bvh,
                                               const ViewRegion& region,
                                               const SegmentSampling& sampling = {},
                                               Executor& executor = Executor::serial());

@@ -8,8 +8,6 @@
 
 namespace earshot::visibility {
 
-using bvh::WideTree;
-using geometry::MeshView;
 using geometry::Segment;
 using geometry::TriangleId;
 
@@ -25,8 +23,7 @@ TriangleId cell_of(const std::optional<Blocker>& blocker) noexcept {
 /// A matrix whose cells are converted from answers. The columns of a row are queried along a Morton
 /// curve, so that consecutive segments, which start together, end close together too.
 template <typename Answer, typename Cell>
-void make_matrix(const WideTree& tree,
-                 const MeshView& mesh,
+void make_matrix(const bvh::MeshBvh& bvh,
                  const PointSets& points,
                  const ExclusionMask& excluded,
                  Executor& executor,
@@ -49,7 +46,7 @@ void make_matrix(const WideTree& tree,
                 const std::size_t pair = begin + i;
                 segments[i] = {points.from[row + pair / columns], points.to[order[pair % columns]]};
             }
-            query_batch(tree, mesh, segments, excluded, std::span<Answer>(answers), executor);
+            query_batch(bvh, segments, excluded, std::span<Answer>(answers), executor);
             for (std::size_t i = 0; i < count; ++i) {
                 const std::size_t pair = begin + i;
                 cells[pair / columns * columns + order[pair % columns]] = cell_of(answers[i]);
@@ -63,23 +60,20 @@ void make_matrix(const WideTree& tree,
 
 }  // namespace
 
-void visibility_matrix(const WideTree& tree,
-                       const MeshView& mesh,
+void visibility_matrix(const bvh::MeshBvh& bvh,
                        const PointSets& points,
                        const ExclusionMask& excluded,
                        Executor& executor,
                        const std::function<void(std::span<const std::uint8_t>)>& take_row) {
-    make_matrix<std::uint8_t, std::uint8_t>(tree, mesh, points, excluded, executor, take_row);
+    make_matrix<std::uint8_t, std::uint8_t>(bvh, points, excluded, executor, take_row);
 }
 
-void blocker_matrix(const WideTree& tree,
-                    const MeshView& mesh,
+void blocker_matrix(const bvh::MeshBvh& bvh,
                     const PointSets& points,
                     const ExclusionMask& excluded,
                     Executor& executor,
                     const std::function<void(std::span<const TriangleId>)>& take_row) {
-    make_matrix<std::optional<Blocker>, TriangleId>(
-        tree, mesh, points, excluded, executor, take_row);
+    make_matrix<std::optional<Blocker>, TriangleId>(bvh, points, excluded, executor, take_row);
 }
 
 }  // namespace earshot::visibility

@@ -23,16 +23,14 @@ struct PointSets {
 };
 
 /// Hands over visible() of every pair, 1 or 0.
-void visibility_matrix(const bvh::WideTree& tree,
-                       const geometry::MeshView& mesh,
+void visibility_matrix(const bvh::MeshBvh& bvh,
                        const PointSets& points,
                        const ExclusionMask& excluded,
                        Executor& executor,
                        const std::function<void(std::span<const std::uint8_t>)>& take_row);
 
 /// Hands over the triangle of first_blocker() of every pair, or kNoBlocker.
-void blocker_matrix(const bvh::WideTree& tree,
-                    const geometry::MeshView& mesh,
+void blocker_matrix(const bvh::MeshBvh& bvh,
                     const PointSets& points,
                     const ExclusionMask& excluded,
                     Executor& executor,

@@ -33,18 +33,16 @@ constexpr double kOpposite = 4.0 - 1e-12;
 
 }  // namespace
 
-VisibleSearch::VisibleSearch(const bvh::WideTree& tree,
-                             const geometry::MeshView& mesh,
+VisibleSearch::VisibleSearch(const bvh::MeshBvh& bvh,
                              const Vec3& point,
                              const VisibleTrianglesOptions& options,
                              Executor& executor)
-    : tree_(tree),
-      mesh_(mesh),
+    : bvh_(bvh),
       point_(point),
       options_(options),
-      excluded_(with_degenerate(options.excluded, mesh)),
+      excluded_(with_degenerate(options.excluded, bvh.mesh())),
       executor_(executor),
-      index_of_triangle_(mesh.triangles.size(), kNoTriangle) {}
+      index_of_triangle_(bvh.mesh().triangles.size(), kNoTriangle) {}
 
 std::vector<TriangleId> VisibleSearch::cast(std::span<const Vec3> directions) {
     std::vector<TriangleId> visible(directions.size(), kNoTriangle);
@@ -57,8 +55,7 @@ std::vector<TriangleId> VisibleSearch::cast(std::span<const Vec3> directions) {
                 rays[i] = {.origin = point_, .direction = batch[i]};
             }
         });
-        closest_hits(tree_,
-                     mesh_,
+        closest_hits(bvh_,
                      std::span<const Ray>(rays).first(batch.size()),
                      excluded_,
                      std::span(hits).first(batch.size()),
@@ -106,9 +103,9 @@ bool VisibleSearch::share_edge(TriangleId a, TriangleId b) const noexcept {
     }
     // Compared by position, because files of some formats give every triangle its own vertices.
     int shared = 0;
-    for (const geometry::VertexId i : mesh_.triangles[a]) {
-        for (const geometry::VertexId j : mesh_.triangles[b]) {
-            shared += i == j || mesh_.positions[i] == mesh_.positions[j] ? 1 : 0;
+    for (const geometry::VertexId i : bvh_.mesh().triangles[a]) {
+        for (const geometry::VertexId j : bvh_.mesh().triangles[b]) {
+            shared += i == j || bvh_.mesh().positions[i] == bvh_.mesh().positions[j] ? 1 : 0;
         }
     }
     return shared >= 2;
@@ -154,7 +151,7 @@ void VisibleSearch::subdivide(std::vector<DirectionInterval> intervals, double m
 }
 
 Corners VisibleSearch::relative_corners(TriangleId triangle) const noexcept {
-    Corners corners = geometry::corners(mesh_, triangle);
+    Corners corners = bvh_.corners(triangle);
     for (Vec3& corner : corners) {
         corner -= point_;
     }

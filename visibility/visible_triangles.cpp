@@ -200,8 +200,7 @@ private:
 
 }  // namespace
 
-VisibleTriangles visible_triangles(const bvh::WideTree& tree,
-                                   const geometry::MeshView& mesh,
+VisibleTriangles visible_triangles(const bvh::MeshBvh& bvh,
                                    const Vec3& point,
                                    const VisibleTrianglesOptions& options,
                                    Executor& executor,
@@ -209,7 +208,7 @@ VisibleTriangles visible_triangles(const bvh::WideTree& tree,
     EARSHOT_ASSERT(options.resolution >= VisibleTrianglesOptions::kMinResolution &&
                    options.resolution <= VisibleTrianglesOptions::kMaxResolution);
     EARSHOT_ASSERT(options.min_gap > 0.0 && options.border_angle > 0.0);
-    VisibleSearch search(tree, mesh, point, options, executor);
+    VisibleSearch search(bvh, point, options, executor);
     ItemBufferPass(search, options, executor, progress).run();
     if (options.refine) {
         search.sample_borders(progress);

@@ -3,7 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/visible_triangle_set.h"
 
@@ -23,9 +23,7 @@ namespace earshot::visibility {
 /// border of every triangle found is followed (adaptive border sampling; Wonka et al. 2006), and a
 /// ray is aimed at the centroid of every triangle that is still missing, so that each triangle
 /// whose centroid is visible is found. The result is the same for any tree and executor.
-/// Precondition: the tree was built over or refitted to this mesh.
-VisibleTriangles visible_triangles(const bvh::WideTree& tree,
-                                   const geometry::MeshView& mesh,
+VisibleTriangles visible_triangles(const bvh::MeshBvh& bvh,
                                    const geometry::Vec3& point,
                                    const VisibleTrianglesOptions& options = {},
                                    Executor& executor = Executor::serial(),

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 namespace earshot::bvh {
@@ -16,6 +17,25 @@ namespace earshot::bvh {
 inline bool is_closer(const geometry::ClosestPoint& a, const geometry::ClosestPoint& b) noexcept {
     return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
 }
+
+/// Keeps the closest candidate.
+class ClosestCollector {
+public:
+    explicit ClosestCollector(double max_distance) noexcept : max_distance_(max_distance) {}
+
+    double max_distance() const noexcept { return max_distance_; }
+    void add(const geometry::ClosestPoint& candidate) noexcept {
+        if (!best_ || is_closer(candidate, *best_)) {
+            best_ = candidate;
+            max_distance_ = candidate.distance;
+        }
+    }
+    const std::optional<geometry::ClosestPoint>& best() const noexcept { return best_; }
+
+private:
+    std::optional<geometry::ClosestPoint> best_;
+    double max_distance_;
+};
 
 /// Gives the triangles of a leaf to a collector.
 template <class Collector>

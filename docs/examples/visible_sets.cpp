@@ -5,6 +5,7 @@
 
 #include "earshot/visibility/visible_sets.h"
 
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/visibility/global_sampling.h"
 #include "earshot/visibility/guided_sampling.h"
 #include "earshot/visibility/pvs_validation.h"
@@ -37,25 +38,24 @@ int main() {
     geometry::Mesh mesh;
     add_room(mesh, 0.0, 5.0);
     add_room(mesh, 5.5, 3.0);
-    const auto tree =
-        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
+    const bvh::DeformableBvh hierarchy(mesh.view());
 
     const geometry::Vec3 listener{2, 1.5, 2};
-    const auto from_point = visibility::visible_triangles(tree, mesh.view(), listener);
+    const auto from_point = visibility::visible_triangles(hierarchy.view(), listener);
     std::cout << from_point.triangles.size() << " triangles are visible from the listener, "
               << from_point.free_solid_angle << " sr are free\n";
 
     const visibility::ViewRegion region{{1, 1, 1}, {4, 2, 3}};
     const auto from_region =
-        visibility::sample_region(tree, mesh.view(), region, {.max_rays = 100'000});
+        visibility::sample_region(hierarchy.view(), region, {.max_rays = 100'000});
     std::cout << from_region.triangles.size() << " from anywhere in its room\n";
 
     // Two view cells, one in each room.
     const auto cells = visibility::ViewCells::grid({{0.5, 1, 1}, {8, 2, 3}}, {2, 1, 1});
     const auto objects = visibility::Objects::triangles(mesh.triangles.size());
-    auto pvs = visibility::sample_cells(tree, mesh.view(), objects, cells, {.max_rays = 200'000});
+    auto pvs = visibility::sample_cells(hierarchy.view(), objects, cells, {.max_rays = 200'000});
     const auto missed =
-        visibility::validate_pvs(tree, mesh.view(), objects, cells, pvs.visible, {.rays = 30'000});
+        visibility::validate_pvs(hierarchy.view(), objects, cells, pvs.visible, {.rays = 30'000});
     const visibility::VisibleSets sets(
         cells, objects, std::move(pvs.visible), {.validation = missed});
     const auto cell = sets.cells().cell_at(listener);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/bvh/traverse.h"
-#include "earshot/bvh/tree.h"
 #include "earshot/frustum/internal/frustum.h"
 
 #include <span>
@@ -18,7 +18,7 @@ public:
         for (std::size_t i = 0; i < points.size(); ++i) {
             boxes[i].include(points[i]);
         }
-        tree_ = bvh::Tree::build(boxes);
+        bvh_ = bvh::DeformableBvh(boxes);
     }
 
     /// Calls visit(index) for a superset of the listeners in a frustum, in an order that depends on
@@ -26,7 +26,7 @@ public:
     template <typename Visit>
     void visit_in(const BoxCull& cull, Visit&& visit) const {
         bvh::traverse(
-            tree_,
+            bvh_.binary_tree(),
             [&](const bvh::Node& node) { return cull.may_overlap(node.box); },
             [&](std::uint32_t listener) {
                 visit(listener);
@@ -35,7 +35,7 @@ public:
     }
 
 private:
-    bvh::Tree tree_;
+    bvh::DeformableBvh bvh_;
 };
 
 }  // namespace earshot::frustum

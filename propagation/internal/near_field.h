@@ -2,9 +2,7 @@
 #pragma once
 
 #include "earshot/audio/bands.h"
-#include "earshot/bvh/tree.h"
-#include "earshot/bvh/wide_tree.h"
-#include "earshot/geometry/mesh.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/propagation/internal/ray_surface.h"
 
 #include <cstddef>
@@ -44,9 +42,7 @@ class NearField {
 public:
     /// `surfaces` two per material: front and back. Reflected probes start `offset` metres from the
     /// surface.
-    NearField(const bvh::Tree& tree,
-              const bvh::WideTree& wide,
-              const geometry::MeshView& mesh,
+    NearField(const bvh::MeshBvh& bvh,
               std::span<const std::uint32_t> material_of_triangle,
               std::span<const RaySurface> surfaces,
               const geometry::Vec3& listener,

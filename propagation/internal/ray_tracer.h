@@ -2,7 +2,6 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/wide_tree.h"
 #include "earshot/propagation/internal/near_field.h"
 #include "earshot/propagation/internal/ray_surface.h"
 #include "earshot/propagation/late_energy.h"
@@ -160,7 +159,6 @@ private:
     const RayScene& scene_;
     const RaySource& source_;
     const RayOptions& options_;
-    bvh::WideTree wide_;
     std::size_t bands_;
     double max_distance_;  // metres that sound travels until the histogram ends
     double bins_per_metre_;

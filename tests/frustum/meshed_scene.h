@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/bvh/ray.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/facets.h"
@@ -25,20 +25,20 @@ public:
             kept_labels.push_back(labels[triangle]);
         }
         facets_ = geometry::find_facets(mesh_.view(), clean.weld, kept_labels);
-        tree_ = bvh::Tree::build(bvh::triangle_boxes(mesh_.view()));
+        bvh_ = bvh::DeformableBvh(mesh_.view());
     }
     explicit MeshedScene(const geometry::Mesh& mesh)
         : MeshedScene(mesh, std::vector<std::uint32_t>(mesh.triangles.size(), 0)) {}
 
     const geometry::Facets& facets() const { return facets_; }
     SceneView scene_view() const {
-        return {.tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = {}};
+        return {.bvh = {bvh_.tree(), mesh_.view()}, .facets = facets_, .one_sided = {}};
     }
 
 private:
     geometry::Mesh mesh_;
     geometry::Facets facets_;
-    bvh::Tree tree_;
+    bvh::DeformableBvh bvh_;
 };
 
 }  // namespace earshot::frustum

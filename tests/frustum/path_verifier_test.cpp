@@ -133,11 +133,9 @@ TEST(PathVerifier, ASliverOnEdgeReflectsWhereItIsOnly) {
     facets.facets[0].triangles = {0, 1, 2};
     facets.of_triangle = {0, 0, 0};
     facets.tolerance = 1e-6;
-    const bvh::Tree tree =
-        bvh::Tree::build(bvh::triangle_boxes(mesh.view()),
-                         {.traversal_cost = 100.0});  // one leaf, whose box tells nothing
-    const PathVerifier verifier(
-        {.tree = tree, .mesh = mesh.view(), .facets = facets, .one_sided = {}});
+    const bvh::DeformableBvh bvh(
+        mesh.view(), {.build = {.traversal_cost = 100.0}});  // one leaf, whose box tells nothing
+    const PathVerifier verifier({.bvh = bvh.view(), .facets = facets, .one_sided = {}});
     const auto reflects_at = [&](double x) {
         const std::vector<Vec3> images = {{x - 1.0, 1.0, 2.0}, {x - 1.0, -1.0, 2.0}};
         const std::vector<FacetId> sequence = {0};

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/random.h"
-#include "earshot/bvh/tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/frustum/scene_view.h"
 
 #include <glm/geometric.hpp>
@@ -66,18 +66,18 @@ public:
             scale = std::max({scale, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
         }
         facets_.tolerance = 4.0 * 0x1p-23 * scale;
-        tree_ = bvh::Tree::build(bvh::triangle_boxes(mesh_.view()));
+        bvh_ = bvh::DeformableBvh(mesh_.view());
     }
 
     SceneView scene_view() const {
-        return {.tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = one_sided_};
+        return {.bvh = {bvh_.tree(), mesh_.view()}, .facets = facets_, .one_sided = one_sided_};
     }
 
 private:
     geometry::Mesh mesh_;
     geometry::Facets facets_;
     std::vector<std::uint8_t> one_sided_;
-    bvh::Tree tree_;
+    bvh::DeformableBvh bvh_;
 };
 
 /// A room with boxes in it, some turned against the walls, and points in the air (a point inside a

@@ -20,11 +20,11 @@ using geometry::Vec3;
 std::optional<FacetId> first_facet(const SceneView& s, const Vec3& origin, const Vec3& direction) {
     double nearest = 1e30;
     std::optional<FacetId> first;
-    for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) {
-        const auto& triangle = s.mesh.triangles[i];
-        const Vec3& a = s.mesh.positions[triangle[0]];
-        const Vec3 ab = s.mesh.positions[triangle[1]] - a;
-        const Vec3 ac = s.mesh.positions[triangle[2]] - a;
+    for (std::size_t i = 0; i < s.mesh().triangles.size(); ++i) {
+        const auto& triangle = s.mesh().triangles[i];
+        const Vec3& a = s.mesh().positions[triangle[0]];
+        const Vec3 ab = s.mesh().positions[triangle[1]] - a;
+        const Vec3 ac = s.mesh().positions[triangle[2]] - a;
         const Vec3 p = glm::cross(direction, ac);
         const double determinant = glm::dot(ab, p);
         const Vec3 offset = origin - a;

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/bvh/ray.h"
-#include "earshot/bvh/tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/propagation/late_rays.h"
 
@@ -17,15 +16,15 @@ struct OneMaterialScene {
     geometry::Mesh mesh;
     std::vector<std::uint32_t> material_of_triangle;
     std::vector<Material> materials{1};
-    bvh::Tree tree;
+    bvh::DeformableBvh bvh;
 
     OneMaterialScene(geometry::Mesh the_mesh, double absorption, double scattering)
         : mesh(std::move(the_mesh)), material_of_triangle(mesh.triangles.size(), 0) {
         materials[0].absorption = EnergyCoefficient(absorption);
         materials[0].scattering = EnergyCoefficient(scattering);
-        tree = bvh::Tree::build(bvh::triangle_boxes(mesh.view()));
+        bvh = bvh::DeformableBvh(mesh.view());
     }
-    RayScene scene() const { return {tree, mesh.view(), material_of_triangle, materials}; }
+    RayScene scene() const { return {{bvh.tree(), mesh.view()}, material_of_triangle, materials}; }
 };
 
 /// A closed box from the origin to `size`.

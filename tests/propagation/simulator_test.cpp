@@ -212,6 +212,28 @@ TEST(Simulator, TimesMayBeVisitedInAnyOrder) {
     EXPECT_EQ(paths_at(0.0), 1U);
 }
 
+TEST(Simulator, BuildsOneHierarchyOverTheTrianglesOfAnAnimation) {
+    geometry::Part part;
+    Scene scene = box_scene();
+    part.positions = scene.mesh.positions_at(0.0);
+    part.targets.push_back({std::vector<Vec3>(part.positions.size(), Vec3(0.0))});
+    part.targets[0].displacement[7] = {0.5, 0.25, 0.5};
+    part.rest_weights = {0.0};
+    part.weights = {.times = {0.0, 1.0}, .values = {0.0, 1.0}};
+    std::vector<geometry::Part> parts = {part};
+    scene.mesh = geometry::AnimatedMesh({}, {}, std::move(parts), scene.mesh.triangles());
+    Simulator simulator(scene, {.specular_order = 2, .rays = 500});
+    simulator.run();
+    EXPECT_EQ(simulator.update_counts(), bvh::UpdateCounts{.builds = 1});
+    for (const double time : {0.25, 0.5, 0.75}) {
+        simulator.set_time(time);
+        simulator.run();
+    }
+    const bvh::UpdateCounts counts = simulator.update_counts();
+    EXPECT_EQ(counts.builds, 1U);
+    EXPECT_EQ(counts.refits + counts.repairs + counts.rebuilds, 3U);
+}
+
 TEST(Simulator, RefusesWhatCannotBeSimulated) {
     const Scene scene = box_scene();
     EXPECT_THROW(Simulator(scene, {.air = {.humidity_percent = 101.0}}), Error);

@@ -26,11 +26,11 @@ TracedRoom::TracedRoom(const geometry::Mesh& mesh,
             one_sided_.push_back(label < one_sided_labels.size() ? one_sided_labels[label] : 0);
         }
     }
-    tree_ = bvh::Tree::build(bvh::triangle_boxes(mesh_.view()));
+    bvh_ = bvh::DeformableBvh(mesh_.view());
 }
 
 frustum::SceneView TracedRoom::scene_view() const {
-    return {.tree = tree_, .mesh = mesh_.view(), .facets = facets_, .one_sided = one_sided_};
+    return {.bvh = {bvh_.tree(), mesh_.view()}, .facets = facets_, .one_sided = one_sided_};
 }
 
 frustum::TraceResult TracedRoom::renumbered(frustum::TraceResult result) const {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/surface_points.h"
 #include "earshot/geometry/clean.h"
@@ -55,7 +55,7 @@ private:
     std::vector<geometry::TriangleId> number_;  // per triangle of mesh_: its index as given
     geometry::Facets facets_;
     std::vector<std::uint8_t> one_sided_;
-    bvh::Tree tree_;
+    bvh::DeformableBvh bvh_;
 };
 
 /// The facts of traced paths; `labels` are those of the mesh's triangles.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Late sound in rooms that are not convex against runs with source and listener exchanged: then the
 // ball that measures it is about the other end.
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/propagation/late_rays.h"
 #include "earshot/scenes/gltf_writer.h"
@@ -33,7 +34,7 @@ struct Room {
         }
         mesh = {scene.mesh.positions_at(0.0),
                 {scene.mesh.triangles().begin(), scene.mesh.triangles().end()}};
-        tree = bvh::Tree::build(bvh::triangle_boxes(mesh.view()));
+        bvh = bvh::DeformableBvh(mesh.view());
         for (const Emitter& source : scene.sources) {
             sources.push_back(scene.position_at(source, 0.0));
         }
@@ -46,7 +47,8 @@ struct Room {
                       const std::vector<Vec3>& to,
                       std::size_t rays,
                       double radius) const {
-        const RayScene seen = {tree, mesh.view(), scene.material_of_triangle, scene.materials};
+        const RayScene seen = {
+            {bvh.tree(), mesh.view()}, scene.material_of_triangle, scene.materials};
         const RayOptions options = {.rays = rays,
                                     .length = 1.5,
                                     .bin = 0.005,
@@ -60,7 +62,7 @@ struct Room {
 
     Scene scene;
     geometry::Mesh mesh;
-    bvh::Tree tree;
+    bvh::DeformableBvh bvh;
     std::vector<Vec3> sources, listeners;
 };
 

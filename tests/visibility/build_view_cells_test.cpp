@@ -2,6 +2,7 @@
 #include "earshot/visibility/build_view_cells.h"
 
 #include "earshot/base/error.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/visibility/cell_shape.h"
 #include "earshot/visibility/sample_free_segments.h"
 
@@ -34,9 +35,8 @@ FreeSegment along_x(double from, double to, geometry::TriangleId end) {
 std::vector<FreeSegment> sampled(const geometry::Mesh& mesh,
                                  const ViewRegion& region,
                                  std::size_t count) {
-    const auto tree =
-        bvh::WideTree::build(bvh::Tree::build(bvh::triangle_boxes(mesh.view())), mesh.view());
-    return sample_free_segments(tree, mesh.view(), region, {.seed = kSeed, .count = count});
+    const bvh::DeformableBvh hierarchy(mesh.view());
+    return sample_free_segments(hierarchy.view(), region, {.seed = kSeed, .count = count});
 }
 
 /// Rooms of 4 and 6 m side by side. The wall between them, at x = 3.95 ... 4.05, has a door.

@@ -61,11 +61,11 @@ TEST(CoherentLineOfSight, EqualsTheAnswersWithoutCoherence) {
                 segments.resize(2500);
             }
             const auto tree = wide_tree_of(mesh);
-            ASSERT_EQ(coherent.visible(mesh, segments, two), visible(tree, mesh, segments))
+            ASSERT_EQ(coherent.visible(mesh, segments, two), visible({tree, mesh}, segments))
                 << frame;
-            ASSERT_EQ(counted.visible(mesh, segments), visible(tree, mesh, segments)) << frame;
+            ASSERT_EQ(counted.visible(mesh, segments), visible({tree, mesh}, segments)) << frame;
             ASSERT_EQ(with_excluded.visible(mesh, segments),
-                      visible(tree, mesh, segments, excluded));
+                      visible({tree, mesh}, segments, excluded));
         }
     }
 }
@@ -87,8 +87,7 @@ TEST(CoherentLineOfSight, AnswersMatricesOfAnyShape) {
         const std::vector<std::uint8_t> kept = coherent.matrix(mesh, {from, to});
         const auto tree = wide_tree_of(mesh);
         std::size_t row = 0;
-        visibility_matrix(tree,
-                          mesh,
+        visibility_matrix({tree, mesh},
                           {from, to},
                           {},
                           Executor::serial(),

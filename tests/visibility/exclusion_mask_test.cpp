@@ -93,9 +93,9 @@ TEST(ExclusionMask, RaysPassExcludedTrianglesToTheLastBit) {
         const auto rays = some_rays(20'000);
         std::vector<std::optional<Hit>> masked(rays.size());
         Executor two(2);
-        ASSERT_TRUE(closest_hits(tree_of(c.mesh), c.mesh.view(), rays, c.excluded, masked, two));
+        ASSERT_TRUE(closest_hits({tree_of(c.mesh), c.mesh.view()}, rays, c.excluded, masked, two));
         std::vector<std::optional<Hit>> expected(rays.size());
-        closest_hits(tree_of(c.remaining), c.remaining.view(), rays, {}, expected, two);
+        closest_hits({tree_of(c.remaining), c.remaining.view()}, rays, {}, expected, two);
         std::size_t hits = 0;
         for (std::size_t i = 0; i < rays.size(); ++i) {
             ASSERT_EQ(masked[i].has_value(), expected[i].has_value()) << c.name << i;
@@ -113,12 +113,12 @@ TEST(ExclusionMask, VisibleTrianglesAreThoseOfAMeshWithoutThem) {
     for (const Case& c : cases()) {
         VisibleTrianglesOptions options = {.resolution = 0.05};
         auto expected =
-            visible_triangles(tree_of(c.remaining), c.remaining.view(), Vec3(0.1), options);
+            visible_triangles({tree_of(c.remaining), c.remaining.view()}, Vec3(0.1), options);
         for (VisibleTriangle& entry : expected.triangles) {
             entry.triangle = c.in_mesh(entry.triangle);
         }
         options.excluded = c.excluded;
-        EXPECT_EQ(visible_triangles(tree_of(c.mesh), c.mesh.view(), Vec3(0.1), options), expected)
+        EXPECT_EQ(visible_triangles({tree_of(c.mesh), c.mesh.view()}, Vec3(0.1), options), expected)
             << c.name;
     }
 }
@@ -127,12 +127,12 @@ TEST(ExclusionMask, ItemBuffersAreThoseOfAMeshWithoutThem) {
     for (const Case& c : cases()) {
         const View view = {.width = 64, .height = 32};
         auto expected =
-            render_item_buffer(tree_of(c.remaining), c.remaining.view(), Vec3(0.1), view);
+            render_item_buffer({tree_of(c.remaining), c.remaining.view()}, Vec3(0.1), view);
         for (TriangleId& triangle : expected.triangles) {
             triangle = c.in_mesh(triangle);
         }
         const ItemBuffer masked =
-            render_item_buffer(tree_of(c.mesh), c.mesh.view(), Vec3(0.1), view, c.excluded);
+            render_item_buffer({tree_of(c.mesh), c.mesh.view()}, Vec3(0.1), view, c.excluded);
         EXPECT_EQ(masked.triangles, expected.triangles) << c.name;
         EXPECT_EQ(masked.distances, expected.distances) << c.name;
     }
@@ -141,10 +141,10 @@ TEST(ExclusionMask, ItemBuffersAreThoseOfAMeshWithoutThem) {
 TEST(ExclusionMask, FreeSegmentsPassExcludedTriangles) {
     for (const Case& c : cases()) {
         const ViewRegion region = {Vec3(-0.4), Vec3(0.4)};
-        const auto expected =
-            sample_free_segments(tree_of(c.remaining), c.remaining.view(), region, {.count = 3000});
+        const auto expected = sample_free_segments(
+            {tree_of(c.remaining), c.remaining.view()}, region, {.count = 3000});
         const auto masked = sample_free_segments(
-            tree_of(c.mesh), c.mesh.view(), region, {.count = 3000, .excluded = c.excluded});
+            {tree_of(c.mesh), c.mesh.view()}, region, {.count = 3000, .excluded = c.excluded});
         ASSERT_EQ(masked.size(), expected.size()) << c.name;
         for (std::size_t i = 0; i < masked.size(); ++i) {
             ASSERT_EQ(masked[i].at_from, c.in_mesh(expected[i].at_from));
@@ -173,14 +173,13 @@ TEST(ExclusionMask, RegionsSeeThroughExcludedTriangles) {
         const ViewRegion region = {Vec3(-0.3), Vec3(0.3)};
         const auto tree = tree_of(c.mesh);
         GuidedSamplingOptions options = {.max_rays = 60'000};
-        const RegionPvs unmasked = sample_region(tree, c.mesh.view(), region, options);
+        const RegionPvs unmasked = sample_region({tree, c.mesh.view()}, region, options);
         options.excluded = c.excluded;
-        const RegionPvs masked = sample_region(tree, c.mesh.view(), region, options);
+        const RegionPvs masked = sample_region({tree, c.mesh.view()}, region, options);
         expect_masked(c, masked.triangles, unmasked.triangles);
         // The oracle: what fresh rays hit first in a mesh without the excluded triangles.
         const MissedShare missed =
-            validate_pvs(tree,
-                         c.mesh.view(),
+            validate_pvs({tree, c.mesh.view()},
                          Objects::triangles(c.mesh.triangles.size()),
                          ViewCells(region),
                          std::vector<std::vector<ObjectId>>{masked.triangles},
@@ -198,9 +197,9 @@ TEST(ExclusionMask, CellsSeeThroughExcludedTriangles) {
         const Objects objects = Objects::triangles(c.mesh.triangles.size());
         GlobalSamplingOptions options = {.max_rays = 200'000, .samples_per_batch = 10'000};
         const auto tree = tree_of(c.mesh);
-        const auto unmasked = sample_cells(tree, c.mesh.view(), objects, cells, options).visible;
+        const auto unmasked = sample_cells({tree, c.mesh.view()}, objects, cells, options).visible;
         options.excluded = c.excluded;
-        const auto masked = sample_cells(tree, c.mesh.view(), objects, cells, options).visible;
+        const auto masked = sample_cells({tree, c.mesh.view()}, objects, cells, options).visible;
         for (std::size_t cell = 0; cell < cells.size(); ++cell) {
             expect_masked(c, masked[cell], unmasked[cell]);
         }

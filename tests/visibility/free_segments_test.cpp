@@ -24,7 +24,7 @@ TEST(FreeSegments, EndAtTheFirstTriangleBothWays) {
     for (std::uint64_t i = 0; i < 2000; ++i) {
         rays.push_back({test::random_point(kSeed, 2 * i), test::random_point(kSeed, 2 * i + 1)});
     }
-    const auto segments = cast_free_segments(test::tree_of(mesh), mesh.view(), rays, region);
+    const auto segments = cast_free_segments({test::tree_of(mesh), mesh.view()}, rays, region);
     ASSERT_EQ(segments.size(), rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const auto ahead = bvh::brute_force::closest_hit(mesh.view(), rays[i]);
@@ -45,7 +45,7 @@ TEST(FreeSegments, EndAtTheFirstTriangleBothWays) {
 TEST(FreeSegments, AreEmptyOutsideOfTheBoxAndInAnEmptyMesh) {
     const ViewRegion region = {Vec3(-1.0), Vec3(1.0)};
     const std::vector<Ray> rays = {{Vec3(0.0), {1.0, 0.0, 0.0}}, {Vec3(3.0), {1.0, 0.0, 0.0}}};
-    const auto segments = cast_free_segments({}, {}, rays, region);
+    const auto segments = cast_free_segments({bvh::WideTree(), {}}, rays, region);
     ASSERT_EQ(segments.size(), 2U);
     EXPECT_FALSE(segments[0].is_valid());
     EXPECT_EQ(segments[0].segment.from, Vec3(-1.0, 0.0, 0.0));

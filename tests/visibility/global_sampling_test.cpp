@@ -42,8 +42,7 @@ std::vector<ObjectId> up_to(ObjectId end, ObjectId begin = 0) {
 TEST(GlobalSampling, AllOfAConvexRoomIsVisibleFromItsCells) {
     const Mesh room = test::cube(4, 2.0);
     const ViewCells cells = ViewCells::grid({Vec3(-1.9), Vec3(1.9)}, {3, 3, 3});
-    const GlobalPvs view = sample_cells(tree_of(room),
-                                        room.view(),
+    const GlobalPvs view = sample_cells({tree_of(room), room.view()},
                                         Objects::triangles(room.triangles.size()),
                                         cells,
                                         {.max_rays = 400'000, .samples_per_batch = kBatch});
@@ -58,8 +57,7 @@ TEST(GlobalSampling, SealedRoomsAreNeverMutuallyVisible) {
     // Two columns of cells in each room and one between them.
     const ViewCells cells = ViewCells::grid({{-1.5, -1.5, -1.5}, {6.5, 1.5, 1.5}}, {8, 1, 1})
                                 .merged({0, 0, 0, 1, 1, 2, 2, 2});
-    const GlobalPvs view = sample_cells(tree_of(mesh),
-                                        mesh.view(),
+    const GlobalPvs view = sample_cells({tree_of(mesh), mesh.view()},
                                         Objects::triangles(mesh.triangles.size()),
                                         cells,
                                         {.max_rays = 1'000'000, .samples_per_batch = kBatch});
@@ -75,8 +73,7 @@ TEST(GlobalSampling, MoreRaysOnlyAdd) {
     GlobalPvs last;
     for (std::uint64_t batches = 1; batches < 64; batches *= 4) {
         GlobalPvs view =
-            sample_cells(tree,
-                         mesh.view(),
+            sample_cells({tree, mesh.view()},
                          objects,
                          cells,
                          {.max_rays = 2 * batches * kBatch, .samples_per_batch = kBatch});
@@ -101,12 +98,12 @@ TEST(GlobalSampling, IsTheSameForAnyExecutorAndTree) {
     const Objects objects = Objects::triangles(mesh.triangles.size());
     const ViewCells cells = ViewCells::grid({Vec3(-1.0), Vec3(1.0)}, {3, 2, 4});
     const GlobalSamplingOptions options = {.max_rays = 100'000, .samples_per_batch = kBatch};
-    const GlobalPvs once = sample_cells(tree_of(mesh), mesh.view(), objects, cells, options);
+    const GlobalPvs once = sample_cells({tree_of(mesh), mesh.view()}, objects, cells, options);
     for (const int threads : {1, 2, 8}) {
         for (const bvh::Builder builder : {bvh::Builder::quality, bvh::Builder::lbvh}) {
             Executor executor(threads);
             const GlobalPvs again = sample_cells(
-                tree_of(mesh, builder), mesh.view(), objects, cells, options, executor);
+                {tree_of(mesh, builder), mesh.view()}, objects, cells, options, executor);
             EXPECT_EQ(again.visible, once.visible);
             for (std::size_t distribution = 0; distribution < kSampleDistributions;
                  ++distribution) {
@@ -124,16 +121,15 @@ TEST(GlobalSampling, MutationsFindObjectsThatViewSpaceDirectionsMiss) {
     const ViewCells cells = ViewCells::grid({Vec3(-0.5), Vec3(0.5)}, {2, 2, 2});
     GlobalSamplingOptions options = {.max_rays = 200'000, .samples_per_batch = kBatch};
     const auto tree = tree_of(mesh);
-    const auto all = sample_cells(tree, mesh.view(), objects, cells, options);
+    const auto all = sample_cells({tree, mesh.view()}, objects, cells, options);
     options.distributions = {true, false, false, false, false};
-    const auto plain = sample_cells(tree, mesh.view(), objects, cells, options);
+    const auto plain = sample_cells({tree, mesh.view()}, objects, cells, options);
     EXPECT_GT(all.curve.back().entries, 3 * plain.curve.back().entries);
 }
 
 TEST(GlobalSampling, EndsWhenNothingGrows) {
     const Mesh room = test::cube(1, 2.0);
-    const GlobalPvs view = sample_cells(tree_of(room),
-                                        room.view(),
+    const GlobalPvs view = sample_cells({tree_of(room), room.view()},
                                         Objects::triangles(room.triangles.size()),
                                         ViewCells({Vec3(-1.0), Vec3(1.0)}),
                                         {.window = 20'000, .max_growth = 0});
@@ -143,18 +139,17 @@ TEST(GlobalSampling, EndsWhenNothingGrows) {
 
 TEST(GlobalSampling, HandlesEmptyMeshesAndRefusesTooManyBits) {
     const ViewCells one({Vec3(-1.0), Vec3(1.0)});
-    const GlobalPvs view = sample_cells({}, {}, Objects::triangles(0), one);
+    const GlobalPvs view = sample_cells({bvh::WideTree(), {}}, Objects::triangles(0), one);
     ASSERT_EQ(view.visible.size(), 1U);
     EXPECT_TRUE(view.visible[0].empty());
     const Mesh mesh = test::triangle_soup(4, 3000);
-    EXPECT_THROW(sample_cells(tree_of(mesh),
-                              mesh.view(),
+    EXPECT_THROW(sample_cells({tree_of(mesh), mesh.view()},
                               Objects::triangles(3000),
                               ViewCells::grid(one.region(), {1U << 12U, 1U << 12U, 1})),
                  Error);
     EXPECT_THROW(
         sample_cells(
-            tree_of(mesh), mesh.view(), Objects::triangles(3000), one, {.distributions = {}}),
+            {tree_of(mesh), mesh.view()}, Objects::triangles(3000), one, {.distributions = {}}),
         Error);
 }
 

@@ -35,7 +35,7 @@ Mesh marks(const std::vector<Vec3>& points) {
 
 ItemBuffer render(const Mesh& mesh, const View& view) {
     Executor two(2);
-    return render_item_buffer(wide_tree_of(mesh.view()), mesh.view(), {0, 0, 0}, view, {}, two);
+    return render_item_buffer({wide_tree_of(mesh.view()), mesh.view()}, {0, 0, 0}, view, {}, two);
 }
 
 /// What is seen at fractions of the width, from the left, and of the height, from the top.
@@ -89,7 +89,7 @@ TEST(ItemBuffer, HoldsTheClosestHitOfEveryPixel) {
     const auto tree = wide_tree_of(mesh.view());
     const Vec3 point{1.5, 1.2, 2.5};
     const ItemBuffer buffer =
-        render_item_buffer(tree, mesh.view(), point, {.width = 70, .height = 35});
+        render_item_buffer({tree, mesh.view()}, point, {.width = 70, .height = 35});
     for (std::size_t i = 0; i < buffer.triangles.size(); ++i) {
         EXPECT_NEAR(glm::length(buffer.directions[i]), 1.0, 1e-15);
         const auto hit = bvh::brute_force::closest_hit(

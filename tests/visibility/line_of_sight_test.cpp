@@ -49,7 +49,7 @@ std::size_t compare(const std::string& scene, std::size_t count) {
     const Mesh mesh = scene_mesh(scene);
     const auto segments = some_segments(mesh, count, count);
     Executor two(2);
-    const auto seen = visible(wide_tree_of(mesh.view()), mesh.view(), segments, {}, two);
+    const auto seen = visible({wide_tree_of(mesh.view()), mesh.view()}, segments, {}, two);
     std::size_t free = 0, different = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const bool expected =
@@ -85,11 +85,11 @@ TEST(LineOfSight, IsTheSameOneByOneAndInBatches) {
         excluded.add(id);
     }
     for (const ExclusionMask& passed : {ExclusionMask(), excluded}) {
-        const auto seen = visible(tree, mesh.view(), segments, passed);
-        const auto blockers = first_blockers(tree, mesh.view(), segments, passed);
+        const auto seen = visible({tree, mesh.view()}, segments, passed);
+        const auto blockers = first_blockers({tree, mesh.view()}, segments, passed);
         for (std::size_t i = 0; i < segments.size(); ++i) {
-            ASSERT_EQ(seen[i] != 0, visible(tree, mesh.view(), segments[i], passed));
-            ASSERT_EQ(blockers[i], first_blocker(tree, mesh.view(), segments[i], passed));
+            ASSERT_EQ(seen[i] != 0, visible({tree, mesh.view()}, segments[i], passed));
+            ASSERT_EQ(blockers[i], first_blocker({tree, mesh.view()}, segments[i], passed));
             ASSERT_EQ(blockers[i], first_by_brute_force(mesh, segments[i], passed));
             ASSERT_EQ(seen[i] != 0, !blockers[i]);
         }
@@ -99,21 +99,21 @@ TEST(LineOfSight, IsTheSameOneByOneAndInBatches) {
 TEST(LineOfSight, DoesNotDependOnBuilderThreadsInstructionsOrDirection) {
     const Mesh mesh = scene_mesh("coupled_rooms");
     auto segments = some_segments(mesh, 4000, 6);
-    const auto expected = visible(wide_tree_of(mesh.view()), mesh.view(), segments);
+    const auto expected = visible({wide_tree_of(mesh.view()), mesh.view()}, segments);
     Executor two(2), eight(8);
     for (const auto builder : {bvh::Builder::lbvh, bvh::Builder::spatial_median}) {
         const auto tree = wide_tree_of(mesh.view(), {.builder = builder});
         for (const std::string& target : simd_targets()) {
             override_simd_target(target);
-            EXPECT_EQ(visible(tree, mesh.view(), segments, {}, two), expected) << target;
-            EXPECT_EQ(visible(tree, mesh.view(), segments, {}, eight), expected) << target;
+            EXPECT_EQ(visible({tree, mesh.view()}, segments, {}, two), expected) << target;
+            EXPECT_EQ(visible({tree, mesh.view()}, segments, {}, eight), expected) << target;
         }
         override_simd_target("auto");
     }
     for (Segment& segment : segments) {
         std::swap(segment.from, segment.to);
     }
-    EXPECT_EQ(visible(wide_tree_of(mesh.view()), mesh.view(), segments), expected);
+    EXPECT_EQ(visible({wide_tree_of(mesh.view()), mesh.view()}, segments), expected);
 }
 
 TEST(LineOfSight, GrazingBlocks) {
@@ -121,7 +121,7 @@ TEST(LineOfSight, GrazingBlocks) {
     const Mesh square{{{0, 0, 0}, {0, 1, 0}, {0, 1, 1}, {0, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
     const auto tree = wide_tree_of(square.view());
     const auto blocker = [&](const Segment& segment) {
-        return first_blocker(tree, square.view(), segment);
+        return first_blocker({tree, square.view()}, segment);
     };
     EXPECT_FALSE(blocker({{1, 0.5, 0.25}, {2, 0.5, 0.25}}));
     EXPECT_EQ(blocker({{-1, 0.75, 0.25}, {1, 0.75, 0.25}}), (Blocker{0, 0.5}));
@@ -146,10 +146,10 @@ TEST(LineOfSight, PassesExcludedTriangles) {
     const auto excluding = [&](std::vector<std::uint32_t> which) {
         return ExclusionMask::of_materials(materials, which);
     };
-    EXPECT_EQ(first_blocker(tree, panes.view(), through, excluding({7})), (Blocker{1, 0.5}));
-    EXPECT_EQ(first_blocker(tree, panes.view(), through, excluding({3})), (Blocker{0, 0.25}));
-    EXPECT_TRUE(visible(tree, panes.view(), through, excluding({3, 7})));
-    EXPECT_FALSE(visible(tree, panes.view(), through, excluding({5})));
+    EXPECT_EQ(first_blocker({tree, panes.view()}, through, excluding({7})), (Blocker{1, 0.5}));
+    EXPECT_EQ(first_blocker({tree, panes.view()}, through, excluding({3})), (Blocker{0, 0.25}));
+    EXPECT_TRUE(visible({tree, panes.view()}, through, excluding({3, 7})));
+    EXPECT_FALSE(visible({tree, panes.view()}, through, excluding({5})));
 }
 
 // The oracle is the mesh without the triangles of no area. Segments pass through their corners,
@@ -183,8 +183,8 @@ TEST(LineOfSight, TrianglesWithoutAreaBlockNothing) {
             segments.push_back(line);
         }
         const auto tree = wide_tree_of(mesh.view());
-        const auto visible_pairs = visible(tree, mesh.view(), segments);
-        const auto blockers = first_blockers(tree, mesh.view(), segments);
+        const auto visible_pairs = visible({tree, mesh.view()}, segments);
+        const auto blockers = first_blockers({tree, mesh.view()}, segments);
         CoherentLineOfSight coherent(mesh.view());
         EXPECT_EQ(coherent.visible(mesh.view(), segments), visible_pairs);
         std::size_t free = 0;
@@ -205,8 +205,8 @@ TEST(LineOfSight, TrianglesWithoutAreaBlockNothing) {
 
 TEST(LineOfSight, IsVisibleInAnEmptyMesh) {
     const bvh::WideTree nothing = wide_tree_of({});
-    EXPECT_TRUE(visible(nothing, {}, Segment{{0, 0, 0}, {1, 1, 1}}));
-    EXPECT_TRUE(visible(nothing, {}, std::span<const Segment>{}).empty());
+    EXPECT_TRUE(visible({nothing, {}}, Segment{{0, 0, 0}, {1, 1, 1}}));
+    EXPECT_TRUE(visible({nothing, {}}, std::span<const Segment>{}).empty());
 }
 
 }  // namespace

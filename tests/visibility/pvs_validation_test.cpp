@@ -34,8 +34,7 @@ MissedShare validate(const Mesh& mesh,
                      const ViewCells& cells,
                      const std::vector<std::vector<ObjectId>>& sets,
                      const ValidationOptions& options) {
-    return validate_pvs(tree_of(mesh),
-                        mesh.view(),
+    return validate_pvs({tree_of(mesh), mesh.view()},
                         Objects::triangles(mesh.triangles.size()),
                         cells,
                         sets,
@@ -93,7 +92,7 @@ TEST(ValidatePvs, AgreesWithOtherRaysAgainstAllTriangles) {
     const Mesh mesh = test::triangle_soup(3, 400);
     const ViewRegion region = {Vec3(-0.4), Vec3(0.4)};
     const ViewCells cells(region);
-    const RegionPvs pvs = sample_region(tree_of(mesh), mesh.view(), region, {.max_rays = 300});
+    const RegionPvs pvs = sample_region({tree_of(mesh), mesh.view()}, region, {.max_rays = 300});
     const MissedShare measured = validate(mesh, cells, {pvs.triangles}, {.rays = 50'000});
     support::Dice dice(11);
     std::size_t missed = 0;
@@ -128,8 +127,7 @@ TEST(ValidatePvs, BoundsTheTruthAsOftenAsItSays) {
     int covered = 0;
     int silent = 0;  // batches without a missed ray
     for (std::uint64_t seed = 0; seed < 400; ++seed) {
-        const MissedShare measured = validate_pvs(tree,
-                                                  mesh.view(),
+        const MissedShare measured = validate_pvs({tree, mesh.view()},
                                                   Objects::triangles(2),
                                                   ViewCells({Vec3(0.0), Vec3(0.0)}),
                                                   std::vector<std::vector<ObjectId>>{{}},
@@ -148,8 +146,8 @@ TEST(ValidatePvs, ReportsWhatShortRunsMiss) {
     const ViewRegion region = {Vec3(-0.5), Vec3(0.5)};
     const auto tree = tree_of(mesh);
     for (const std::uint64_t rays : {200U, 1000U, 4000U}) {
-        const RegionPvs pvs = sample_region(tree, mesh.view(), region, {.max_rays = rays});
-        const RegionPvs longer = sample_region(tree, mesh.view(), region, {.max_rays = 300'000});
+        const RegionPvs pvs = sample_region({tree, mesh.view()}, region, {.max_rays = rays});
+        const RegionPvs longer = sample_region({tree, mesh.view()}, region, {.max_rays = 300'000});
         ASSERT_LT(pvs.triangles.size(), longer.triangles.size());
         const MissedShare measured =
             validate(mesh, ViewCells(region), {pvs.triangles}, {.rays = 100'000});
@@ -162,15 +160,14 @@ TEST(ValidatePvs, IsTheSameForAnyExecutorAndTree) {
     const ViewCells cells = ViewCells::grid({Vec3(-0.5), Vec3(0.5)}, {2, 2, 1});
     const Objects objects = Objects::groups(mesh.view(), 8);
     const auto sets =
-        sample_cells(tree_of(mesh), mesh.view(), objects, cells, {.max_rays = 4000}).visible;
+        sample_cells({tree_of(mesh), mesh.view()}, objects, cells, {.max_rays = 4000}).visible;
     const ValidationOptions options = {.seed = 4, .rays = 70'000};
     const MissedShare once =
-        validate_pvs(tree_of(mesh), mesh.view(), objects, cells, sets, options);
+        validate_pvs({tree_of(mesh), mesh.view()}, objects, cells, sets, options);
     EXPECT_GT(once.missed, 0U);
     for (const int threads : {2, 8}) {
         Executor executor(threads);
-        EXPECT_EQ(validate_pvs(tree_of(mesh, bvh::Builder::lbvh),
-                               mesh.view(),
+        EXPECT_EQ(validate_pvs({tree_of(mesh, bvh::Builder::lbvh), mesh.view()},
                                objects,
                                cells,
                                sets,

@@ -34,7 +34,7 @@ std::vector<FreeSegment> sample(const geometry::Mesh& mesh,
                                 const SegmentSampling& sampling,
                                 int threads = 1) {
     Executor executor(threads);
-    return sample_free_segments(tree_of(mesh), mesh.view(), region, sampling, executor);
+    return sample_free_segments({tree_of(mesh), mesh.view()}, region, sampling, executor);
 }
 
 Room room_with_solid() {

@@ -32,11 +32,11 @@ TEST(VisibilityMatrix, HoldsEveryPairInItsPlace) {
         std::size_t row = 0, free = 0;
         support::Dice dice(3);
         visibility_matrix(
-            tree, mesh.view(), {from, to}, {}, two, [&](std::span<const std::uint8_t> is) {
+            {tree, mesh.view()}, {from, to}, {}, two, [&](std::span<const std::uint8_t> is) {
                 ASSERT_EQ(is.size(), to.size());
                 for (int i = 0; i < 20 && columns > 0; ++i) {
                     const auto k = static_cast<std::size_t>(dice.below(columns));
-                    EXPECT_EQ(is[k] != 0, visible(tree, mesh.view(), Segment{from[row], to[k]}));
+                    EXPECT_EQ(is[k] != 0, visible({tree, mesh.view()}, Segment{from[row], to[k]}));
                     free += is[k];
                 }
                 ++row;
@@ -52,14 +52,13 @@ TEST(VisibilityMatrix, NamesTheFirstBlockers) {
     const auto from = some_points(20, 4), to = some_points(50, 5);
     std::size_t row = 0;
     blocker_matrix(
-        tree,
-        mesh.view(),
+        {tree, mesh.view()},
         {from, to},
         {},
         Executor::serial(),
         [&](std::span<const TriangleId> blockers) {
             for (std::size_t k = 0; k < to.size(); ++k) {
-                const auto first = first_blocker(tree, mesh.view(), Segment{from[row], to[k]});
+                const auto first = first_blocker({tree, mesh.view()}, Segment{from[row], to[k]});
                 EXPECT_EQ(blockers[k], first ? first->triangle : kNoBlocker);
             }
             ++row;

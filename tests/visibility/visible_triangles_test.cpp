@@ -63,7 +63,7 @@ Mesh tiled_room(const Vec3& half, int count) {
 VisibleTriangles seen_in(const Mesh& mesh,
                          const Vec3& point,
                          const VisibleTrianglesOptions& options = {}) {
-    return visible_triangles(wide_tree_of(mesh.view()), mesh.view(), point, options);
+    return visible_triangles({wide_tree_of(mesh.view()), mesh.view()}, point, options);
 }
 
 std::set<TriangleId> ids_of(const VisibleTriangles& visible) {
@@ -232,9 +232,9 @@ TEST(VisibleTriangles, DoNotDependOnBuilderThreadsOrInstructions) {
         const auto tree = wide_tree_of(mesh.view(), {.builder = builder});
         for (const std::string& target : simd_targets()) {
             override_simd_target(target);
-            EXPECT_EQ(visible_triangles(tree, mesh.view(), point, options, two), expected)
+            EXPECT_EQ(visible_triangles({tree, mesh.view()}, point, options, two), expected)
                 << target;
-            EXPECT_EQ(visible_triangles(tree, mesh.view(), point, options, eight), expected)
+            EXPECT_EQ(visible_triangles({tree, mesh.view()}, point, options, eight), expected)
                 << target;
         }
         override_simd_target("auto");

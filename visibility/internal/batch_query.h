@@ -9,15 +9,13 @@ namespace earshot::visibility {
 
 // Batches of segments in the order given; answer i is that of segment i.
 
-void query_batch(const bvh::WideTree& tree,
-                 const geometry::MeshView& mesh,
+void query_batch(const bvh::MeshBvh& bvh,
                  std::span<const geometry::Segment> segments,
                  const ExclusionMask& excluded,
                  std::span<std::uint8_t> visible,
                  Executor& executor);
 
-void query_batch(const bvh::WideTree& tree,
-                 const geometry::MeshView& mesh,
+void query_batch(const bvh::MeshBvh& bvh,
                  std::span<const geometry::Segment> segments,
                  const ExclusionMask& excluded,
                  std::span<std::optional<Blocker>> blockers,

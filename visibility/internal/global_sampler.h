@@ -16,8 +16,7 @@ namespace earshot::visibility {
 /// Draws and casts batches of samples and adds their contributions to the visible sets.
 class GlobalSampler {
 public:
-    GlobalSampler(const bvh::WideTree& tree,
-                  const geometry::MeshView& mesh,
+    GlobalSampler(const bvh::MeshBvh& bvh,
                   const Objects& objects,
                   const ViewCells& cells,
                   const GlobalSamplingOptions& options,
@@ -54,8 +53,7 @@ private:
     }
     double radius_at(geometry::TriangleId triangle) const;
 
-    const bvh::WideTree& tree_;
-    geometry::MeshView mesh_;
+    bvh::MeshBvh bvh_;
     const Objects& objects_;
     const ViewCells& cells_;
     const GlobalSamplingOptions& options_;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/internal/border_sampling.h"
 #include "earshot/visibility/region_pvs.h"
@@ -19,8 +19,7 @@ namespace earshot::visibility {
 /// batch.
 class GuidedSampler {
 public:
-    GuidedSampler(const bvh::WideTree& tree,
-                  const geometry::MeshView& mesh,
+    GuidedSampler(const bvh::MeshBvh& bvh,
                   const ViewRegion& region,
                   const GuidedSamplingOptions& options,
                   Executor& executor);
@@ -78,8 +77,7 @@ private:
     bool is_discontinuous(const BorderSample& a, const BorderSample& b) const;
     void sample_reverse(const Seed& seed, const BorderSample& sample);
 
-    const bvh::WideTree& tree_;
-    geometry::MeshView mesh_;
+    bvh::MeshBvh bvh_;
     ViewRegion region_;
     const GuidedSamplingOptions& options_;
     Executor& executor_;

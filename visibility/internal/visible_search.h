@@ -3,7 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
-#include "earshot/bvh/wide_tree.h"
+#include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/visibility/free_segments.h"
 #include "earshot/visibility/internal/border_sampling.h"
@@ -32,8 +32,7 @@ struct DirectionInterval {
 /// The triangles found so far from one point, and the strategies that find more.
 class VisibleSearch {
 public:
-    VisibleSearch(const bvh::WideTree& tree,
-                  const geometry::MeshView& mesh,
+    VisibleSearch(const bvh::MeshBvh& bvh,
                   const geometry::Vec3& point,
                   const VisibleTrianglesOptions& options,
                   Executor& executor);
@@ -72,8 +71,7 @@ private:
     /// The corners of a triangle relative to the point.
     Corners relative_corners(geometry::TriangleId triangle) const noexcept;
 
-    const bvh::WideTree& tree_;
-    const geometry::MeshView mesh_;
+    bvh::MeshBvh bvh_;
     const geometry::Vec3 point_;
     const VisibleTrianglesOptions options_;
     const ExclusionMask excluded_;  // triangles without area, too
