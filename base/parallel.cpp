@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -33,6 +34,7 @@ struct Loop {
     std::size_t grain = 1;
     const std::function<void(std::size_t, std::size_t)>* body = nullptr;
     std::vector<std::exception_ptr> failures{};  // per chunk
+    std::atomic<std::size_t> first_failed{std::numeric_limits<std::size_t>::max()};
 
     void run_chunk(std::size_t chunk) const {
         (*body)(chunk * grain, std::min(count, (chunk + 1) * grain));
@@ -42,10 +44,17 @@ struct Loop {
 void run_chunk_of(void* context, std::size_t chunk) {
     Loop& loop = *static_cast<Loop*>(context);
     static_cast<void>(loop.has_started.load(std::memory_order_acquire));
-    try {
-        loop.run_chunk(chunk);
-    } catch (...) {
-        loop.failures[chunk] = std::current_exception();
+    // What follows a chunk that has thrown is left out, as on one thread.
+    if (chunk < loop.first_failed.load(std::memory_order_relaxed)) {
+        try {
+            loop.run_chunk(chunk);
+        } catch (...) {
+            loop.failures[chunk] = std::current_exception();
+            std::size_t first = loop.first_failed.load(std::memory_order_relaxed);
+            while (chunk < first && !loop.first_failed.compare_exchange_weak(
+                                        first, chunk, std::memory_order_relaxed)) {
+            }
+        }
     }
     loop.finished.fetch_add(1, std::memory_order_release);
 }
@@ -83,7 +92,7 @@ void Executor::for_each(std::size_t count,
         }
         return;
     }
-    // Every chunk runs even after one has thrown, so that the exception that leaves is always the
+    // Every chunk before one that has thrown runs, so that the exception that leaves is always the
     // lowest chunk's, as on one thread.
     loop.failures.resize(chunks);
     loop.has_started.store(true, std::memory_order_release);

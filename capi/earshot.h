@@ -755,8 +755,8 @@ ES_API es_status es_bvh_occluded(es_bvh bvh,
                                  uint8_t* occluded);
 /// The closest point of the mesh to each of `points`, (count, 3), within `max_distance` metres
 /// (infinity: any), of triangles at one distance on the lowest. Into `distances` (count), infinity
-/// where there is none; `triangles` (count), ES_NONE there; `closest` (count, 3). Each of the three
-/// may be null. Reads `bvh`.
+/// where there is none; `triangles` (count), ES_NONE there; `closest` (count, 3), NaN there. Each
+/// of the three may be null. Reads `bvh`.
 ES_API es_status es_bvh_closest_points(es_bvh bvh,
                                        const double* points,
                                        size_t count,

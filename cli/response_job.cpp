@@ -2,13 +2,13 @@
 #include "earshot/cli/response_job.h"
 
 #include "earshot/base/stage_progress.h"
-#include "earshot/cli/decay_notes.h"
 #include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/metrics.h"
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
 #include "earshot/io/whole_file.h"
+#include "earshot/propagation/decay_notes.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
@@ -156,7 +156,7 @@ private:
     /// Of the first time, of which the room is known.
     void explain_decays(const propagation::Simulator& simulator, std::size_t frame) {
         if (frame == 0 && summary_.room) {
-            const Warnings notes = explain_long_decays(
+            const Warnings notes = propagation::explain_long_decays(
                 simulator, job_.scene, *summary_.room, room_options(), summary_.metrics, executor_);
             summary_.notes.insert(summary_.notes.end(), notes.begin(), notes.end());
         }

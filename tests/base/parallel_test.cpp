@@ -96,6 +96,29 @@ TEST(Executor, RethrowsTheLowestChunksExceptionOfSeveral) {
     }
 }
 
+// What is cancelled ends soon: once a chunk has thrown, those behind it are left out.
+TEST(Executor, LeavesOutChunksBehindOneThatHasThrown) {
+    for (const int threads : {1, 2, 8}) {
+        Executor executor(threads);
+        std::atomic<bool> has_thrown{false};
+        std::atomic<std::size_t> begun_afterwards{0};
+        const auto body = [&](std::size_t begin, std::size_t) {
+            if (begin == 0) {
+                has_thrown = true;
+                throw std::runtime_error("no");
+            }
+            while (!has_thrown) {
+                std::this_thread::yield();
+            }
+            std::this_thread::sleep_for(std::chrono::microseconds(20));
+            ++begun_afterwards;
+        };
+        EXPECT_THROW(executor.for_each(100000, 1, body), std::runtime_error);
+        // All of them would take more than a second on these threads.
+        EXPECT_LT(begun_afterwards, 50000U) << threads << " threads";
+    }
+}
+
 TEST(Executor, CanBeUsedFromWithinItsOwnLoops) {
     for (const int threads : {1, 2, 4}) {
         Executor executor(threads);

@@ -9,16 +9,16 @@
 
 #include <span>
 
-namespace earshot::cli {
+namespace earshot::propagation {
 
 /// Says why T30s (mean of 500 Hz and 1 kHz) are long compared with Eyring's: a note on "t30" for
 /// each such pair, and of each source the note of its longest as a warning. The simulator
 /// stands at the instant of `pairs`.
-Warnings explain_long_decays(const propagation::Simulator& simulator,
-                             const propagation::Scene& scene,
-                             const propagation::RoomStatistics& room,
-                             const propagation::RoomStatisticsOptions& options,
-                             std::span<propagation::PairMetrics> pairs,
+Warnings explain_long_decays(const Simulator& simulator,
+                             const Scene& scene,
+                             const RoomStatistics& room,
+                             const RoomStatisticsOptions& options,
+                             std::span<PairMetrics> pairs,
                              Executor& executor);
 
-}  // namespace earshot::cli
+}  // namespace earshot::propagation

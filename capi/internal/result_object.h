@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/bands.h"
+#include "earshot/audio/speech.h"
+#include "earshot/base/error.h"
+#include "earshot/capi/internal/object_table.h"
+#include "earshot/propagation/pair_metrics.h"
+#include "earshot/propagation/pair_result.h"
+#include "earshot/propagation/room_statistics.h"
+#include "earshot/propagation/scene.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace earshot::capi {
+
+inline constexpr std::size_t kMetricCount = ES_METRIC_IACC + 1;
+
+/// A metric of all pairs: (sources, listeners, bands or 1); NaN where there is no value.
+struct MetricTable {
+    std::vector<double> values{}, errors{};
+};
+
+/// A histogram of late sound, (bins, bands).
+struct HistogramTable {
+    std::vector<double> energy{}, error{};
+};
+
+/// What a simulation found, as flat arrays and as the library's objects. Never changes after
+/// finish().
+struct ResultObject : ObjectOf<ES_KIND_RESULT> {
+    propagation::Scene names;  ///< of the scene, without its geometry
+    audio::Bands bands = audio::Bands::octaves();
+    es_result_info info{};
+    std::optional<audio::SpeechConditions> speech{};
+    std::vector<propagation::PairResult> pairs;
+    std::vector<propagation::PairMetrics> metrics;  ///< per pair, or none
+    std::optional<propagation::RoomStatistics> room;
+    Warnings notes;
+    bool has_histograms = false;
+
+    std::vector<float> responses;        ///< (sources, listeners, channels, samples)
+    std::vector<std::uint64_t> lengths;  ///< (sources, listeners)
+
+    // Made of the above by finish().
+    std::vector<es_path> paths;
+    std::vector<std::uint64_t> first_path;
+    std::vector<double> points, pressure;
+    std::vector<std::uint32_t> triangles, materials;
+    /// Per metric, set and form; empty where a metric does not have that.
+    std::array<std::array<std::array<MetricTable, 2>, 2>, kMetricCount> metric_tables;
+    std::vector<HistogramTable> histograms;  ///< per pair, or none
+
+    std::size_t pair_index(std::size_t source, std::size_t listener) const noexcept {
+        return source * info.listeners + listener;
+    }
+    void finish();
+
+private:
+    void flatten_paths();
+    void flatten_histograms();
+};
+
+/// Fills in metric_tables of metrics.
+void flatten_metrics(ResultObject& result);
+
+/// Why a metric of a pair has no value; null if nothing is to be told. `band`: its index, or
+/// ES_NONE.
+const std::string* note_of(const ResultObject& result,
+                           std::int32_t metric,
+                           std::int32_t set,
+                           std::size_t pair,
+                           std::uint32_t band);
+
+}  // namespace earshot::capi

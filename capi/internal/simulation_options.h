@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/capi/earshot.h"
+#include "earshot/propagation/response.h"
+#include "earshot/propagation/simulator.h"
+
+namespace earshot::capi {
+
+/// All options, the defaults for null. Throws Failure for what is out of range.
+es_simulation_options checked_options(const es_simulation_options* options);
+
+/// Without visible sets.
+propagation::Options simulator_options(const es_simulation_options& options);
+
+/// Reads the HRIR set of a binaural format. Throws Error if it cannot.
+propagation::ResponseFormat response_format(const es_simulation_options& options);
+
+}  // namespace earshot::capi

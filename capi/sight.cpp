@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Lines of sight through the mesh of a hierarchy.
+#include "earshot/capi/internal/bvh_object.h"
+#include "earshot/capi/internal/checks.h"
+#include "earshot/capi/internal/segments.h"
+#include "earshot/capi/internal/work.h"
+#include "earshot/visibility/line_of_sight.h"
+#include "earshot/visibility/visibility_matrix.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace earshot::capi {
+
+std::vector<geometry::Segment> segments_of(const double* from,
+                                           const double* to,
+                                           std::size_t count,
+                                           Executor& executor) {
+    require_array(from, 3 * require_array(from, count, "from").size(), "from");
+    require_array(to, 3 * require_array(to, count, "to").size(), "to");
+    std::vector<geometry::Segment> segments(count);
+    constexpr std::size_t kGrain = 4096;
+    executor.for_each(count, kGrain, [&](std::size_t begin, std::size_t end) {
+        const auto begins = require_points(from + 3 * begin, end - begin, "from");
+        const auto ends = require_points(to + 3 * begin, end - begin, "to");
+        for (std::size_t i = begin; i < end; ++i) {
+            segments[i] = {begins[i - begin], ends[i - begin]};
+        }
+    });
+    return segments;
+}
+
+}  // namespace earshot::capi
+
+using namespace earshot;
+using namespace earshot::capi;
+
+es_status es_bvh_exclude(es_bvh bvh, const uint32_t* triangles, size_t count) {
+    return call(__func__, [&] {
+        const Changing<BvhObject> object(bvh, "bvh");
+        visibility::ExclusionMask mask;
+        for (const std::uint32_t triangle : require_array(triangles, count, "triangles")) {
+            require_index(triangle, object->mesh.triangles.size(), "triangles");
+            mask.add(triangle);
+        }
+        object->excluded = std::move(mask);
+    });
+}
+
+es_status es_bvh_visible(es_bvh bvh,
+                         const double* from,
+                         const double* to,
+                         size_t count,
+                         int32_t threads,
+                         uint8_t* visible) {
+    return call(__func__, [&] {
+        const Reading<BvhObject> object(bvh, "bvh");
+        require_threads(threads, "threads");
+        const auto out = require_array(visible, count, "visible");
+        Executor executor(threads);
+        const auto segments = segments_of(from, to, count, executor);
+        const auto found = visibility::visible(
+            object->tree.tree(), object->mesh.view(), segments, object->excluded, executor);
+        std::copy(found.begin(), found.end(), out.begin());
+    });
+}
+
+es_status es_bvh_first_blockers(es_bvh bvh,
+                                const double* from,
+                                const double* to,
+                                size_t count,
+                                int32_t threads,
+                                uint32_t* triangles,
+                                double* t) {
+    return call(__func__, [&] {
+        const Reading<BvhObject> object(bvh, "bvh");
+        require_threads(threads, "threads");
+        require_array(triangles, count, "triangles");
+        Executor executor(threads);
+        const auto segments = segments_of(from, to, count, executor);
+        const auto found = visibility::first_blockers(
+            object->tree.tree(), object->mesh.view(), segments, object->excluded, executor);
+        for (std::size_t i = 0; i < count; ++i) {
+            triangles[i] = found[i] ? found[i]->triangle : ES_NONE;
+            if (t != nullptr) {
+                t[i] = found[i] ? found[i]->t : std::numeric_limits<double>::infinity();
+            }
+        }
+    });
+}
+
+es_status es_bvh_visible_matrix(es_bvh bvh,
+                                const double* from,
+                                size_t from_count,
+                                const double* to,
+                                size_t to_count,
+                                int32_t threads,
+                                uint8_t* visible) {
+    return call(__func__, [&] {
+        const Reading<BvhObject> object(bvh, "bvh");
+        require_threads(threads, "threads");
+        constexpr std::size_t kMaxPairs = std::size_t{1} << 40U;
+        const visibility::PointSets points = {.from = require_points(from, from_count, "from"),
+                                              .to = require_points(to, to_count, "to")};
+        if (to_count > 0 && from_count > kMaxPairs / to_count) {
+            fail_argument("to_count", "makes more than 2^40 pairs", "give fewer points at a time");
+        }
+        std::uint8_t* out = require_array(visible, from_count * to_count, "visible").data();
+        Executor executor(threads);
+        visibility::visibility_matrix(object->tree.tree(),
+                                      object->mesh.view(),
+                                      points,
+                                      object->excluded,
+                                      executor,
+                                      [&](std::span<const std::uint8_t> row) {
+                                          out = std::copy(row.begin(), row.end(), out);
+                                      });
+    });
+}
