@@ -20,30 +20,23 @@ std::string in_quotes(std::string_view text) {
     return "\"" + std::string(text) + "\"";
 }
 
-// "earshot ir" for a subcommand, "earshot" for the program.
-std::string full_name(const CLI::App& command) {
-    const CLI::App* const parent = command.get_parent();
-    return parent == nullptr ? command.get_name() : full_name(*parent) + " " + command.get_name();
-}
-
 // Every spelling of the command's options, dashes included.
 std::vector<std::string> option_names(const CLI::App& command) {
     std::vector<std::string> names;
     for (const CLI::Option* option : command.get_options()) {
-        for (const std::string& name : option->get_lnames()) {
-            names.push_back("--" + name);
-        }
-        for (const std::string& name : option->get_snames()) {
-            names.push_back("-" + name);
-        }
+        const std::vector<std::string> spelt = spellings(*option);
+        names.insert(names.end(), spelt.begin(), spelt.end());
     }
     return names;
 }
 
+// Those that the help lists.
 std::vector<std::string> command_names(const CLI::App& program) {
     std::vector<std::string> names;
     for (const CLI::App* command : program.get_subcommands({})) {
-        names.push_back(command->get_name());
+        if (!command->get_group().empty()) {
+            names.push_back(command->get_name());
+        }
     }
     return names;
 }
@@ -92,29 +85,22 @@ UsageError unknown_option(const CLI::App& command, const std::string& option) {
             suggestion(command, option, option_names(command))};
 }
 
-// The first command or option that does not exist. Asked after parsing has failed, because a typing
-// mistake explains more than what the parser says about the words around it.
-std::optional<UsageError> find_misspelling(const CLI::App& program,
-                                           std::span<const char* const> arguments) {
+// Throws for the first command or option that does not exist. Asked after parsing has failed,
+// because a typing mistake explains more than what the parser says about the words around it.
+void throw_if_misspelt(const CLI::App& program, std::span<const char* const> arguments) {
     const CLI::App* command = &program;
     for (const std::string_view argument : arguments) {
         if (argument == "--") {
-            return std::nullopt;
+            return;
         }
         const std::string option = typed_option(argument);
         if (!option.empty() && !contains(option_names(*command), option)) {
-            return unknown_option(*command, option);
+            throw unknown_option(*command, option);
         }
-        const std::vector<std::string> known = command_names(*command);
-        if (option.empty() && !known.empty()) {
-            const std::string typed(argument);
-            if (!contains(known, typed)) {
-                return UsageError(typed, "no such command", suggestion(*command, typed, known));
-            }
-            command = command->get_subcommand(typed);
+        if (option.empty() && !command_names(*command).empty()) {
+            command = &find_command(*command, std::string(argument));
         }
     }
-    return std::nullopt;
 }
 
 // What the parser found wrong, in this program's words.
@@ -180,26 +166,72 @@ UsageError wrong_usage(const CLI::App& command, std::string subject, const std::
     return {std::move(subject), what, "see " + full_name(command) + " --help"};
 }
 
-void add_common_options(CLI::App& command, CommonOptions& options) {
-    constexpr int kMaxThreads = 1024;
-    const std::vector<CLI::Option*> added = {
-        add_integer(command,
-                    "--threads",
-                    options.threads,
-                    {0, kMaxThreads},
-                    "number of threads (default: 0, all cores); results do not depend on it"),
-        add_integer(command, "--seed", options.seed, {0}, "seed of random numbers (default: 1)"),
-        command
-            .add_option("--simd",
-                        options.simd,
-                        "instruction set to use (default: auto); results do not depend on it")
-            ->check(CLI::IsMember(simd_names())),
-        command.add_flag("--quiet", options.quiet, "print only errors"),
-        command.add_flag("--json", options.json, "print a machine-readable summary"),
-    };
-    for (CLI::Option* option : added) {
-        option->group("Common options");
+std::string HelpFormatter::make_help(const CLI::App* command,
+                                     std::string name,
+                                     CLI::AppFormatMode mode) const {
+    std::string text = CLI::Formatter::make_help(command, std::move(name), mode);
+    for (std::size_t at = text.find("\n\n\n"); at != std::string::npos;
+         at = text.find("\n\n\n", at)) {
+        text.erase(at, 1);
     }
+    return text;
+}
+
+std::string HelpFormatter::make_group(std::string group,
+                                      bool is_positional,
+                                      std::vector<const CLI::Option*> options) const {
+    if (group == kUnlisted) {
+        return {};
+    }
+    return CLI::Formatter::make_group(std::move(group), is_positional, std::move(options));
+}
+
+std::string full_name(const CLI::App& command) {
+    const CLI::App* const parent = command.get_parent();
+    return parent == nullptr ? command.get_name() : full_name(*parent) + " " + command.get_name();
+}
+
+std::vector<std::string> spellings(const CLI::Option& option) {
+    std::vector<std::string> names;
+    for (const std::string& name : option.get_snames()) {
+        names.push_back("-" + name);
+    }
+    for (const std::string& name : option.get_lnames()) {
+        names.push_back("--" + name);
+    }
+    return names;
+}
+
+const CLI::App& find_command(const CLI::App& program, const std::string& name) {
+    for (const CLI::App* command : program.get_subcommands({})) {
+        if (command->get_name() == name) {
+            return *command;
+        }
+    }
+    throw UsageError(name, "no such command", suggestion(program, name, command_names(program)));
+}
+
+void add_common_options(CLI::App& command, CommonOptions& options, const CommonOptionUse& use) {
+    constexpr int kMaxThreads = 1024;
+    const auto place = [](CLI::Option* option, bool is_shown) {
+        option->group(is_shown ? "Common options" : kUnlisted);
+    };
+    place(add_integer(command,
+                      "--threads",
+                      options.threads,
+                      {0, kMaxThreads},
+                      "number of threads (default: 0, all cores); results do not depend on it"),
+          use.threads);
+    place(add_integer(command, "--seed", options.seed, {0}, "seed of random numbers (default: 1)"),
+          use.seed);
+    place(command
+              .add_option("--simd",
+                          options.simd,
+                          "instruction set to use (default: auto); results do not depend on it")
+              ->check(CLI::IsMember(simd_names())),
+          use.simd);
+    place(command.add_flag("--quiet", options.quiet, "print only errors"), true);
+    place(command.add_flag("--json", options.json, "print a machine-readable summary"), true);
 }
 
 CLI::Option* add_integer(CLI::App& command,
@@ -250,9 +282,7 @@ void parse_command_line(CLI::App& program, int argc, const char* const* argv) {
         throw;
     } catch (const CLI::ParseError& error) {
         const std::span arguments(argv + 1, argv + argc);
-        if (auto misspelling = find_misspelling(program, arguments)) {
-            throw UsageError(*misspelling);
-        }
+        throw_if_misspelt(program, arguments);
         const CLI::App& command = chosen_command(program);
         if (!command.get_subcommands({}).empty()) {
             throw wrong_usage(command, "", "no command is given");

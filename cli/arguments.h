@@ -21,6 +21,13 @@ public:
 /// A UsageError whose remedy is the help of `command` (a subcommand, or the program itself).
 UsageError wrong_usage(const CLI::App& command, std::string subject, const std::string& what);
 
+/// The common options that change what a command does; --quiet and --json do so for all.
+struct CommonOptionUse {
+    bool threads = true;
+    bool seed = false;
+    bool simd = true;
+};
+
 /// Options that every command takes.
 struct CommonOptions {
     std::int64_t threads = 0;   ///< 0: one per core
@@ -30,7 +37,34 @@ struct CommonOptions {
     bool json = false;          ///< print the summary as JSON
 };
 
-void add_common_options(CLI::App& command, CommonOptions& options);
+/// The group of options that are taken but not shown. (CLI11 would hide those of a group without a
+/// name, and give them none in its errors.)
+constexpr const char* kUnlisted = "Unlisted";
+
+/// Help without unlisted options, and with no more than one empty line in a row.
+class HelpFormatter : public CLI::Formatter {
+public:
+    std::string make_help(const CLI::App* command,
+                          std::string name,
+                          CLI::AppFormatMode mode) const override;
+    std::string make_group(std::string group,
+                           bool is_positional,
+                           std::vector<const CLI::Option*> options) const override;
+};
+
+/// Adds them all, so that a script may pass them to any command. Help, manual pages and completions
+/// show those that are in `use`.
+void add_common_options(CLI::App& command, CommonOptions& options, const CommonOptionUse& use);
+
+/// Every spelling of an option, dashes included: "-o", "--output".
+std::vector<std::string> spellings(const CLI::Option& option);
+
+/// "earshot ir" for a subcommand, "earshot" for the program.
+std::string full_name(const CLI::App& command);
+
+/// The subcommand of that name, one that is hidden included. Throws UsageError with a suggestion if
+/// there is none.
+const CLI::App& find_command(const CLI::App& program, const std::string& name);
 
 // Options with values. `names` is as CLI11 takes it ("-o,--output"); `placeholder` stands for the
 // value in the help. Values that are not of the form throw UsageError while the line is parsed.

@@ -172,7 +172,10 @@ double largest_of(const Signal& signal) {
 class AuralizeCommand : public Command {
 public:
     explicit AuralizeCommand(CLI::App& program)
-        : Command(program, "auralize", "Convolve dry recordings with impulse responses") {
+        : Command(program,
+                  "auralize",
+                  "Convolve dry recordings with impulse responses",
+                  {.simd = false}) {
         app()
             .add_option("DRY", source_.dry, "an anechoic recording: WAV, FLAC, OGG or AIFF")
             ->required();

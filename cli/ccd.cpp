@@ -52,7 +52,10 @@ std::string digits(double value) {
 class CcdCommand : public Command {
 public:
     explicit CcdCommand(CLI::App& program)
-        : Command(program, "ccd", "Decide elementary queries of continuous collision detection") {
+        : Command(program,
+                  "ccd",
+                  "Decide elementary queries of continuous collision detection",
+                  {.simd = false}) {
         app().add_option("QUERIES", queries_file_, "a .csv file of queries")->required();
         app()
             .add_option("--kind", kind_, "vertex-face or edge-edge")

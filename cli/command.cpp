@@ -5,9 +5,12 @@
 
 namespace earshot::cli {
 
-Command::Command(CLI::App& program, const std::string& name, const std::string& description)
+Command::Command(CLI::App& program,
+                 const std::string& name,
+                 const std::string& description,
+                 const CommonOptionUse& use)
     : Command(program, name, description, WithoutOptions{}) {
-    add_common_options(*app_, common_);
+    add_common_options(*app_, common_, use);
 }
 
 Command::Command(CLI::App& program,

@@ -14,7 +14,10 @@ namespace earshot::cli {
 class Command {
 public:
     /// Adds the subcommand to `program`, common options included.
-    Command(CLI::App& program, const std::string& name, const std::string& description);
+    Command(CLI::App& program,
+            const std::string& name,
+            const std::string& description,
+            const CommonOptionUse& use = {});
     virtual ~Command() = default;
     Command(const Command&) = delete;
     Command& operator=(const Command&) = delete;

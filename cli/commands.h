@@ -7,14 +7,17 @@
 
 namespace earshot::cli {
 
-// One per command, each in a file of its name; main.cpp holds the table of them.
+// One per command, each in a file of its name (the manuals with the help); main.cpp holds the table
+// of them.
 
 std::unique_ptr<Command> make_auralize_command(CLI::App& program);
 std::unique_ptr<Command> make_bvh_command(CLI::App& program);
 std::unique_ptr<Command> make_ccd_command(CLI::App& program);
 std::unique_ptr<Command> make_collide_command(CLI::App& program);
+std::unique_ptr<Command> make_help_command(CLI::App& program);
 std::unique_ptr<Command> make_ir_command(CLI::App& program);
 std::unique_ptr<Command> make_los_command(CLI::App& program);
+std::unique_ptr<Command> make_manuals_command(CLI::App& program);
 std::unique_ptr<Command> make_materials_command(CLI::App& program);
 std::unique_ptr<Command> make_metrics_command(CLI::App& program);
 std::unique_ptr<Command> make_pvs_command(CLI::App& program);

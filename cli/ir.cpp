@@ -53,7 +53,10 @@ constexpr const char* kFooter =
 class IrCommand : public Command {
 public:
     explicit IrCommand(CLI::App& program)
-        : Command(program, "ir", "Impulse responses for every source and listener of a scene") {
+        : Command(program,
+                  "ir",
+                  "Impulse responses for every source and listener of a scene",
+                  {.seed = true}) {
         scene_.add_to(app(), "a response for each");
         app()
             .add_option("-o,--output", directory_, "folder for the results; created if missing")

@@ -23,6 +23,8 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_collide_command,
     make_ccd_command,
     make_materials_command,
+    make_help_command,
+    make_manuals_command,
 };
 
 void run(int argc, const char* const* argv) {
@@ -30,13 +32,14 @@ void run(int argc, const char* const* argv) {
         "Room acoustics from a 3D scene: sound paths, impulse responses, visibility, contacts");
     program.name("earshot");
     program.set_version_flag(
-        "--version", std::string("earshot ") + EARSHOT_VERSION, "Print the version and exit");
+        "-V,--version", std::string("earshot ") + EARSHOT_VERSION, "Print the version and exit");
+    program.formatter(std::make_shared<HelpFormatter>());
     constexpr std::size_t kHelpColumn = 26;
     program.get_formatter()->column_width(kHelpColumn);
     program.get_formatter()->label("SUBCOMMAND", "COMMAND");
     program.require_subcommand(1);
     program.footer(
-        "earshot COMMAND --help describes a command.\n"
+        "earshot help COMMAND describes a command, as earshot COMMAND --help does.\n"
         "Exit status: 0 success, 1 an input or the computation failed, 2 a usage error.");
     std::vector<std::unique_ptr<Command>> commands;
     for (const auto make_command : kCommands) {

@@ -117,7 +117,10 @@ std::string json_text(std::span<const LibraryMaterial> rows) {
 class MaterialsCommand : public Command {
 public:
     explicit MaterialsCommand(CLI::App& program)
-        : Command(program, "materials", "List the built-in library of acoustic materials") {
+        : Command(program,
+                  "materials",
+                  "List the built-in library of acoustic materials",
+                  {.threads = false, .simd = false}) {
         app()
             .add_option(
                 "NAME",

@@ -236,7 +236,10 @@ private:
 class MetricsCommand : public Command {
 public:
     explicit MetricsCommand(CLI::App& program)
-        : Command(program, "metrics", "Room acoustic metrics of impulse responses") {
+        : Command(program,
+                  "metrics",
+                  "Room acoustic metrics of impulse responses",
+                  {.threads = false, .simd = false}) {
         app().add_option("FILE", files_, "WAV, FLAC, OGG or AIFF files")->required();
         output_option_ = add_output("-o,--output",
                                     output_,

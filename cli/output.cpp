@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <unistd.h>
@@ -14,10 +15,21 @@
 namespace earshot::cli {
 namespace {
 
-void print_line(const std::string& line) {
+// Colour is for people: not in a file, and not where NO_COLOR asks for none.
+bool shows_colour() {
+    const char* const refused = std::getenv("NO_COLOR");
+    const char* const terminal = std::getenv("TERM");
+    return (refused == nullptr || *refused == '\0') && terminal != nullptr &&
+           std::string_view(terminal) != "dumb" && isatty(STDERR_FILENO) == 1;
+}
+
+// "earshot: KIND: MESSAGE", KIND in bold and the given colour (ISO 6429) on a terminal.
+void print_line(const std::string& kind, const char* colour, const std::string& message) {
+    const std::string shown_kind =
+        shows_colour() ? std::string("\x1b[1;") + colour + "m" + kind + ":\x1b[0m" : kind + ":";
     // One call, so that lines of several processes do not mix. There is nowhere to report a
     // failure.
-    const std::string text = on_one_line(line) + "\n";
+    const std::string text = "earshot: " + shown_kind + " " + on_one_line(message) + "\n";
     std::fwrite(text.data(), 1, text.size(), stderr);
     std::fflush(stderr);
 }
@@ -53,12 +65,14 @@ void write_output(std::string_view output) {
 }
 
 void print_error(const std::string& message) {
-    print_line("earshot: error: " + message);
+    constexpr const char* kRed = "31";
+    print_line("error", kRed, message);
 }
 
 void print_warnings(const Warnings& warnings) {
+    constexpr const char* kYellow = "33";
     for (const Warning& warning : warnings) {
-        print_line("earshot: warning: " + warning.subject + ": " + warning.what);
+        print_line("warning", kYellow, warning.subject + ": " + warning.what);
     }
 }
 

@@ -17,7 +17,8 @@ void prepare_standard_streams();
 /// Error if the text cannot be written otherwise.
 void write_output(std::string_view output);
 
-/// Prints `earshot: error: MESSAGE` to standard error.
+/// Prints `earshot: error: MESSAGE` to standard error; like warnings, with colour on a terminal
+/// unless the environment has NO_COLOR.
 void print_error(const std::string& message);
 
 /// Prints one line `earshot: warning: SUBJECT: WHAT` for each to standard error.

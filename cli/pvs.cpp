@@ -48,7 +48,10 @@ constexpr const char* kExtractFooter =
 class PvsQueryCommand : public Command {
 public:
     explicit PvsQueryCommand(CLI::App& group)
-        : Command(group, "query", "Tell what is visible from the cell of a point") {
+        : Command(group,
+                  "query",
+                  "Tell what is visible from the cell of a point",
+                  {.threads = false, .simd = false}) {
         app().add_option("FILE", file_, "of earshot pvs build")->required();
         app().add_option("--at", at_option_, "X,Y,Z in metres")->required();
         add_output("-o,--output", output_, "a list of its triangles to write: .csv, or .json");
@@ -109,7 +112,10 @@ private:
 class PvsShowCommand : public Command {
 public:
     explicit PvsShowCommand(CLI::App& group)
-        : Command(group, "show", "Report on a file: cells, sets, average cost of fewer cells") {
+        : Command(group,
+                  "show",
+                  "Report on a file: cells, sets, average cost of fewer cells",
+                  {.threads = false, .simd = false}) {
         app().add_option("FILE", file_, "of earshot pvs build")->required();
         app().footer(kShowFooter);
     }
@@ -129,7 +135,10 @@ private:
 class PvsExtractCommand : public Command {
 public:
     explicit PvsExtractCommand(CLI::App& group)
-        : Command(group, "extract", "Merge cells down to a given number, without sampling again") {
+        : Command(group,
+                  "extract",
+                  "Merge cells down to a given number, without sampling again",
+                  {.threads = false, .simd = false}) {
         app().add_option("FILE", file_, "of earshot pvs build --cells or --grid")->required();
         add_output("-o,--output", output_, "the file to write")->required();
         CLI::Option* cells = add_integer(app(), "--cells", cells_, {1}, "so many, or as there are");

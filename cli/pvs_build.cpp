@@ -49,7 +49,10 @@ constexpr const char* kFooter =
 class PvsBuildCommand : public Command {
 public:
     explicit PvsBuildCommand(CLI::App& group)
-        : Command(group, "build", "Sample what can be seen from a region or its cells") {
+        : Command(group,
+                  "build",
+                  "Sample what can be seen from a region or its cells",
+                  {.seed = true}) {
         scene_.add_to(app());
         add_output("-o,--output", output_, "the file to write")->required();
         app().add_option(

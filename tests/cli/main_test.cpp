@@ -23,7 +23,7 @@ int expect_help_of_commands(const std::vector<std::string>& words) {
     const std::string help = help_of(words).out;
     const std::size_t list = help.find("\nCommands:\n");
     if (list == std::string::npos) {
-        EXPECT_NE(help.find("--threads"), std::string::npos) << help;
+        EXPECT_NE(help.find("-h,--help"), std::string::npos) << help;
         return 0;
     }
     int commands = 0;
@@ -53,6 +53,59 @@ TEST(Program, PrintsItsVersion) {
     const RunResult result = run_earshot({"--version"});
     EXPECT_EQ(result.status, 0);
     EXPECT_EQ(result.out, "earshot " EARSHOT_VERSION "\n");
+    EXPECT_EQ(run_earshot({"-V"}).out, result.out);
+}
+
+TEST(Program, ShowsCommonOptionsWhereTheyAct) {
+    struct Case {
+        std::vector<std::string> command;
+        bool threads, seed, simd;
+    };
+    const std::vector<Case> cases = {{{"ir"}, true, true, true},
+                                     {{"metrics"}, false, false, false},
+                                     {{"auralize"}, true, false, false},
+                                     {{"bvh"}, true, false, true},
+                                     {{"los"}, true, false, true},
+                                     {{"visible"}, true, false, true},
+                                     {{"pvs", "build"}, true, true, true},
+                                     {{"pvs", "query"}, false, false, false},
+                                     {{"pvs", "show"}, false, false, false},
+                                     {{"pvs", "extract"}, false, false, false},
+                                     {{"collide"}, true, false, true},
+                                     {{"ccd"}, true, false, false},
+                                     {{"materials"}, false, false, false}};
+    for (const auto& [command, threads, seed, simd] : cases) {
+        std::vector<std::string> arguments = command;
+        arguments.emplace_back("--help");
+        const std::string help = run_earshot(arguments).out;
+        const auto shows = [&](const char* option) {
+            return help.find("\n  " + std::string(option)) != std::string::npos;
+        };
+        EXPECT_EQ(shows("--threads"), threads) << help;
+        EXPECT_EQ(shows("--seed"), seed) << help;
+        EXPECT_EQ(shows("--simd"), simd) << help;
+        EXPECT_TRUE(shows("--quiet") && shows("--json")) << help;
+    }
+    // Scripts pass them to every command all the same.
+    EXPECT_EQ(run_earshot({"materials", "--threads", "1", "--seed", "2", "--simd", "auto"}).status,
+              0);
+}
+
+TEST(Program, HelpCommandPrintsWhatTheOptionPrints) {
+    const std::vector<std::vector<std::string>> commands = {
+        {}, {"ir"}, {"pvs"}, {"pvs", "build"}, {"help"}};
+    for (const std::vector<std::string>& command : commands) {
+        std::vector<std::string> by_command = command;
+        by_command.insert(by_command.begin(), "help");
+        std::vector<std::string> by_option = command;
+        by_option.emplace_back("--help");
+        const RunResult result = run_earshot(by_command);
+        EXPECT_EQ(result.status, 0);
+        EXPECT_EQ(result.out, run_earshot(by_option).out);
+    }
+    EXPECT_TRUE(failed_with(run_earshot({"help", "materals"}), 2, "did you mean materials?"));
+    EXPECT_TRUE(failed_with(run_earshot({"help", "pvs", "biuld"}), 2, "did you mean build?"));
+    EXPECT_TRUE(failed_with(run_earshot({"help", "ir", "x"}), 2, "x: no such command"));
 }
 
 TEST(Program, RefusesToGuessACommand) {
