@@ -44,8 +44,7 @@ WallTriangles::WallTriangles(const SceneView& scene, geometry::FacetId facet)
     for (const TriangleId id : scene.facets.facets[facet].triangles) {
         Candidate candidate{.triangle = id, .corner = {}};
         for (std::size_t k = 0; k < 3; ++k) {
-            const glm::dvec2 corner =
-                project(scene.mesh.positions[scene.mesh.triangles[id][k]], axis_);
+            const glm::dvec2 corner = project(scene.bvh.corners(id)[k], axis_);
             const bool is_first = triangles_.empty() && k == 0;
             lower_ = is_first ? corner : glm::min(lower_, corner);
             upper = is_first ? corner : glm::max(upper, corner);
