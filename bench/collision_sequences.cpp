@@ -144,11 +144,9 @@ void split(const char* name, const std::vector<Part>& parts) {
     std::vector<double> follow, search, test;
     for (int frame = 0; frame < kFrames; ++frame) {
         for (std::size_t i = 0; i < parts.size(); ++i) {
-            const auto first = static_cast<std::ptrdiff_t>(scene.first_vertex[i]);
-            const auto begin = parts[i].at(frame / double(kFrames));
-            const auto end = parts[i].at((frame + 1) / double(kFrames));
-            std::copy(begin.begin(), begin.end(), scene.begin.begin() + first);
-            std::copy(end.begin(), end.end(), scene.end.begin() + first);
+            scene.move(static_cast<std::uint32_t>(i),
+                       parts[i].at(frame / double(kFrames)),
+                       parts[i].at((frame + 1) / double(kFrames)));
         }
         const double start = processor_ms();
         broad_phase.update(scene, options, executor, statistics);

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/internal/moving_scene.h"
 
+#include "earshot/base/assert.h"
 #include "earshot/base/error.h"
+#include "earshot/geometry/predicates.h"
 #include "earshot/geometry/vector.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 
 namespace earshot::collision {
@@ -15,6 +18,29 @@ namespace earshot::collision {
 using geometry::Triangle;
 using geometry::Vec3;
 using geometry::VertexId;
+
+namespace {
+
+void require_finite(std::uint32_t mesh, std::span<const Vec3> positions) {
+    const auto is_finite = [](const Vec3& position) { return geometry::is_finite(position); };
+    if (!std::all_of(positions.begin(), positions.end(), is_finite)) {
+        throw Error(
+            "mesh " + std::to_string(mesh), "a position is not finite", "check the positions");
+    }
+}
+
+/// Returns whether any is other than before, to the bit: the sign of a zero may show in contacts.
+bool assign(std::span<const Vec3> positions, std::span<Vec3> to) {
+    bool differs = false;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+        const Vec3 position = geometry::without_tiny_coordinates(positions[i]);
+        differs = differs || std::memcmp(&position, &to[i], sizeof(Vec3)) != 0;
+        to[i] = position;
+    }
+    return differs;
+}
+
+}  // namespace
 
 void MovingScene::add(std::span<const Triangle> mesh, std::size_t vertices) {
     for (const Triangle& triangle : mesh) {
@@ -38,6 +64,7 @@ void MovingScene::add(std::span<const Triangle> mesh, std::size_t vertices) {
     end.resize(first_vertex.back(), Vec3(0.0));
     deviation.resize(first_vertex.back(), 0.0);
     screws.resize(meshes());
+    revisions.resize(meshes(), 1);
     is_removed.resize(meshes(), 0);
     ++layout;
 }
@@ -72,9 +99,58 @@ void MovingScene::remove(std::uint32_t mesh) {
     ++layout;
 }
 
+bool MovingScene::set_begin(std::uint32_t mesh, std::span<const Vec3> positions) {
+    EARSHOT_ASSERT(mesh < meshes() && is_removed[mesh] == 0);
+    EARSHOT_ASSERT(first_vertex[mesh] + positions.size() == first_vertex[mesh + 1]);
+    require_finite(mesh, positions);
+    const VertexId first = first_vertex[mesh];
+    const bool begins_elsewhere =
+        assign(positions, std::span(begin).subspan(first, positions.size()));
+    if (screws[mesh]) {
+        screws[mesh].reset();
+        --meshes_on_screws;
+        std::fill_n(deviation.begin() + static_cast<std::ptrdiff_t>(first), positions.size(), 0.0);
+        ++revisions[mesh];
+    }
+    return begins_elsewhere;
+}
+
+bool MovingScene::move(std::uint32_t mesh, std::span<const Vec3> from, std::span<const Vec3> to) {
+    EARSHOT_ASSERT(from.size() == to.size());
+    require_finite(mesh, to);
+    const bool begins_elsewhere = set_begin(mesh, from);
+    const bool ends_elsewhere = assign(to, std::span(end).subspan(first_vertex[mesh], to.size()));
+    revisions[mesh] += begins_elsewhere || ends_elsewhere ? 1 : 0;
+    return begins_elsewhere;
+}
+
+bool MovingScene::move(std::uint32_t mesh, std::span<const Vec3> from, const Screw& screw) {
+    const bool begins_elsewhere = set_begin(mesh, from);
+    screws[mesh] = screw;
+    ++meshes_on_screws;
+    ++revisions[mesh];
+    const VertexId first = first_vertex[mesh];
+    const VertexId last = first_vertex[mesh + 1];
+    for (VertexId vertex = first; vertex < last; ++vertex) {
+        end[vertex] = screw.apply(begin[vertex], 1.0);
+        deviation[vertex] = screw.chord_deviation(begin[vertex]);
+    }
+    require_finite(mesh, std::span(end).subspan(first, last - first));
+    return begins_elsewhere;
+}
+
 std::span<const Triangle> MovingScene::triangles_of(std::uint32_t mesh) const noexcept {
     return std::span(triangles).subspan(first_triangle[mesh],
                                         first_triangle[mesh + 1] - first_triangle[mesh]);
+}
+
+IndexRange MovingScene::vertex_range(std::uint32_t mesh) const noexcept {
+    return {first_vertex[mesh], first_vertex[mesh + 1]};
+}
+
+IndexRange MovingScene::triangle_range(std::uint32_t mesh) const noexcept {
+    return {static_cast<std::uint32_t>(first_triangle[mesh]),
+            static_cast<std::uint32_t>(first_triangle[mesh + 1])};
 }
 
 MovingCorners MovingScene::corners_of(const Triangle& t) const noexcept {

@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/collision/internal/world_state.h"
 
-#include "earshot/base/assert.h"
-#include "earshot/base/error.h"
 #include "earshot/collision/broad_phase/internal/representatives.h"
 #include "earshot/collision/internal/mesh_motion.h"
 #include "earshot/collision/narrow_phase/internal/element_tester.h"
 #include "earshot/collision/narrow_phase/triangle_intersection.h"
-#include "earshot/geometry/predicates.h"
 #include "earshot/geometry/vector.h"
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <limits>
-#include <string>
 #include <utility>
 
 namespace earshot::collision {
@@ -24,60 +20,21 @@ using geometry::Triangle;
 using geometry::Vec3;
 using geometry::VertexId;
 
-namespace {
-
-void require_finite(std::uint32_t mesh, std::span<const Vec3> positions) {
-    const auto is_finite = [](const Vec3& position) { return geometry::is_finite(position); };
-    if (!std::all_of(positions.begin(), positions.end(), is_finite)) {
-        throw Error(
-            "mesh " + std::to_string(mesh), "a position is not finite", "check the positions");
+void World::State::note_update(std::uint32_t mesh, bool has_moved) {
+    instant.note_update(mesh, has_moved);
+    if (has_moved) {
+        convex[mesh].reset();
     }
-}
-
-}  // namespace
-
-void World::State::set_begin(std::uint32_t mesh, std::span<const Vec3> positions) {
-    EARSHOT_ASSERT(mesh < scene.meshes() && scene.is_removed[mesh] == 0);
-    require_finite(mesh, positions);
-    const auto first = static_cast<std::ptrdiff_t>(scene.first_vertex[mesh]);
-    EARSHOT_ASSERT(static_cast<std::size_t>(first) + positions.size() ==
-                   scene.first_vertex[mesh + 1]);
-    std::transform(positions.begin(),
-                   positions.end(),
-                   scene.begin.begin() + first,
-                   geometry::without_tiny_coordinates);
-    if (scene.screws[mesh]) {
-        scene.screws[mesh].reset();
-        --scene.meshes_on_screws;
-        std::fill_n(scene.deviation.begin() + first, positions.size(), 0.0);
-    }
-    instant.note_moved(mesh);
-    convex[mesh].reset();
 }
 
 void World::State::move(std::uint32_t mesh,
                         std::span<const Vec3> begin,
                         std::span<const Vec3> end) {
-    EARSHOT_ASSERT(begin.size() == end.size());
-    require_finite(mesh, end);
-    set_begin(mesh, begin);
-    std::transform(end.begin(),
-                   end.end(),
-                   scene.end.begin() + static_cast<std::ptrdiff_t>(scene.first_vertex[mesh]),
-                   geometry::without_tiny_coordinates);
+    note_update(mesh, scene.move(mesh, begin, end));
 }
 
 void World::State::move(std::uint32_t mesh, std::span<const Vec3> begin, const Screw& screw) {
-    set_begin(mesh, begin);
-    scene.screws[mesh] = screw;
-    ++scene.meshes_on_screws;
-    const VertexId first = scene.first_vertex[mesh];
-    const VertexId last = scene.first_vertex[mesh + 1];
-    for (VertexId vertex = first; vertex < last; ++vertex) {
-        scene.end[vertex] = screw.apply(scene.begin[vertex], 1.0);
-        scene.deviation[vertex] = screw.chord_deviation(scene.begin[vertex]);
-    }
-    require_finite(mesh, std::span(scene.end).subspan(first, last - first));
+    note_update(mesh, scene.move(mesh, begin, screw));
 }
 
 void World::State::move_to_part(std::size_t part) {
@@ -180,6 +137,39 @@ InstantContacts World::State::contacts_of_pair(const MeshPair& pair, Executor& e
                             : search_contacts({a}, {instant.shape(pair.b)}, executor);
 }
 
+void World::State::search_pairs(std::span<const MeshPair> pairs, Executor& executor) {
+    // 1. Of pairs of which neither mesh has moved since the last search contacts are kept.
+    std::vector<PairContacts> found(pairs.size());
+    std::vector<std::size_t> moved;
+    auto kept = pair_contacts.begin();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const MeshPair& pair = pairs[i];
+        kept = std::lower_bound(
+            kept, pair_contacts.end(), pair, [](const PairContacts& one, const MeshPair& other) {
+                return one.pair < other;
+            });
+        const std::array poses{instant.pose(pair.a), instant.pose(pair.b)};
+        if (kept != pair_contacts.end() && kept->pair == pair && kept->poses == poses) {
+            found[i] = {pair, poses, {std::move(kept->contacts.pairs), {}}};
+        } else {
+            found[i] = {pair, poses, {}};
+            moved.push_back(i);
+        }
+    }
+    // 2. The others: few pairs of meshes each in parallel, many next to each other.
+    constexpr std::size_t kManyPairs = 64;
+    if (moved.size() < kManyPairs) {
+        for (const std::size_t i : moved) {
+            found[i].contacts = contacts_of_pair(pairs[i], executor);
+        }
+    } else {
+        executor.for_each(moved.size(), 1, [&](std::size_t i, std::size_t) {
+            found[moved[i]].contacts = contacts_of_pair(pairs[moved[i]], Executor::serial());
+        });
+    }
+    pair_contacts = std::move(found);
+}
+
 std::vector<Contact> World::State::search_at_begin(const ContactOptions& options,
                                                    Executor& executor) {
     // 1. Pairs of meshes, and the shapes of those that are in any.
@@ -192,33 +182,24 @@ std::vector<Contact> World::State::search_at_begin(const ContactOptions& options
     meshes.erase(std::unique(meshes.begin(), meshes.end()), meshes.end());
     instant.update_shapes(scene, meshes, executor, statistics);
 
-    // 2. Pairs of triangles: of few pairs of meshes each in parallel, of many next to each other.
-    constexpr std::size_t kManyPairs = 64;
-    std::vector<InstantContacts> found(pairs.size());
-    if (pairs.size() < kManyPairs) {
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            found[i] = contacts_of_pair(pairs[i], executor);
-        }
-    } else {
-        executor.for_each(pairs.size(), 1, [&](std::size_t i, std::size_t) {
-            found[i] = contacts_of_pair(pairs[i], Executor::serial());
-        });
-    }
+    // 2. Pairs of triangles.
+    search_pairs(pairs, executor);
 
     // 3. Their contacts.
     std::vector<Contact> contacts;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const std::uint32_t a = pairs[i].a, b = pairs[i].b;
-        statistics += found[i].statistics;
-        instant.add_work(a, found[i].statistics);
+    for (const PairContacts& found : pair_contacts) {
+        const auto [a, b] = found.pair;
+        statistics += found.contacts.statistics;
+        instant.add_work(a, found.contacts.statistics);
         if (a != b) {
-            instant.add_work(b, found[i].statistics);
+            instant.add_work(b, found.contacts.statistics);
         }
+        const std::span<const TrianglePair> triangles = found.contacts.pairs;
         const std::size_t first = contacts.size();
-        contacts.resize(first + found[i].pairs.size());
-        executor.for_each(found[i].pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
+        contacts.resize(first + triangles.size());
+        executor.for_each(triangles.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
-                contacts[first + k] = contact_at_begin(a, b, found[i].pairs[k]);
+                contacts[first + k] = contact_at_begin(a, b, triangles[k]);
             }
         });
     }

@@ -36,6 +36,7 @@ void LeafSlabs::build(const MovingScene& scene, const SweptBvh& swept_bvh) {
     nodes_.clear();
     blocks_of_.clear();
     vertices_.clear();
+    leaves_of_mesh_.assign(scene.meshes(), {});
     for (std::uint32_t i = 0; i < nodes.size(); ++i) {
         if (!nodes[i].is_leaf()) {
             continue;
@@ -52,11 +53,36 @@ void LeafSlabs::build(const MovingScene& scene, const SweptBvh& swept_bvh) {
         const VertexId last = vertices_.back();
         vertices_.resize((vertices_.size() + kLanes - 1) / kLanes * kLanes, last);
         leaf_of_node_[i] = static_cast<std::uint32_t>(nodes_.size());
+        // A leaf holds triangles of one mesh, and the leaves of a mesh are neighbours.
+        IndexRange& leaves = leaves_of_mesh_[swept_bvh.mesh_of_node(i)];
+        leaves.begin = leaves.end == 0 ? leaf_of_node_[i] : leaves.begin;
+        leaves.end = leaf_of_node_[i] + 1;
         nodes_.push_back(i);
         blocks_of_.push_back({static_cast<std::uint32_t>(first / kLanes),
                               static_cast<std::uint32_t>(vertices_.size() / kLanes)});
     }
     blocks_.resize(vertices_.size() / kLanes);
+    changed_meshes_.reset();
+}
+
+/// Moves the origin to the middle of the scene's box where it has come to be far from it, so that
+/// all leaves have to follow; errors grow with the distance of the farthest vertex.
+void LeafSlabs::follow_box(const geometry::Aabb& box, double margin) {
+    constexpr double kFar = 0.125;  // of half the largest side
+    Vec3 middle(0.0), half(0.0);
+    for (std::uint8_t axis = 0; axis < 3; ++axis) {
+        const double lower = box.lower[axis], upper = box.upper[axis];
+        middle[axis] = 0.5 * (lower + upper);
+        half[axis] = 0.5 * (upper - lower);
+    }
+    const auto largest = [](const Vec3& v) {
+        return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+    };
+    if (!(largest(middle - origin_) <= kFar * largest(half))) {
+        origin_ = middle;
+        changed_meshes_.reset();
+    }
+    error_ = gap_error(largest(half + glm::abs(middle - origin_)), margin);
 }
 
 void LeafSlabs::update(const MovingScene& scene,
@@ -67,20 +93,15 @@ void LeafSlabs::update(const MovingScene& scene,
     if (nodes_.empty()) {
         return;
     }
-    const geometry::Aabb& all = swept_bvh.tree().nodes()[0].box;
-    Vec3 half(0.0);
-    for (std::uint8_t axis = 0; axis < 3; ++axis) {
-        const double lower = all.lower[axis], upper = all.upper[axis];
-        origin_[axis] = 0.5 * (lower + upper);
-        half[axis] = 0.5 * (upper - lower);
-    }
-    error_ = gap_error(std::max({half.x, half.y, half.z}), margin);
-    executor.for_each(leaf_slabs_.size(), 1024, [&](std::size_t from, std::size_t to) {
-        for (std::size_t leaf = from; leaf < to; ++leaf) {
-            copy_vertices(scene, leaf);
-            leaf_slabs_[leaf] = slab(scene, swept_bvh, leaf);
-        }
-    });
+    follow_box(swept_bvh.tree().nodes()[0].box, margin);
+    for_each_index(ranges_of(changed_meshes_.take(scene),
+                             [&](std::uint32_t mesh) { return leaves_of_mesh_[mesh]; }),
+                   1024,
+                   executor,
+                   [&](std::uint32_t leaf) {
+                       copy_vertices(scene, leaf);
+                       leaf_slabs_[leaf] = slab(scene, swept_bvh, leaf);
+                   });
 }
 
 void LeafSlabs::copy_vertices(const MovingScene& scene, std::size_t leaf) {
@@ -121,7 +142,7 @@ LeafSlabs::Slab LeafSlabs::slab(const MovingScene& scene,
         component = static_cast<float>(normal[axis] / size);
         length += std::abs(component);
     }
-    slab.error = error_ * (length * (1.0F + 0x1p-20F));
+    slab.length = length * (1.0F + 0x1p-20F);
     slab.begin = extent(&Block::begin, blocks_of_[leaf], slab.normal);
     slab.end = extent(&Block::end, blocks_of_[leaf], slab.normal);
     return slab;
@@ -146,10 +167,9 @@ LeafSlabs::Extent LeafSlabs::extent(std::array<Lanes, 3> Block::*time,
 }
 
 bool LeafSlabs::separates(const Slab& slab, SlotRange blocks) const noexcept {
+    const float error = error_ * slab.length;  // gaps up to this may be rounding
     const auto side = [&](const Extent& own, const Extent& other) {
-        return other.lower - own.upper > slab.error   ? 1
-               : own.lower - other.upper > slab.error ? -1
-                                                      : 0;
+        return other.lower - own.upper > error ? 1 : own.lower - other.upper > error ? -1 : 0;
     };
     const int begin = side(slab.begin, extent(&Block::begin, blocks, slab.normal));
     return begin != 0 && begin == side(slab.end, extent(&Block::end, blocks, slab.normal));

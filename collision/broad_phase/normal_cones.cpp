@@ -150,26 +150,27 @@ void NormalCones::build(const MovingScene& scene, const SweptBvh& swept_bvh) {
     Contours contours = find_contours(scene, swept_bvh, kMinTriangles);
     contour_of_node_ = std::move(contours.of_node);
     vertices_ = std::move(contours.vertices);
+    changed_meshes_.reset();
 }
 
 void NormalCones::update(const MovingScene& scene, const SweptBvh& swept_bvh, Executor& executor) {
     normals_.resize(scene.triangles.size());
-    executor.for_each(normals_.size(), 4096, [&](std::size_t from, std::size_t to) {
-        for (std::size_t slot = from; slot < to; ++slot) {
-            const MovingCorners corners = scene.corners_of(
-                scene.triangles[swept_bvh.triangle(static_cast<std::uint32_t>(slot))]);
-            const Vec3 a = corners.begin[1] - corners.begin[0];
-            const Vec3 b = corners.begin[2] - corners.begin[0];
-            const Vec3 c = corners.end[1] - corners.end[0];
-            const Vec3 d = corners.end[2] - corners.end[0];
-            normals_[slot].coefficients = {
-                glm::cross(a, b), 0.5 * (glm::cross(a, d) + glm::cross(c, b)), glm::cross(c, d)};
-            normals_[slot].size =
-                std::max(largest(a), largest(c)) * std::max(largest(b), largest(d));
-        }
+    const auto slots = ranges_of(changed_meshes_.take(scene),
+                                 [&](std::uint32_t mesh) { return swept_bvh.slots_of_mesh(mesh); });
+    for_each_index(slots, 4096, executor, [&](std::uint32_t slot) {
+        const MovingCorners corners = scene.corners_of(scene.triangles[swept_bvh.triangle(slot)]);
+        const Vec3 a = corners.begin[1] - corners.begin[0];
+        const Vec3 b = corners.begin[2] - corners.begin[0];
+        const Vec3 c = corners.end[1] - corners.end[0];
+        const Vec3 d = corners.end[2] - corners.end[0];
+        normals_[slot].coefficients = {
+            glm::cross(a, b), 0.5 * (glm::cross(a, d) + glm::cross(c, b)), glm::cross(c, d)};
+        normals_[slot].size = std::max(largest(a), largest(c)) * std::max(largest(b), largest(d));
     });
     sums_.resize(normals_.size() + 1);
-    for (std::size_t slot = 0; slot < normals_.size(); ++slot) {
+    for (std::size_t slot = slots.empty() ? normals_.size() : slots.front().begin;
+         slot < normals_.size();
+         ++slot) {
         sums_[slot + 1] = sums_[slot] + normals_[slot].coefficients[1];
     }
 }

@@ -35,20 +35,28 @@ Aabb swept_box(const MovingCorners& corners, double margin) {
 }  // namespace
 
 bool SweptBvh::update(const MovingScene& scene, double margin, Executor& executor) {
-    // 1. Bounding volumes of the step: boxes by triangle, DOP extents by vertex.
+    // 1. Bounding volumes of the step, of meshes that do not move as in the last step: boxes by
+    // triangle, DOP extents by vertex.
+    if (layout_ != scene.layout || margin_ != margin) {
+        changed_meshes_.reset();
+        margin_ = margin;
+    }
+    const std::vector<std::uint32_t> changed = changed_meshes_.take(scene);
     boxes_.resize(scene.triangles.size());
     extents_.resize(scene.begin.size());
-    executor.for_each(boxes_.size(), kGrain, [&](std::size_t from, std::size_t to) {
-        for (std::size_t i = from; i < to; ++i) {
+    for_each_index(
+        ranges_of(changed, [&](std::uint32_t mesh) { return scene.triangle_range(mesh); }),
+        kGrain,
+        executor,
+        [&](std::uint32_t i) {
             boxes_[i] = swept_box(scene.corners_of(scene.triangles[i]),
                                   margin + scene.deviation_of(scene.triangles[i]));
-        }
-    });
-    executor.for_each(extents_.size(), kGrain, [&](std::size_t from, std::size_t to) {
-        for (std::size_t i = from; i < to; ++i) {
-            extents_[i] = DopExtents(scene.begin[i], scene.end[i]);
-        }
-    });
+        });
+    for_each_index(
+        ranges_of(changed, [&](std::uint32_t mesh) { return scene.vertex_range(mesh); }),
+        kGrain,
+        executor,
+        [&](std::uint32_t i) { extents_[i] = DopExtents(scene.begin[i], scene.end[i]); });
     // 2. The tree over the boxes.
     if (layout_ != scene.layout) {
         layout_ = scene.layout;
@@ -70,7 +78,12 @@ bool SweptBvh::update(const MovingScene& scene, double margin, Executor& executo
         find_meshes_and_slots(scene);
     }
     // 3. Copy what a traversal reads into the order of the leaves.
-    fill_slots(scene, margin, executor);
+    const IndexRange all_slots{0, static_cast<std::uint32_t>(boxes_.size())};
+    fill_slots(scene,
+               is_new ? std::vector{all_slots}
+                      : ranges_of(changed, [&](std::uint32_t mesh) { return slots_of_mesh(mesh); }),
+               margin,
+               executor);
     return is_new;
 }
 
@@ -78,6 +91,7 @@ void SweptBvh::find_meshes_and_slots(const MovingScene& scene) {
     mesh_of_node_ = bvh::groups_of_nodes(tree(), std::span(scene.first_triangle).subspan(1));
     const std::span<const bvh::Node> nodes = tree().nodes();
     slots_of_node_.resize(nodes.size());
+    slots_of_mesh_.assign(scene.meshes(), {});
     for (std::size_t i = nodes.size(); i-- > 0;) {
         const bvh::Node& node = nodes[i];
         if (node.is_leaf()) {
@@ -90,19 +104,26 @@ void SweptBvh::find_meshes_and_slots(const MovingScene& scene) {
         const SlotRange& right = slots_of_node_[node.first + 1];
         slots_of_node_[i] = {std::min(left.begin, right.begin), std::max(left.end, right.end)};
     }
+    // Parents stand before their children: the last node visited is the root of the mesh's subtree.
+    for (std::size_t i = nodes.size(); i-- > 0;) {
+        if (mesh_of_node_[i] != kMixedMeshes) {
+            slots_of_mesh_[mesh_of_node_[i]] = slots_of_node_[i];
+        }
+    }
 }
 
-void SweptBvh::fill_slots(const MovingScene& scene, double margin, Executor& executor) {
+void SweptBvh::fill_slots(const MovingScene& scene,
+                          std::span<const SlotRange> slots,
+                          double margin,
+                          Executor& executor) {
     slot_boxes_.resize(boxes_.size());
     dops_.resize(boxes_.size());
-    executor.for_each(boxes_.size(), kGrain, [&](std::size_t from, std::size_t to) {
-        for (std::size_t slot = from; slot < to; ++slot) {
-            const std::uint32_t id = triangle(static_cast<std::uint32_t>(slot));
-            const Triangle& t = scene.triangles[id];
-            slot_boxes_[slot] = boxes_[id];
-            dops_[slot] = SweptDop(
-                extents_[t[0]], extents_[t[1]], extents_[t[2]], margin + scene.deviation_of(t));
-        }
+    for_each_index(slots, kGrain, executor, [&](std::uint32_t slot) {
+        const std::uint32_t id = triangle(slot);
+        const Triangle& t = scene.triangles[id];
+        slot_boxes_[slot] = boxes_[id];
+        dops_[slot] = SweptDop(
+            extents_[t[0]], extents_[t[1]], extents_[t[2]], margin + scene.deviation_of(t));
     });
 }
 

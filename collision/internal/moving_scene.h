@@ -16,6 +16,11 @@
 
 namespace earshot::collision {
 
+/// A range of indices.
+struct IndexRange {
+    std::uint32_t begin = 0, end = 0;
+};
+
 /// The meshes of a World, their vertices one after the other and their triangles likewise.
 struct MovingScene {
     std::vector<geometry::Vec3> begin, end;
@@ -27,6 +32,9 @@ struct MovingScene {
     std::vector<std::optional<Screw>> screws;  ///< of meshes that do not move on chords
     std::vector<double> deviation;             ///< by vertex, bound from its chord, metres
     std::uint32_t meshes_on_screws = 0;
+
+    /// By mesh, grows whenever it moves otherwise than in the step before.
+    std::vector<std::uint64_t> revisions;
 
     std::uint64_t layout = 0;              ///< grows with every mesh that is added or removed
     std::vector<std::uint8_t> is_removed;  ///< by mesh
@@ -41,7 +49,17 @@ struct MovingScene {
     /// Takes out the vertices and triangles of a mesh, which keeps its number.
     void remove(std::uint32_t mesh);
 
+    /// The mesh moves from `begin` to `end`, or on a screw. Coordinates below
+    /// geometry::kMinCoordinate count as 0. Returns whether it begins elsewhere than before. Throws
+    /// Error if a position is not finite. Precondition: as many positions as vertices.
+    bool move(std::uint32_t mesh,
+              std::span<const geometry::Vec3> from,
+              std::span<const geometry::Vec3> to);
+    bool move(std::uint32_t mesh, std::span<const geometry::Vec3> from, const Screw& screw);
+
     std::span<const geometry::Triangle> triangles_of(std::uint32_t mesh) const noexcept;
+    IndexRange vertex_range(std::uint32_t mesh) const noexcept;
+    IndexRange triangle_range(std::uint32_t mesh) const noexcept;
     MovingCorners corners_of(const geometry::Triangle& triangle) const noexcept;
     /// The points on their chords.
     MovingPoints points_of(const std::array<geometry::VertexId, 4>& vertices) const noexcept;
@@ -64,6 +82,7 @@ struct MovingScene {
                               Contact& contact) const;
 
 private:
+    bool set_begin(std::uint32_t mesh, std::span<const geometry::Vec3> positions);
     const Screw* screw_of(std::uint32_t mesh) const noexcept {
         return screws[mesh] ? &*screws[mesh] : nullptr;
     }

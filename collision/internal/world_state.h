@@ -9,6 +9,7 @@
 #include "earshot/collision/internal/scene_meshes.h"
 #include "earshot/collision/world.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -23,6 +24,13 @@ struct AddedScene {
     std::uint32_t first_mesh;
 };
 
+/// The contacts of two meshes, with the poses in which they are.
+struct PairContacts {
+    MeshPair pair{};
+    std::array<std::uint64_t, 2> poses{};
+    InstantContacts contacts{};
+};
+
 struct World::State {
     MovingScene scene;
     std::vector<AddedScene> added;
@@ -35,6 +43,7 @@ struct World::State {
 
     SweptBroadPhase swept;
     InstantBroadPhase instant;
+    std::vector<PairContacts> pair_contacts;                     // of the last instant, ascending
     std::vector<std::uint8_t> representatives, all;              // see representatives.h
     std::uint64_t representatives_layout = 0;                    // of the scene that they are of
     std::vector<std::optional<std::vector<ConvexPart>>> convex;  // where they were asked for
@@ -65,7 +74,7 @@ struct World::State {
     Contact contact_at_begin(std::uint32_t mesh_a, std::uint32_t mesh_b, TrianglePair pair) const;
 
 private:
-    void set_begin(std::uint32_t mesh, std::span<const geometry::Vec3> positions);
+    void note_update(std::uint32_t mesh, bool has_moved);
     /// Runs both phases, in rounds of so many tasks: `new_tester` may set the testers of a round
     /// up, finish(tester) takes them in order.
     template <typename SetUp, typename Finish>
@@ -75,6 +84,8 @@ private:
                    SetUp&& set_up,
                    Finish&& finish);
     InstantContacts contacts_of_pair(const MeshPair& pair, Executor& executor) const;
+    /// Finds the pair_contacts of these pairs, ascending.
+    void search_pairs(std::span<const MeshPair> pairs, Executor& executor);
 };
 
 }  // namespace earshot::collision

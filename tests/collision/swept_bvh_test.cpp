@@ -22,12 +22,16 @@ void place(MovingScene& scene, double time) {
     const auto point = [&] {
         return Vec3(dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1));
     };
-    for (std::size_t i = 0; i < scene.begin.size(); i += 3) {
-        const Vec3 middle = 3.0 * point() + 4.0 * time * point();
-        for (std::size_t k = 0; k < 3; ++k) {
-            scene.begin[i + k] = middle + 0.1 * point();
-            scene.end[i + k] = scene.begin[i + k] + 0.1 * point();
+    for (std::uint32_t mesh = 0; mesh < scene.meshes(); ++mesh) {
+        std::vector<Vec3> begin, end;
+        while (begin.size() < scene.first_vertex[mesh + 1] - scene.first_vertex[mesh]) {
+            const Vec3 middle = 3.0 * point() + 4.0 * time * point();
+            for (std::size_t k = 0; k < 3; ++k) {
+                begin.push_back(middle + 0.1 * point());
+                end.push_back(begin.back() + 0.1 * point());
+            }
         }
+        scene.move(mesh, begin, end);
     }
 }
 

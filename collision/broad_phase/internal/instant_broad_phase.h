@@ -9,6 +9,7 @@
 #include "earshot/collision/shape.h"
 #include "earshot/collision/statistics.h"
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,6 +19,8 @@ namespace earshot::collision {
 /// Two meshes, a <= b.
 struct MeshPair {
     std::uint32_t a = 0, b = 0;
+
+    friend auto operator<=>(const MeshPair&, const MeshPair&) = default;
 };
 
 /// The broad phase at an instant, the beginning of a step: an upper tree over the meshes, which
@@ -28,8 +31,12 @@ public:
     explicit InstantBroadPhase(bvh::Builder builder = bvh::Builder::binned_sah)
         : builder_(builder) {}
 
-    /// To be called when a mesh is somewhere else.
-    void note_moved(std::uint32_t mesh);
+    /// To be called at every instant of a mesh: whether it is somewhere else than before. A mesh
+    /// at rest keeps its shape, but for some instants after it has moved.
+    void note_update(std::uint32_t mesh, bool has_moved);
+
+    /// Grows whenever a mesh has moved. Precondition: mesh_pairs() since it was added.
+    std::uint64_t pose(std::uint32_t mesh) const noexcept { return kept_[mesh].pose; }
 
     /// The pairs of meshes that the options accept and whose boxes overlap, ascending.
     std::vector<MeshPair> mesh_pairs(const MovingScene& scene,
@@ -57,7 +64,9 @@ private:
         bool has_shape = false;
         bool is_shape_current = false;
         bool are_bounds_current = false;
-        double node_visits = 0.0;  // of the shape since it was updated
+        std::uint64_t pose = 0;
+        int instants_to_settle = 0;  // updates of the shape to come while the mesh rests
+        double node_visits = 0.0;    // of the shape since it was updated
     };
 
     void follow_layout(const MovingScene& scene);

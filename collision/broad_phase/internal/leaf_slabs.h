@@ -14,7 +14,8 @@ namespace earshot::collision {
 
 /// Per-leaf separating slabs: the extents of each leaf's triangles along their mean normal, at the
 /// beginning and at the end of a step. They separate layers that lie close, which fixed directions
-/// do not. In single precision, relative to the middle of the scene, with bounded rounding error.
+/// do not. In single precision, relative to a point near the middle of the scene, with bounded
+/// rounding error.
 class LeafSlabs {
 public:
     /// Lists the vertices of the leaves of a new tree.
@@ -48,10 +49,11 @@ private:
     };
     struct Slab {
         std::array<float, 3> normal{};  // the largest component is 1, or all are 0
-        float error = 0.0F;             // gaps up to this may be rounding
+        float length = 0.0F;            // the sum of its absolute components, rounded up
         Extent begin, end;
     };
 
+    void follow_box(const geometry::Aabb& box, double margin);
     void copy_vertices(const MovingScene& scene, std::size_t leaf);
     Slab slab(const MovingScene& scene, const SweptBvh& swept_bvh, std::size_t leaf) const;
     Extent extent(std::array<Lanes, 3> Block::*time,
@@ -65,6 +67,8 @@ private:
     std::vector<geometry::VertexId> vertices_;  // of each block's lanes
     std::vector<Block> blocks_;
     std::vector<Slab> leaf_slabs_;
+    std::vector<IndexRange> leaves_of_mesh_;
+    ChangedMeshes changed_meshes_;
     geometry::Vec3 origin_{0.0};
     float error_ = 0.0F;  // of projections onto a normal whose absolute components sum to 1
 };

@@ -26,7 +26,7 @@ public:
     /// Finds the contours of the nodes of a new tree.
     void build(const MovingScene& scene, const SweptBvh& swept_bvh);
 
-    /// Follows the step: the normals of all triangles.
+    /// Follows the step: the normals of triangles.
     void update(const MovingScene& scene, const SweptBvh& swept_bvh, Executor& executor);
 
     /// True only if no two elements of the node's triangles that share no vertex are in contact.
@@ -47,6 +47,7 @@ private:
     std::vector<geometry::VertexId> vertices_;
     std::vector<Normals> normals_;      // by slot
     std::vector<geometry::Vec3> sums_;  // prefix sums by slot of the normals half-way
+    ChangedMeshes changed_meshes_;
 };
 
 }  // namespace earshot::collision
