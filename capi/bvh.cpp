@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The hierarchy over a mesh: built, moved, and asked by rays and for closest points.
-#include "earshot/bvh/closest_point.h"
-#include "earshot/bvh/wide_batch.h"
-#include "earshot/bvh/wide_tree.h"
 #include "earshot/capi/internal/bvh_object.h"
 #include "earshot/capi/internal/checks.h"
 #include "earshot/capi/internal/scene_object.h"
@@ -197,10 +194,7 @@ es_status es_bvh_closest_hits(es_bvh bvh,
         require_threads(threads, "threads");
         const std::vector<geometry::Ray> rays = rays_of(origins, directions, max_t, count);
         Executor executor(threads);
-        give_hits(bvh::closest_hits(object->tree.tree(), object->mesh.view(), rays, executor),
-                  t,
-                  triangles,
-                  uv);
+        give_hits(object->tree.view().closest_hits(rays, executor), t, triangles, uv);
     });
 }
 
@@ -216,7 +210,7 @@ es_status es_bvh_occluded(es_bvh bvh,
         const auto out = require_array(occluded, count, "occluded");
         Executor executor(threads);
         const auto segments = segments_of(from, to, count, executor);
-        bvh::occluded(object->tree.tree(), object->mesh.view(), segments, out, executor);
+        object->tree.view().occluded(segments, out, executor);
     });
 }
 
@@ -240,10 +234,10 @@ es_status es_bvh_closest_points(es_bvh bvh,
         const ClosestPoints out = {distances, triangles, closest};
         constexpr std::size_t kGrain = 256;
         Executor executor(threads);
-        const bvh::Tree& tree = object->closest_point_tree(executor);
+        const bvh::MeshBvh mesh = object->tree.view();
         executor.for_each(count, kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                out.set(i, bvh::closest_point(tree, object->mesh.view(), from[i], max_distance));
+                out.set(i, mesh.closest_point(from[i], max_distance));
             }
         });
     });

@@ -59,8 +59,8 @@ es_status es_bvh_visible(es_bvh bvh,
         const auto out = require_array(visible, count, "visible");
         Executor executor(threads);
         const auto segments = segments_of(from, to, count, executor);
-        const auto found = visibility::visible(
-            object->tree.tree(), object->mesh.view(), segments, object->excluded, executor);
+        const auto found =
+            visibility::visible(object->tree.view(), segments, object->excluded, executor);
         std::copy(found.begin(), found.end(), out.begin());
     });
 }
@@ -78,8 +78,8 @@ es_status es_bvh_first_blockers(es_bvh bvh,
         require_array(triangles, count, "triangles");
         Executor executor(threads);
         const auto segments = segments_of(from, to, count, executor);
-        const auto found = visibility::first_blockers(
-            object->tree.tree(), object->mesh.view(), segments, object->excluded, executor);
+        const auto found =
+            visibility::first_blockers(object->tree.view(), segments, object->excluded, executor);
         for (std::size_t i = 0; i < count; ++i) {
             triangles[i] = found[i] ? found[i]->triangle : ES_NONE;
             if (t != nullptr) {
@@ -107,8 +107,7 @@ es_status es_bvh_visible_matrix(es_bvh bvh,
         }
         std::uint8_t* out = require_array(visible, from_count * to_count, "visible").data();
         Executor executor(threads);
-        visibility::visibility_matrix(object->tree.tree(),
-                                      object->mesh.view(),
+        visibility::visibility_matrix(object->tree.view(),
                                       points,
                                       object->excluded,
                                       executor,
