@@ -65,9 +65,9 @@ Place place_of(double frequency_hz, std::span<const double> centres) {
 ArrivalFilter::ArrivalFilter(const Bands& bands, double sample_rate)
     : bands_in_use_(count_below_nyquist(bands, sample_rate)),
       fft_(filter_size(bands, sample_rate)),
-      lower_band_(fft_.bins()),
-      upper_weight_(fft_.bins()),
-      phase_of_band_(bands_in_use_ * fft_.bins()) {
+      stride_(padded(fft_.bins())),
+      upper_weight_(stride_ + kLanes, 0.0),
+      phase_of_band_(bands_in_use_ * stride_, 0.0) {
     EARSHOT_ASSERT(bands_in_use_ > 0);
     const auto centres = bands.exact_hz().first(bands_in_use_);
     const RealFft fine(kPhaseOversampling * fft_.size());
@@ -77,8 +77,17 @@ ArrivalFilter::ArrivalFilter(const Bands& bands, double sample_rate)
         places[k] = place_of(cycles * sample_rate, centres);
     }
     for (std::size_t k = 0; k < fft_.bins(); ++k) {
-        lower_band_[k] = static_cast<std::uint8_t>(places[kPhaseOversampling * k].lower_band);
-        upper_weight_[k] = places[kPhaseOversampling * k].upper_weight;
+        const Place& place = places[kPhaseOversampling * k];
+        if (segments_.empty() || segments_.back().lower_band != place.lower_band) {
+            segments_.push_back({.begin = k, .end = k, .lower_band = place.lower_band});
+        }
+        segments_.back().end = k + 1;
+        upper_weight_[k] = place.upper_weight;
+    }
+    for (const double centre : centres) {
+        const double bin =
+            std::floor(centre / sample_rate * static_cast<double>(fft_.size()) + 0.5);
+        centre_bins_.push_back(static_cast<std::size_t>(bin));
     }
     std::vector<Complex> hat(fine.bins());
     for (std::size_t band = 0; band < bands_in_use_; ++band) {
@@ -90,9 +99,17 @@ ArrivalFilter::ArrivalFilter(const Bands& bands, double sample_rate)
         }
         const std::vector<double> phase = minimum_phase(fine, hat);
         for (std::size_t k = 0; k < fft_.bins(); ++k) {
-            phase_of_band_[band * fft_.bins() + k] = phase[kPhaseOversampling * k];
+            phase_of_band_[band * stride_ + k] = phase[kPhaseOversampling * k];
         }
     }
+}
+
+FilterRows ArrivalFilter::rows() const noexcept {
+    return {.bands = bands_in_use_,
+            .stride = stride_,
+            .segments = segments_,
+            .upper_weight = upper_weight_.data(),
+            .phase_of_band = phase_of_band_.data()};
 }
 
 void ArrivalFilter::response(const Spectrum& pressure, std::span<Complex> spectrum) const {
@@ -102,26 +119,16 @@ void ArrivalFilter::response(const Spectrum& pressure, std::span<Complex> spectr
     EARSHOT_ASSERT(largest > 0.0);
 
     // One entry more than bands, so that the highest bins can read the band above with weight 0.
+    // The constant part of a log-magnitude has no phase, so phases are taken relative to the
+    // largest.
     std::array<double, kMaxBands + 1> log_pressure{};
     for (std::size_t band = 0; band < bands_in_use_; ++band) {
         log_pressure[band] = math::log(std::max(used[band] / largest, kPressureFloor));
     }
-    // The constant part of a log-magnitude has no phase, so phases are taken relative to the
-    // largest.
-    std::vector<double> phase(fft_.bins(), 0.0);
-    for (std::size_t band = 0; band < bands_in_use_; ++band) {
-        const double weight = log_pressure[band];
-        const double* row = &phase_of_band_[band * fft_.bins()];
-        for (std::size_t k = 0; k < fft_.bins(); ++k) {
-            phase[k] += weight * row[k];
-        }
-    }
-    for (std::size_t k = 0; k < fft_.bins(); ++k) {
-        const std::size_t band = lower_band_[k];
-        const double log_magnitude =
-            log_pressure[band] + upper_weight_[k] * (log_pressure[band + 1] - log_pressure[band]);
-        const double magnitude = largest * math::exp(log_magnitude);
-        spectrum[k] = {magnitude * math::cos(phase[k]), magnitude * math::sin(phase[k])};
+    LargeArray<double> scratch(stride_ + kLanes), pairs(2 * stride_);
+    filter_spectrum(rows(), log_pressure.data(), scratch.data(), pairs.data());
+    for (std::size_t k = 0; k < spectrum.size(); ++k) {
+        spectrum[k] = {largest * pairs[2 * k], largest * pairs[2 * k + 1]};
     }
 }
 

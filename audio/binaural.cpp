@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/binaural.h"
 
-#include "earshot/audio/convolve.h"
 #include "earshot/audio/internal/fractional_delay.h"
+#include "earshot/audio/internal/response_assembly.h"
 #include "earshot/base/assert.h"
 
 #include <algorithm>
@@ -13,67 +13,118 @@ namespace earshot::audio {
 
 namespace {
 
-// Arrivals that are convolved before they are added up, in order: bounds the memory of a step.
-constexpr std::size_t kArrivalsPerStep = 64;
+// Arrivals whose impulses at the ears are kept at a time: some 50 MiB.
+constexpr std::size_t kArrivalsPerStep = 4096;
 
-constexpr double kMaxSamples = 2147483648.0;  // 2^31, as in Assembler
+// The longest impulse is taken for a multiple of this, so that blocks seldom depend on which
+// arrivals there are.
+constexpr std::size_t kTapsUnit = 256;
 
-// One arrival at both ears, from sample `begin` on, which may be before the emission.
-struct BinauralArrival {
-    std::ptrdiff_t begin = 0;
-    std::array<std::vector<double>, 2> ears;
+/// The impulse of one arrival at both ears.
+struct EarImpulse {
+    ImpulsePlace place{};
+    std::vector<double> taps{};  // left, right
 };
 
-BinauralArrival render_arrival(const Assembler& assembler,
-                               Arrival arrival,
-                               const HrirInterpolator& hrirs,
-                               const Orientation& orientation,
-                               double length) {
-    const double rate = hrirs.sample_rate();
-    if (!(arrival.delay >= 0.0 && arrival.delay * rate < kMaxSamples)) {
-        // Throws, unless the arrival is past the end of a response of fixed length.
-        assembler.assemble(std::span(&arrival, 1), length);
-        return {};
+class EarImpulses final : public ArrivalImpulses {
+public:
+    explicit EarImpulses(std::span<const EarImpulse> impulses) : impulses_(impulses) {
+        for (const EarImpulse& impulse : impulses_) {
+            earliest_ = std::min(earliest_, impulse.place.begin);
+            max_taps_ = std::max(max_taps_, impulse.place.taps);
+        }
+        max_taps_ = (max_taps_ + kTapsUnit - 1) / kTapsUnit * kTapsUnit;
     }
+
+    std::size_t channels() const noexcept override { return 2; }
+    std::size_t shapes() const noexcept override { return 2; }
+    std::ptrdiff_t earliest() const noexcept override { return earliest_; }
+    std::size_t max_taps() const noexcept override { return max_taps_; }
+    ImpulsePlace place(std::size_t arrival) const override { return impulses_[arrival].place; }
+    void write(std::size_t arrival, std::span<double> taps) const override {
+        std::copy(impulses_[arrival].taps.begin(), impulses_[arrival].taps.end(), taps.begin());
+    }
+    double gain(std::size_t, std::size_t) const override { return 1.0; }
+    std::optional<double> fraction(std::size_t) const override { return std::nullopt; }
+
+private:
+    std::span<const EarImpulse> impulses_;
+    std::ptrdiff_t earliest_ = 0;
+    std::size_t max_taps_ = 0;
+};
+
+/// Nothing if no response is heard from there. An impulse begins before its time.
+EarImpulse impulse_of(const AssemblyTables& tables,
+                      const Arrival& arrival,
+                      const HrirInterpolator& hrirs,
+                      const Orientation& orientation) {
     std::array<double, 3> towards = origin_seen_from(orientation, arrival);
     if (towards == std::array<double, 3>{}) {
         towards = {1.0, 0.0, 0.0};
     }
     const InterpolatedHrir hrir = hrirs.at(towards);
-    // Only the stretch about the arrival is filtered; an impulse begins before its time.
-    const double begin = std::floor(arrival.delay * rate) - static_cast<double>(kDelayHalfLength);
-    arrival.delay -= begin / rate;
-    const std::vector<double> samples = assembler.assemble(std::span(&arrival, 1)).samples;
-    BinauralArrival result;
-    result.begin = static_cast<std::ptrdiff_t>(begin) + hrir.begin;
-    for (std::size_t ear = 0; ear < 2; ++ear) {
-        result.ears[ear] = convolve(samples, hrir.ears[ear]);
+    const std::size_t size = hrir.ears[0].size();
+    if (size == 0) {
+        return {};
     }
-    return result;
+    const double position = arrival.delay * tables.sample_rate;
+    std::array<double, kDelayTaps> delay{};
+    tables.delays.impulse(position - std::floor(position), delay);
+    const auto lead = static_cast<std::ptrdiff_t>(kDelayHalfLength - 1);
+    EarImpulse impulse;
+    impulse.place = {.begin = static_cast<std::ptrdiff_t>(position) - lead + hrir.begin,
+                     .taps = size + kDelayTaps - 1};
+    impulse.taps.assign(2 * impulse.place.taps, 0.0);
+    for (std::size_t ear = 0; ear < 2; ++ear) {
+        for (std::size_t tap = 0; tap < kDelayTaps; ++tap) {
+            if (delay[tap] != 0.0) {
+                add_scaled(delay[tap],
+                           hrir.ears[ear].data(),
+                           size,
+                           &impulse.taps[ear * impulse.place.taps + tap]);
+            }
+        }
+    }
+    return impulse;
 }
 
-bool is_audible(const Arrival& arrival) {
-    return std::any_of(
-        arrival.pressure.begin(), arrival.pressure.end(), [](double p) { return p != 0.0; });
-}
-
-// Adds a part that begins at sample `begin`, without what comes before sample 0; a sum of fixed
-// length ends where it ends.
-void add(std::span<const double> part,
-         std::ptrdiff_t begin,
-         bool fixed_length,
-         std::vector<double>& sum) {
-    const auto skipped = static_cast<std::size_t>(std::max<std::ptrdiff_t>(-begin, 0));
-    const auto first = static_cast<std::size_t>(std::max<std::ptrdiff_t>(begin, 0));
-    if (part.size() <= skipped) {
-        return;
+/// Adds the arrivals of a step, making the ears as long as they need unless their length is fixed.
+void add_step(const Assembler& assembler,
+              std::span<const Arrival> arrivals,
+              const HrirInterpolator& hrirs,
+              const Orientation& orientation,
+              bool fixed_length,
+              std::span<ImpulseResponse> ears,
+              Executor& executor) {
+    const AssemblyTables& tables = assembler.tables();
+    std::vector<EarImpulse> impulses(arrivals.size());
+    executor.for_each(arrivals.size(), 4, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const double position = arrivals[i].delay * tables.sample_rate;
+            if (!tables.silent(arrivals[i]) && position < kMaxSamples) {
+                impulses[i] = impulse_of(tables, arrivals[i], hrirs, orientation);
+            }
+        }
+    });
+    std::vector<std::size_t> heard;
+    std::size_t size = ears[0].samples.size();
+    for (std::size_t i = 0; i < arrivals.size(); ++i) {
+        if (!impulses[i].taps.empty()) {
+            // To the end of the filter's ringing.
+            const std::ptrdiff_t end = impulses[i].place.begin +
+                                       static_cast<std::ptrdiff_t>(impulses[i].place.taps) +
+                                       static_cast<std::ptrdiff_t>(tables.filter.fft().size()) -
+                                       static_cast<std::ptrdiff_t>(kDelayHalfLength);
+            heard.push_back(i);
+            size = std::max(size, static_cast<std::size_t>(std::max<std::ptrdiff_t>(end, 0)));
+        }
     }
     if (!fixed_length) {
-        sum.resize(std::max(sum.size(), first + part.size() - skipped), 0.0);
+        ears[0].samples.resize(size, 0.0);
+        ears[1].samples.resize(size, 0.0);
     }
-    for (std::size_t n = skipped; n < part.size() && first + n - skipped < sum.size(); ++n) {
-        sum[first + n - skipped] += part[n];
-    }
+    const EarImpulses of_ears(impulses);
+    ResponseAssembly(tables, arrivals, of_ears).add(heard, ears, executor);
 }
 
 }  // namespace
@@ -86,28 +137,23 @@ std::array<ImpulseResponse, 2> render_binaural(const Assembler& assembler,
                                                Executor& executor) {
     const ImpulseResponse silence = assembler.assemble({}, length);
     EARSHOT_ASSERT(silence.sample_rate == hrirs.sample_rate());
-    std::array<ImpulseResponse, 2> ears{silence, silence};
-    for (std::size_t first = 0; first < arrivals.size(); first += kArrivalsPerStep) {
-        const auto step =
-            arrivals.subspan(first, std::min(kArrivalsPerStep, arrivals.size() - first));
-        std::vector<BinauralArrival> rendered(step.size());
-        executor.for_each(step.size(), 4, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (is_audible(step[i])) {
-                    rendered[i] = render_arrival(assembler, step[i], hrirs, orientation, length);
-                }
-            }
-        });
-        for (const BinauralArrival& arrival : rendered) {
-            for (std::size_t ear = 0; ear < 2; ++ear) {
-                add(arrival.ears[ear], arrival.begin, length > 0.0, ears[ear].samples);
-            }
+    check_arrivals(arrivals);
+    for (const Arrival& arrival : arrivals) {
+        if (!(length > 0.0) && !assembler.tables().silent(arrival)) {
+            checked_response_size(arrival.delay * silence.sample_rate);
         }
     }
-    // The ears end together.
-    const std::size_t size = std::max(ears[0].samples.size(), ears[1].samples.size());
-    ears[0].samples.resize(size, 0.0);
-    ears[1].samples.resize(size, 0.0);
+    std::array<ImpulseResponse, 2> ears{silence, silence};
+    for (std::size_t first = 0; first < arrivals.size(); first += kArrivalsPerStep) {
+        const std::size_t count = std::min(kArrivalsPerStep, arrivals.size() - first);
+        add_step(assembler,
+                 arrivals.subspan(first, count),
+                 hrirs,
+                 orientation,
+                 length > 0.0,
+                 ears,
+                 executor);
+    }
     return ears;
 }
 

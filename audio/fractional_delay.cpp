@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/internal/fractional_delay.h"
 
+#include "earshot/audio/internal/arrival_filter_kernel.h"
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <vector>
 
 namespace earshot::audio {
 
 namespace {
+
+using Complex = std::complex<double>;
 
 // Kaiser and Schafer 1980: beta = 0.1102 (A - 8.7) gives ripples A = 100 dB down (1e-5), and a
 // transition of (A - 8) / (2.285 (taps - 1)) radians, centred on half the sample rate: 0.1 of it
@@ -26,8 +31,12 @@ double bessel_i0(double x) noexcept {
     double term = 1.0;
     double sum = 1.0;
     for (int k = 1; k <= kBesselTerms; ++k) {
-        term *= quarter / (static_cast<double>(k) * static_cast<double>(k));
+        const double ratio = quarter / (static_cast<double>(k) * static_cast<double>(k));
+        term *= ratio;
         sum += term;
+        if (ratio < 1.0 && term < 0x1p-54 * sum) {
+            break;  // neither this term nor any later one changes the sum
+        }
     }
     return sum;
 }
@@ -55,6 +64,65 @@ std::array<double, kDelayTaps> fractional_impulse(double fraction) {
         tap /= sum;
     }
     return taps;
+}
+
+namespace {
+
+// Of the table's linear interpolation: an eighth of the squared spacing times the taps' curvature,
+// at most pi^2 / 3: 4e-7.
+constexpr std::size_t kFractions = 1024;
+
+}  // namespace
+
+DelayTable::DelayTable() : rows_((kFractions + 1) * kDelayTaps, 0.0) {
+    const auto row = [&](std::size_t k) { return &rows_[k * kDelayTaps]; };
+    for (std::size_t k = 0; k <= kFractions / 2; ++k) {
+        const double fraction = static_cast<double>(k) / static_cast<double>(kFractions);
+        const std::array<double, kDelayTaps> taps = fractional_impulse(fraction);
+        std::copy(taps.begin(), taps.end(), row(k));
+        // An impulse that lies as far before the next sample is the mirror image.
+        std::reverse_copy(taps.begin(), taps.end(), row(kFractions - k));
+    }
+}
+
+void DelayTable::impulse(double fraction, std::span<double, kDelayTaps> taps) const {
+    EARSHOT_ASSERT(fraction >= 0.0 && fraction < 1.0);
+    const double place = fraction * static_cast<double>(kFractions);
+    const auto below = static_cast<std::size_t>(place);
+    const double* row = &rows_[below * kDelayTaps];
+    interpolate(row, row + kDelayTaps, place - std::floor(place), kDelayTaps, taps.data());
+}
+
+DelaySpectrum::DelaySpectrum(const RealFft& fft)
+    : angle_(padded(fft.bins()), 0.0), kernel_difference_(padded(fft.bins()), 0.0) {
+    std::vector<double> signal(fft.size(), 0.0);
+    const std::array<double, kDelayTaps> taps = fractional_impulse(0.5);
+    std::copy(taps.begin(), taps.end(), signal.begin());
+    std::vector<Complex> spectrum(fft.bins());
+    fft.forward(signal, spectrum);
+    for (std::size_t k = 0; k < spectrum.size(); ++k) {
+        angle_[k] = 2.0 * math::kPi * static_cast<double>(k) / static_cast<double>(fft.size());
+        // Real but for rounding once the delay of 63.5 samples is taken out.
+        const double turn = (kHalf - 0.5) * angle_[k];
+        kernel_difference_[k] =
+            spectrum[k].real() * math::cos(turn) - spectrum[k].imag() * math::sin(turn);
+    }
+}
+
+void DelaySpectrum::apply(double fraction, std::span<Complex> spectrum) const {
+    EARSHOT_ASSERT(spectrum.size() == angle_.size());
+    const double turn = 2.0 * math::kPi * fraction;
+    const Complex turned(math::cos(turn), math::sin(turn));
+    // K0 + K1 turned, by the sum and the difference of K0 and K1.
+    const SpectralDelay delay = {.delay = kHalf - 1.0 + fraction,
+                                 .sum = 0.5 * (1.0 + turned),
+                                 .difference = 0.5 * (1.0 - turned)};
+    // std::complex<double> is laid out as two doubles ([complex.numbers]/4).
+    delay_spectrum(delay,
+                   angle_.data(),
+                   kernel_difference_.data(),
+                   spectrum.size(),
+                   reinterpret_cast<double*>(spectrum.data()));
 }
 
 std::array<double, kAllpassTaps> allpass_impulse(double delay) {

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "earshot/audio/bands.h"
+#include "earshot/audio/internal/arrival_filter_kernel.h"
 #include "earshot/audio/internal/fft.h"
+#include "earshot/base/large_array.h"
 
 #include <complex>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,10 @@ public:
     const RealFft& fft() const noexcept { return fft_; }
     /// Bands whose centre lies below half the sample rate, counted from the lowest.
     std::size_t bands_in_use() const noexcept { return bands_in_use_; }
+    /// For filter_spectrum().
+    FilterRows rows() const noexcept;
+    /// The bin next to the centre of each band in use.
+    std::span<const std::size_t> centre_bins() const noexcept { return centre_bins_; }
 
     /// The filter's transfer function at the bins of fft(), spectrum.size() == fft().bins().
     /// Precondition: pressures finite and >= 0, and at least one in use positive.
@@ -34,11 +39,12 @@ public:
 private:
     std::size_t bands_in_use_;
     RealFft fft_;
-    // Per bin: the band at or below it and the weight of the band above.
-    std::vector<std::uint8_t> lower_band_;
-    std::vector<double> upper_weight_;
+    std::size_t stride_;  // bins, padded
+    std::vector<std::size_t> centre_bins_;
+    std::vector<FilterSegment> segments_;
+    LargeArray<double> upper_weight_;
     // Row per band: phase of the minimum-phase filter whose log-magnitude is that band's hat.
-    std::vector<double> phase_of_band_;
+    LargeArray<double> phase_of_band_;
 };
 
 }  // namespace earshot::audio

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/internal/fft.h"
+#include "earshot/base/large_array.h"
+
 #include <array>
+#include <complex>
 #include <cstddef>
+#include <span>
 
 namespace earshot::audio {
 
@@ -15,6 +20,33 @@ inline constexpr std::size_t kDelayTaps = 2 * kDelayHalfLength;
 /// fraction 0 they are that one impulse exactly. Magnitude and delay are right within 2.5e-5 up to
 /// 0.95 of half the sample rate (docs/algorithms/audio.md).
 std::array<double, kDelayTaps> fractional_impulse(double fraction);
+
+/// fractional_impulse() of any fraction from a table of them: linear between 1,025 fractions,
+/// within 1e-6 per tap, and exact for fraction 0.
+class DelayTable {
+public:
+    DelayTable();
+    void impulse(double fraction, std::span<double, kDelayTaps> taps) const;
+
+private:
+    LargeArray<double> rows_;
+};
+
+/// The transforms of fractional_impulse() without a table: at the bins w of an FFT that of fraction
+/// f is exp(-i w (63 + f)) (K0(w) + K1(w) exp(2 pi i f)), within 2e-6. K0 is the spectrum of the
+/// continuous impulse and K1 what sampling folds onto it from above half the sample rate; their sum
+/// is 1.
+class DelaySpectrum {
+public:
+    explicit DelaySpectrum(const RealFft& fft);
+
+    /// Multiplies a spectrum of fft.bins() bins, padded to a multiple of 8, by that of the impulse.
+    void apply(double fraction, std::span<std::complex<double>> spectrum) const;
+
+private:
+    LargeArray<double> angle_;              // radians per sample, per bin
+    LargeArray<double> kernel_difference_;  // K0 - K1 per bin
+};
 
 inline constexpr std::size_t kAllpassTaps = 256;
 

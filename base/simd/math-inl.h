@@ -24,6 +24,10 @@ HWY_INLINE Doubles floor(Doubles a) {
     return map<Doubles>([](auto v) { return hn::Floor(v); }, a);
 }
 
+HWY_INLINE Doubles sqrt(Doubles a) {
+    return map<Doubles>([](auto v) { return hn::Sqrt(v); }, a);
+}
+
 /// The bits of each lane as unsigned numbers, changed by `operation`.
 template <typename Operation>
 HWY_INLINE Doubles with_bits(Doubles a, const Operation& operation) {

@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <span>
+#include <vector>
 
 namespace earshot::audio {
 namespace {
@@ -54,6 +57,36 @@ TEST(FractionalImpulse, IsContinuousWhereTheSampleChanges) {
     const auto after = fractional_impulse(0.0);
     for (std::size_t n = 1; n < kDelayTaps; ++n) {
         EXPECT_NEAR(before[n], after[n - 1], 1e-11);
+    }
+}
+
+TEST(DelayTable, HoldsTheImpulsesOfAllFractions) {
+    const DelayTable table;
+    std::array<double, kDelayTaps> found{};
+    for (int step = 0; step < 7777; ++step) {
+        const double fraction = step / 7777.0;
+        table.impulse(fraction, found);
+        const auto expected = fractional_impulse(fraction);
+        double worst = 0.0;
+        for (std::size_t n = 0; n < kDelayTaps; ++n) {
+            worst = std::max(worst, std::abs(found[n] - expected[n]));
+        }
+        EXPECT_LT(worst, step == 0 ? 1e-300 : 1e-6) << fraction;
+    }
+}
+
+TEST(DelaySpectrum, IsThatOfTheImpulses) {
+    const RealFft fft(640);
+    const DelaySpectrum delays(fft);
+    for (const double fraction : {0.0, 0.125, 0.5, 0.77, 0.999}) {
+        std::vector<std::complex<double>> spectrum((fft.bins() + 7) / 8 * 8, {0.0, 2.0});
+        delays.apply(fraction, spectrum);
+        const auto taps = fractional_impulse(fraction);
+        for (std::size_t k = 0; k + 1 < fft.bins(); ++k) {
+            const double omega = 2.0 * std::numbers::pi * static_cast<double>(k) / 640.0;
+            const auto expected = std::complex<double>(0.0, 2.0) * gain_at(taps, omega);
+            EXPECT_LT(std::abs(spectrum[k] - expected), 2.0 * 2e-6) << fraction << " " << k;
+        }
     }
 }
 

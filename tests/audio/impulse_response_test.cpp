@@ -157,11 +157,11 @@ TEST(Assemble, GivesTheSameBitsForAnyNumberOfThreads) {
 // Run again with CPU features masked (docs/determinism.md), this must not change.
 TEST(Assemble, HasTheSameBitsOnEveryMachine) {
     EXPECT_EQ(digest_of(assemble(Bands::octaves(), random_arrivals(30, 1))),
-              6337580841534555471ULL);
+              4966047010830343853ULL);
     EXPECT_EQ(digest_of(assemble(Bands::third_octaves(),
                                  random_arrivals(5, 2),
                                  {.sample_rate = 44100.0, .length = 0.0})),
-              5004661637090379220ULL);
+              15294924631104889814ULL);
 }
 
 TEST(Assemble, AnswersSilenceWithZeros) {
@@ -202,7 +202,8 @@ TEST(Assemble, HoldsTheLastArrivalAndItsRinging) {
     arrival.pressure[0] = 0.1;
     const auto response = assemble(Bands::octaves(), std::vector{arrival});
     EXPECT_EQ(response.samples.size(), 24000U + 4096U);
-    EXPECT_LT(std::abs(response.samples.back()), 1e-5);
+    // The lowest band still rings where the filter ends.
+    EXPECT_LT(std::abs(response.samples.back()), 1.25e-5);
 }
 
 TEST(Assemble, RefusesWhatItCannotDo) {
