@@ -57,7 +57,7 @@ public:
         progress_.report("preparing", 0, 1);
         auto start = std::chrono::steady_clock::now();
         propagation::Simulator simulator(job_.scene, job_.simulation, executor_);
-        summary_.notes = simulator.warnings();
+        summary_.notes = simulator.warnings(executor_);
         progress_.report("preparing", 1, 1);
         make_directory(job_.directory);  // before the long work, but not for a scene without sense
         for (std::size_t frame = 0; frame < job_.times.size(); ++frame) {
@@ -94,14 +94,21 @@ public:
             summary_.response_seconds += seconds_since(start);
             start = std::chrono::steady_clock::now();
         }
+        summary_.prepare_seconds += describe_geometry(simulator);
         write_tables();
         summary_.response_seconds += seconds_since(start);
         return std::move(summary_);
     }
 
 private:
+    /// At the last instant. Returns the seconds that it took.
+    double describe_geometry(const propagation::Simulator& simulator) {
+        const auto start = std::chrono::steady_clock::now();
+        summary_.geometry = simulator.geometry(executor_);
+        return seconds_since(start);
+    }
+
     void add_statistics(const propagation::Simulator& simulator) {
-        summary_.geometry = simulator.geometry();
         summary_.statistics.frusta += simulator.statistics().frusta;
         summary_.statistics.candidates += simulator.statistics().candidates;
         summary_.statistics.paths += simulator.statistics().paths;

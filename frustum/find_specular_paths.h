@@ -4,6 +4,7 @@
 #include "earshot/base/parallel.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
+#include "earshot/frustum/surface_points.h"
 
 #include <span>
 
@@ -21,5 +22,13 @@ TraceResult find_specular_paths(const SceneView& scene,
                                 std::span<const geometry::Vec3> listeners,
                                 const TraceOptions& options = {},
                                 Executor& executor = Executor::serial());
+
+/// The direct paths of pairs whose points lie in the air, in a scene of which nothing is
+/// transmissive: those that find_specular_paths() finds up to order 0. Asks the triangles alone, so
+/// that a scene that deforms needs no facets. Throws Error if an option is out of range.
+/// Precondition: options.max_order is 0.
+TraceResult find_direct_paths(const bvh::MeshBvh& bvh,
+                              const PlacedPairs& pairs,
+                              const TraceOptions& options);
 
 }  // namespace earshot::frustum

@@ -25,31 +25,9 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr int kMaxResolution = 1024;
-constexpr int kMaxOrder = 64;
-
 // Forward-only tracing in complete mode: beams are traced from up to so many listeners; more are
 // looked up by position.
 constexpr std::size_t kMaxListenersWithBeams = 64;
-
-void validate(const TraceOptions& options) {
-    if (options.max_order < 0 || options.max_order > kMaxOrder) {
-        throw Error("order",
-                    "must be 0 to " + std::to_string(kMaxOrder) + ", not " +
-                        std::to_string(options.max_order));
-    }
-    if (!(options.max_length >= 0.0)) {
-        throw Error("max_length", "must not be negative");
-    }
-    if (!(options.min_pressure >= 0.0)) {
-        throw Error("min_pressure", "must not be negative");
-    }
-    if (options.resolution < 0 || options.resolution > kMaxResolution) {
-        throw Error("resolution",
-                    "must be 0 (the default) to " + std::to_string(kMaxResolution) + ", not " +
-                        std::to_string(options.resolution));
-    }
-}
 
 /// Frusta of this order and above are not traced: bidirectional tracing joins the beam trees of the
 /// listeners two reflections before the end, forward-only tracing looks for listeners in the

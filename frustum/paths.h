@@ -33,6 +33,9 @@ struct TraceOptions {
     bool box_lattice = true;
 };
 
+/// Throws Error if an option is out of range.
+void validate(const TraceOptions& options);
+
 /// A sound path with specular reflections and straight transmissions.
 struct SpecularPath {
     std::size_t listener = 0;                     ///< index into the listeners asked for

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 namespace earshot::frustum {
 
@@ -197,6 +198,18 @@ PlacedPairs place_pairs(const SceneView& scene,
         }
         group->numbers.push_back(i);
         group->positions.push_back(to.position);
+    }
+    return pairs;
+}
+
+PlacedPairs pairs_in_the_air(const Vec3& source, std::span<const Vec3> listeners) {
+    PlacedPairs pairs;
+    if (!listeners.empty()) {
+        PlacedListeners& group = pairs.groups.emplace_back();
+        group.source = source;
+        group.numbers.resize(listeners.size());
+        std::iota(group.numbers.begin(), group.numbers.end(), std::size_t{0});
+        group.positions.assign(listeners.begin(), listeners.end());
     }
     return pairs;
 }

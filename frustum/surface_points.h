@@ -81,4 +81,8 @@ PlacedPairs place_pairs(const SceneView& scene,
                         const geometry::Vec3& source,
                         std::span<const geometry::Vec3> listeners);
 
+/// The same where no point lies on a surface.
+PlacedPairs pairs_in_the_air(const geometry::Vec3& source,
+                             std::span<const geometry::Vec3> listeners);
+
 }  // namespace earshot::frustum

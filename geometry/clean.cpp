@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/clean.h"
 
-#include "earshot/geometry/disjoint_sets.h"
-#include "earshot/geometry/internal/point_tree.h"
+#include "earshot/base/assert.h"
+#include "earshot/geometry/internal/close_points.h"
+#include "earshot/geometry/internal/edge_counts.h"
+#include "earshot/geometry/internal/first_index_table.h"
+#include "earshot/geometry/internal/near_duplicates.h"
 #include "earshot/geometry/predicates.h"
 #include "earshot/geometry/tolerance.h"
-#include "earshot/geometry/topology.h"
-#include "earshot/geometry/vector.h"
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <array>
+#include <atomic>
+#include <bit>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -19,28 +19,28 @@
 namespace earshot::geometry {
 namespace {
 
-struct IndexedPosition {
-    Vec3 position{0.0};
-    VertexId vertex = 0;
-};
+constexpr std::size_t kGrain = 4096;
 
-bool is_before(const IndexedPosition& a, const IndexedPosition& b) noexcept {
-    return a.position == b.position ? a.vertex < b.vertex
-                                    : lexicographic_less(a.position, b.position);
+std::uint64_t hash_of(const Vec3& position) noexcept {
+    std::uint64_t hash = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        hash = mixed_hash(hash, std::bit_cast<std::uint64_t>(position[axis] + 0.0));  // -0 is 0
+    }
+    return hash;
 }
 
 std::vector<VertexId> weld_equal_positions(std::span<const Vec3> positions) {
-    std::vector<IndexedPosition> sorted(positions.size());
-    for (std::size_t i = 0; i < sorted.size(); ++i) {
-        sorted[i] = {positions[i], static_cast<VertexId>(i)};
-    }
-    std::sort(sorted.begin(), sorted.end(), is_before);
+    FirstIndexTable table(positions.size());
     std::vector<VertexId> weld(positions.size());
-    for (std::size_t i = 0; i < sorted.size(); ++i) {
-        const bool repeats = i > 0 && sorted[i].position == sorted[i - 1].position;
-        weld[sorted[i].vertex] = repeats ? weld[sorted[i - 1].vertex] : sorted[i].vertex;
+    for (std::size_t v = 0; v < weld.size(); ++v) {
+        const auto equals = [&](VertexId other) { return positions[other] == positions[v]; };
+        weld[v] = table.add(hash_of(positions[v]), static_cast<VertexId>(v), equals);
     }
     return weld;
+}
+
+Triangle welded(const Triangle& triangle, std::span<const VertexId> weld) noexcept {
+    return {weld[triangle[0]], weld[triangle[1]], weld[triangle[2]]};
 }
 
 /// Exactly: the components of the normal are the areas of the three projections.
@@ -50,244 +50,210 @@ bool has_zero_area(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
            orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
 }
 
-bool is_degenerate(const Triangle& welded, std::span<const Vec3> positions) noexcept {
-    const auto [a, b, c] = welded;
+bool is_degenerate(const Triangle& triangle, std::span<const Vec3> positions) noexcept {
+    const auto [a, b, c] = triangle;
     return a == b || b == c || c == a || has_zero_area(positions[a], positions[b], positions[c]);
 }
 
 /// The triangles of `candidates` (ascending) that repeat no earlier one with the same vertices.
-std::vector<TriangleId> without_duplicates(std::span<const TriangleId> candidates,
-                                           std::span<const Triangle> welded,
+std::vector<TriangleId> without_duplicates(const MeshView& mesh,
+                                           std::span<const VertexId> weld,
+                                           std::span<const TriangleId> candidates,
                                            std::vector<DuplicateTriangle>& duplicates) {
-    std::vector<std::pair<Triangle, TriangleId>> keyed;
-    keyed.reserve(candidates.size());
-    for (const TriangleId id : candidates) {
-        Triangle key = welded[id];
+    const auto key_of = [&](TriangleId id) {
+        Triangle key = welded(mesh.triangles[id], weld);
         std::sort(key.begin(), key.end());
-        keyed.emplace_back(key, id);
-    }
-    std::sort(keyed.begin(), keyed.end());
+        return key;
+    };
+    FirstIndexTable table(candidates.size());
     std::vector<TriangleId> kept;
-    kept.reserve(keyed.size());
-    for (std::size_t i = 0; i < keyed.size(); ++i) {
-        if (i == 0 || keyed[i].first != keyed[i - 1].first) {
-            kept.push_back(keyed[i].second);
+    kept.reserve(candidates.size());
+    for (const TriangleId id : candidates) {
+        const Triangle key = key_of(id);
+        const std::uint64_t hash = mixed_hash(mixed_hash(mixed_hash(0, key[0]), key[1]), key[2]);
+        const TriangleId first =
+            table.add(hash, id, [&](TriangleId other) { return key_of(other) == key; });
+        if (first == id) {
+            kept.push_back(id);
         } else {
-            duplicates.push_back({keyed[i].second, kept.back()});
+            duplicates.push_back({id, first});
         }
     }
-    std::sort(kept.begin(), kept.end());
     return kept;
 }
 
-/// A triangle whose smallest height is at least so many tolerances has corners that a shift of one
-/// tolerance each cannot exchange, nor turn it over.
-constexpr double kMinHeightInTolerances = 8.0;
-
-bool is_higher_than(const std::array<Vec3, 3>& p, double height) noexcept {
-    const Vec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
-    const Vec3 a = p[1] - p[0];
-    const Vec3 b = p[2] - p[1];
-    const Vec3 c = p[0] - p[2];
-    const double longest = std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)});
-    return glm::dot(normal, normal) > height * height * longest;
+/// Per vertex 1 if it is welded to others as one corner of the triangles.
+std::vector<std::uint8_t> mark_corners(const MeshView& mesh,
+                                       std::span<const VertexId> weld,
+                                       std::span<const TriangleId> triangles) {
+    std::vector<std::uint8_t> marks(mesh.positions.size(), 0);
+    for (const TriangleId id : triangles) {
+        for (const VertexId vertex : mesh.triangles[id]) {
+            marks[weld[vertex]] = 1;
+        }
+    }
+    return marks;
 }
 
-/// Whether the corners of a lie within the tolerance of those of b, in some order.
-bool corners_agree(const std::array<Vec3, 3>& a,
-                   const std::array<Vec3, 3>& b,
-                   double tolerance) noexcept {
-    const auto close = [&](const Vec3& p, const Vec3& q) {
-        return glm::dot(p - q, p - q) <= tolerance * tolerance;
-    };
-    for (std::size_t first = 0; first < 3; ++first) {
-        const std::size_t second = (first + 1) % 3;
-        const std::size_t third = (first + 2) % 3;
-        if (close(a[0], b[first]) && ((close(a[1], b[second]) && close(a[2], b[third])) ||
-                                      (close(a[1], b[third]) && close(a[2], b[second])))) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/// Pairs (later, earlier) of triangles whose corners agree within the tolerance, ascending. Then
-/// the means of their corners lie within it as well, and so do, but for a factor, the means'
-/// positions along any direction. The direction has no rational relation between its coordinates,
-/// so that few triangles of a model lie side by side along it.
-std::vector<std::pair<TriangleId, TriangleId>> find_near_duplicates(
-    const MeshView& mesh, std::span<const TriangleId> candidates, double tolerance) {
-    constexpr Vec3 kDirection = {1.0, 0.7548776662466927, 0.5698402909980532};
-    constexpr double kWindow = 1.5;  // more than the length of the direction
-    const auto corners_of = [&](TriangleId id) {
-        const auto [a, b, c] = mesh.triangles[id];
-        return std::array<Vec3, 3>{mesh.positions[a], mesh.positions[b], mesh.positions[c]};
-    };
-    std::vector<std::pair<double, TriangleId>> along;
-    for (const TriangleId id : candidates) {
-        const auto p = corners_of(id);
-        if (is_higher_than(p, kMinHeightInTolerances * tolerance)) {
-            along.emplace_back(glm::dot(kDirection, p[0] + p[1] + p[2]) / 3.0, id);
-        }
-    }
-    std::sort(along.begin(), along.end());
-    std::vector<std::pair<TriangleId, TriangleId>> pairs;
-    for (std::size_t i = 0; i < along.size(); ++i) {
-        const auto& [position, id] = along[i];
-        for (std::size_t k = i + 1;
-             k < along.size() && along[k].first - position <= kWindow * tolerance;
-             ++k) {
-            const TriangleId other = along[k].second;
-            if (corners_agree(corners_of(id), corners_of(other), tolerance)) {
-                pairs.emplace_back(std::max(id, other), std::min(id, other));
-            }
-        }
-    }
-    std::sort(pairs.begin(), pairs.end());
-    return pairs;
+/// The near duplicates among triangles of which no two have the same vertices: of each pair both
+/// have a corner that is close to another vertex, the other's.
+std::vector<std::pair<TriangleId, TriangleId>> near_duplicates_beside(
+    const MeshView& mesh,
+    std::span<const VertexId> weld,
+    std::span<const std::uint8_t> is_close,
+    std::span<const TriangleId> triangles,
+    double tolerance) {
+    std::vector<TriangleId> candidates;
+    std::copy_if(
+        triangles.begin(), triangles.end(), std::back_inserter(candidates), [&](TriangleId id) {
+            const auto [a, b, c] = welded(mesh.triangles[id], weld);
+            return is_close[a] != 0 || is_close[b] != 0 || is_close[c] != 0;
+        });
+    return find_near_duplicates(mesh, candidates, tolerance);
 }
 
 /// Removes from `kept` (ascending) what repeats an earlier triangle within the tolerance.
-void remove_near_duplicates(const MeshView& mesh,
-                            double tolerance,
-                            std::vector<TriangleId>& kept,
-                            std::vector<DuplicateTriangle>& duplicates) {
-    const auto pairs = find_near_duplicates(mesh, kept, tolerance);
-    if (pairs.empty()) {
-        return;
-    }
-    std::vector<TriangleId> repeated(mesh.triangles.size());  // itself, or the one that it repeats
+void remove_near_duplicates(std::span<const std::pair<TriangleId, TriangleId>> pairs,
+                            std::size_t triangle_count,
+                            CleanMesh& mesh) {
+    std::vector<TriangleId> repeated(triangle_count);  // itself, or the one that it repeats
     std::iota(repeated.begin(), repeated.end(), TriangleId{0});
     for (const auto& [later, earlier] : pairs) {
         if (repeated[later] == later && repeated[earlier] == earlier) {
             repeated[later] = earlier;
         }
     }
-    for (DuplicateTriangle& exact : duplicates) {
+    for (DuplicateTriangle& exact : mesh.duplicates) {
         exact.kept = repeated[exact.kept];
     }
-    for (const TriangleId id : kept) {
+    for (const TriangleId id : mesh.kept) {
         if (repeated[id] != id) {
-            duplicates.push_back({id, repeated[id]});
+            mesh.duplicates.push_back({id, repeated[id]});
         }
     }
-    std::erase_if(kept, [&](TriangleId id) { return repeated[id] != id; });
-}
-
-using Edge = std::pair<VertexId, VertexId>;
-
-/// Connected components of the graph that the edges make.
-std::size_t count_components(std::span<const Edge> edges, std::size_t vertex_count) {
-    DisjointSets sets(vertex_count);
-    std::size_t joined = 0;
-    std::vector<bool> seen(vertex_count, false);
-    std::size_t vertices = 0;
-    for (const auto& [a, b] : edges) {
-        for (const VertexId v : {a, b}) {
-            vertices += seen[v] ? 0 : 1;
-            seen[v] = true;
-        }
-        joined += sets.unite(a, b) ? 1 : 0;
-    }
-    return vertices - joined;
-}
-
-/// Within `tolerance` of the segment, but not of its ends.
-bool lies_inside(const Vec3& point, const Segment& segment, double tolerance) noexcept {
-    const Vec3 along = segment.to - segment.from;
-    const Vec3 from = point - segment.from;
-    const Vec3 to = point - segment.to;
-    const double limit = tolerance * tolerance;
-    const Vec3 normal = glm::cross(from, along);
-    return glm::dot(from, along) > 0.0 && glm::dot(to, along) < 0.0 &&
-           glm::dot(from, from) > limit && glm::dot(to, to) > limit &&
-           glm::dot(normal, normal) <= limit * glm::dot(along, along);
-}
-
-std::size_t count_t_junctions(std::span<const Edge> open_edges,
-                              std::span<const Vec3> positions,
-                              double tolerance) {
-    std::vector<bool> is_end(positions.size(), false);
-    std::vector<PointTree::Point> ends;
-    for (const auto& [a, b] : open_edges) {
-        for (const VertexId v : {a, b}) {
-            if (!is_end[v]) {
-                is_end[v] = true;
-                ends.push_back({positions[v], v});
-            }
-        }
-    }
-    const PointTree tree(std::move(ends));
-    std::vector<bool> is_junction(positions.size(), false);
-    std::size_t count = 0;
-    for (const auto& [a, b] : open_edges) {
-        const Segment edge{positions[a], positions[b]};
-        tree.near_segment(edge, tolerance, [&](const PointTree::Point& point) {
-            if (!is_junction[point.vertex] && lies_inside(point.position, edge, tolerance)) {
-                is_junction[point.vertex] = true;
-                ++count;
-            }
-        });
-    }
-    return count;
-}
-
-void count_edges(std::span<const Triangle> triangles,
-                 std::span<const Vec3> positions,
-                 CleanReport& report) {
-    const EdgeTable edges(triangles, positions.size());
-    std::vector<Edge> open;
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-        const std::span<const HalfEdgeId> uses = edges.uses(e);
-        if (uses.size() == 1) {
-            open.emplace_back(start_of(triangles, uses[0]), end_of(triangles, uses[0]));
-        }
-        report.non_manifold_edges += uses.size() > 2 ? 1 : 0;
-    }
-    report.open_edges = open.size();
-    report.holes = count_components(open, positions.size());
-    const double tolerance = coplanar_tolerance({positions, triangles});
-    report.t_junctions = count_t_junctions(open, positions, tolerance);
+    std::erase_if(mesh.kept, [&](TriangleId id) { return repeated[id] != id; });
+    std::sort(mesh.duplicates.begin(), mesh.duplicates.end(), [](const auto& a, const auto& b) {
+        return a.duplicate < b.duplicate;
+    });
 }
 
 }  // namespace
 
-CleanMesh clean(const MeshView& mesh) {
-    CleanMesh result;
-    CleanReport& report = result.report;
-    report.triangles_read = mesh.triangles.size();
-    report.vertices_read = mesh.positions.size();
+CleanMesh clean(const MeshView& mesh, Executor& executor) {
+    CleanMeshCache cache;
+    cache.update(mesh, executor);
+    CleanMesh result = cache.clean();
+    result.report = cache.report(mesh, executor);
+    return result;
+}
 
-    result.weld = weld_equal_positions(mesh.positions);
-    for (std::size_t v = 0; v < result.weld.size(); ++v) {
-        report.vertices_welded += result.weld[v] != v ? 1 : 0;
-    }
-
-    std::vector<Triangle> welded(mesh.triangles.size());
+void CleanMeshCache::clean_afresh(const MeshView& mesh, Executor& executor) {
+    clean_ = {};
+    clean_.weld = weld_equal_positions(mesh.positions);
+    has_area_.resize(mesh.triangles.size());
+    executor.for_each(has_area_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            has_area_[t] = is_degenerate(welded(mesh.triangles[t], clean_.weld), mesh.positions)
+                               ? std::uint8_t{0}
+                               : std::uint8_t{1};
+        }
+    });
     std::vector<TriangleId> with_area;
-    with_area.reserve(welded.size());
-    for (std::size_t t = 0; t < welded.size(); ++t) {
-        const auto [a, b, c] = mesh.triangles[t];
-        welded[t] = {result.weld[a], result.weld[b], result.weld[c]};
-        if (!is_degenerate(welded[t], mesh.positions)) {
+    with_area.reserve(has_area_.size());
+    for (std::size_t t = 0; t < has_area_.size(); ++t) {
+        if (has_area_[t] != 0) {
             with_area.push_back(static_cast<TriangleId>(t));
         }
     }
-    report.degenerate_triangles = welded.size() - with_area.size();
-    result.kept = without_duplicates(with_area, welded, result.duplicates);
-    remove_near_duplicates(mesh, coplanar_tolerance(mesh), result.kept, result.duplicates);
-    std::sort(result.duplicates.begin(), result.duplicates.end(), [](const auto& a, const auto& b) {
-        return a.duplicate < b.duplicate;
-    });
-    report.duplicate_triangles = with_area.size() - result.kept.size();
-
-    // In place: kept is ascending, so nothing is overwritten before it is read.
-    for (std::size_t i = 0; i < result.kept.size(); ++i) {
-        welded[i] = welded[result.kept[i]];
+    clean_.kept = without_duplicates(mesh, clean_.weld, with_area, clean_.duplicates);
+    is_corner_ = mark_corners(mesh, clean_.weld, clean_.kept);
+    const double tolerance = coplanar_tolerance(mesh);
+    const auto pairs =
+        near_duplicates_beside(mesh,
+                               clean_.weld,
+                               mark_close_points(mesh.positions, is_corner_, tolerance),
+                               clean_.kept,
+                               tolerance);
+    has_near_duplicates_ = !pairs.empty();
+    if (has_near_duplicates_) {
+        remove_near_duplicates(pairs, mesh.triangles.size(), clean_);
     }
-    welded.resize(result.kept.size());
-    count_edges(welded, mesh.positions, report);
-    return result;
+}
+
+// Vertices that were welded must still coincide, others must not; what had an area must have one
+// still. Then the exact duplicates are the same. Near ones are looked for only where other vertices
+// have come close.
+bool CleanMeshCache::holds_for(const MeshView& mesh, Executor& executor) const {
+    if (mesh.triangles.size() != has_area_.size() || mesh.positions.size() != is_corner_.size()) {
+        return false;
+    }
+    std::atomic<bool> holds = true;
+    executor.for_each(mesh.positions.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            if (mesh.positions[v] != mesh.positions[clean_.weld[v]]) {
+                holds = false;
+            }
+        }
+    });
+    executor.for_each(has_area_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const Triangle triangle = welded(mesh.triangles[t], clean_.weld);
+            if (is_degenerate(triangle, mesh.positions) != (has_area_[t] == 0)) {
+                holds = false;
+            }
+        }
+    });
+    if (!holds) {
+        return false;
+    }
+    const double tolerance = coplanar_tolerance(mesh);
+    const std::vector<std::uint8_t> is_close =
+        mark_close_points(mesh.positions, is_corner_, tolerance);
+    if (std::none_of(is_close.begin(), is_close.end(), [](std::uint8_t is) { return is != 0; })) {
+        return !has_near_duplicates_;
+    }
+    FirstIndexTable table(mesh.positions.size());
+    for (std::size_t v = 0; v < is_close.size(); ++v) {
+        const auto equals = [&](VertexId other) {
+            return mesh.positions[other] == mesh.positions[v];
+        };
+        const auto vertex = static_cast<VertexId>(v);
+        if (is_close[v] != 0 && table.add(hash_of(mesh.positions[v]), vertex, equals) != vertex) {
+            return false;
+        }
+    }
+    return !has_near_duplicates_ &&
+           near_duplicates_beside(mesh, clean_.weld, is_close, clean_.kept, tolerance).empty();
+}
+
+bool CleanMeshCache::update(const MeshView& mesh, Executor& executor) {
+    if (holds_for(mesh, executor)) {
+        return true;
+    }
+    clean_afresh(mesh, executor);
+    return false;
+}
+
+CleanReport CleanMeshCache::report(const MeshView& mesh, Executor& executor) const {
+    CleanReport report;
+    report.triangles_read = mesh.triangles.size();
+    report.vertices_read = mesh.positions.size();
+    // Also of vertices in no triangle, which may have met or parted since.
+    const std::vector<VertexId> weld = weld_equal_positions(mesh.positions);
+    for (std::size_t v = 0; v < weld.size(); ++v) {
+        report.vertices_welded += weld[v] != v ? 1 : 0;
+    }
+    report.degenerate_triangles =
+        static_cast<std::size_t>(std::count(has_area_.begin(), has_area_.end(), 0));
+    report.duplicate_triangles = clean_.duplicates.size();
+    std::vector<Triangle> kept(clean_.kept.size());
+    executor.for_each(kept.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            kept[i] = welded(mesh.triangles[clean_.kept[i]], clean_.weld);
+        }
+    });
+    count_edges(kept, mesh.positions, report);
+    return report;
 }
 
 }  // namespace earshot::geometry

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/parallel.h"
 #include "earshot/geometry/mesh.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace earshot::geometry {
@@ -49,6 +51,31 @@ struct CleanMesh {
 /// is within coplanar_tolerance() of it (tolerance.h) and farther than that from its ends. O(n log
 /// n), but for T-junctions where many long open edges run close to many vertices. Precondition:
 /// indices in range, positions finite.
-CleanMesh clean(const MeshView& mesh);
+CleanMesh clean(const MeshView& mesh, Executor& executor = Executor::serial());
+
+/// The clean-up of a mesh that moves: what a new pose leaves as it was is not found again.
+class CleanMeshCache {
+public:
+    /// Cleans the mesh in its pose now. True if kept, duplicates and the welding of their vertices
+    /// are those of the update before, which the next pose of an animation mostly leaves alone:
+    /// that is cheaper to tell than to clean. Precondition as for clean(); the triangles of the
+    /// first mesh.
+    bool update(const MeshView& mesh, Executor& executor = Executor::serial());
+
+    /// Without a report. The welding of vertices in no kept triangle may be that of another pose.
+    const CleanMesh& clean() const noexcept { return clean_; }
+
+    /// Takes about as long as clean(). Precondition: the mesh given last.
+    CleanReport report(const MeshView& mesh, Executor& executor = Executor::serial()) const;
+
+private:
+    void clean_afresh(const MeshView& mesh, Executor& executor);
+    bool holds_for(const MeshView& mesh, Executor& executor) const;
+
+    CleanMesh clean_;
+    std::vector<std::uint8_t> has_area_;   // per triangle
+    std::vector<std::uint8_t> is_corner_;  // per vertex: of triangles that are no exact duplicates
+    bool has_near_duplicates_ = false;
+};
 
 }  // namespace earshot::geometry

@@ -248,9 +248,11 @@ Vec3 Plane::mirror(const Vec3& point) const noexcept {
 
 Facets find_facets(const MeshView& mesh,
                    std::span<const VertexId> weld,
-                   std::span<const std::uint32_t> labels) {
+                   std::span<const std::uint32_t> labels,
+                   Executor& executor) {
     EARSHOT_ASSERT(weld.size() == mesh.positions.size());
     EARSHOT_ASSERT(labels.size() == mesh.triangles.size());
+    (void)executor;
     std::vector<Triangle> welded(mesh.triangles.size());
     std::transform(
         mesh.triangles.begin(), mesh.triangles.end(), welded.begin(), [&](const Triangle& t) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/base/error.h"
+#include "earshot/base/parallel.h"
 #include "earshot/geometry/mesh.h"
 
 #include <span>
@@ -55,6 +55,7 @@ struct Facets {
 /// positions.size(), labels.size() == triangles.size().
 Facets find_facets(const MeshView& mesh,
                    std::span<const VertexId> weld,
-                   std::span<const std::uint32_t> labels);
+                   std::span<const std::uint32_t> labels,
+                   Executor& executor = Executor::serial());
 
 }  // namespace earshot::geometry

@@ -2,12 +2,13 @@
 #include "earshot/propagation/simulator.h"
 
 #include "earshot/base/math.h"
-#include "earshot/bvh/deformable_bvh.h"
+#include "earshot/frustum/find_specular_paths.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/frustum/surface_points.h"
-#include "earshot/geometry/facets.h"
+#include "earshot/geometry/tolerance.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/propagation/internal/coincident_materials.h"
+#include "earshot/propagation/internal/scene_geometry.h"
 #include "earshot/propagation/late_rays.h"
 
 #include <glm/geometric.hpp>
@@ -55,6 +56,24 @@ private:
     std::size_t part_, parts_;
 };
 
+std::vector<FacetMaterial> facet_materials(const Scene& scene, const Options& options) {
+    const auto loudest = [&](const audio::Spectrum& pressure) {
+        return *std::max_element(
+            pressure.begin(),
+            pressure.begin() + static_cast<std::ptrdiff_t>(options.bands.count()));
+    };
+    std::vector<FacetMaterial> materials;
+    for (const Material& material : scene.materials) {
+        const double through =
+            options.transmission ? loudest(transmitted_pressure(material, options.bands)) : 0.0;
+        materials.push_back({.one_sided = material.one_sided,
+                             .transmissive = through > 0.0,
+                             .max_pressure_factor = std::max(
+                                 loudest(reflected_pressure(material, options.bands)), through)});
+    }
+    return materials;
+}
+
 }  // namespace
 
 struct Simulator::State {
@@ -62,7 +81,8 @@ struct Simulator::State {
         : scene(the_scene),
           options(the_options),
           speed_of_sound(propagation::speed_of_sound(the_options.air)),
-          min_pressure(math::pow10(the_options.min_level_db / 20.0)) {
+          min_pressure(math::pow10(the_options.min_level_db / 20.0)),
+          geometry(the_scene, facet_materials(the_scene, the_options)) {
         for (const Material& material : scene.materials) {
             reflection.push_back(reflected_pressure(material, options.bands));
             transmission.push_back(transmitted_pressure(material, options.bands));
@@ -77,18 +97,9 @@ struct Simulator::State {
     std::vector<audio::Spectrum> transmission;  // likewise
 
     double time = 0.0;
-    std::vector<Vec3> positions;
-    std::vector<geometry::TriangleId> kept;
-    std::vector<geometry::DuplicateTriangle> duplicates;
-    std::vector<geometry::Triangle> triangles;  // the kept ones
-    std::vector<std::uint32_t> labels;          // their materials
-    geometry::Facets facets;
-    std::vector<std::uint8_t> one_sided, transmissive;  // per facet
-    std::vector<double> max_pressure_factor;            // per facet, of the loudest band
-    std::optional<bvh::DeformableBvh> bvh;              // over the kept triangles
-    bvh::UpdateCounts former_updates;                   // of hierarchies over other triangles
-    std::uint64_t queries = 0;                          // of the last run, about
-    GeometrySummary summary;
+    SceneGeometry geometry;
+    std::uint64_t queries = 0;  // of the last run, about
+    bool needs_facets = true;   // of the last run
     frustum::TraceStatistics statistics;
 
     // Of the geometry as it is.
@@ -96,32 +107,22 @@ struct Simulator::State {
     std::vector<std::optional<frustum::SourceBeamTree>> sources;
     std::optional<frustum::ListenerBeamTree> listeners;
 
-    frustum::SceneView scene_view() const {
-        return {.bvh = bvh->view(),
-                .facets = facets,
-                .one_sided = one_sided,
-                .transmissive = transmissive,
-                .max_pressure_factor = max_pressure_factor};
-    }
-    RayScene ray_scene() const {
-        return {.bvh = bvh->view(), .material_of_triangle = labels, .materials = scene.materials};
-    }
     void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
-    std::vector<std::uint8_t> first_facets(const Vec3& source) const;
+    std::vector<std::uint8_t> first_facets(const Vec3& source, Executor& executor) const;
     frustum::PlacedPairs place(const Emitter& source,
                                const Vec3& position,
-                               std::span<const Vec3> to) const;
+                               std::span<const Vec3> to,
+                               Executor& executor) const;
     frustum::TraceResult trace(std::size_t source,
                                const Vec3& position,
                                const frustum::PlacedPairs& placed,
                                Executor& executor,
                                Progress* progress);
 
-    geometry::MeshView mesh() const { return {positions, triangles}; }
     void move_geometry(Executor& executor);
     void check_visible_sets() const;
-    void update_bvh(bool same_triangles, Executor& executor);
-    void describe_facets();
+    bool cannot_do_without_facets(std::span<const Vec3> from, std::span<const Vec3> to) const;
+    frustum::TraceOptions trace_options() const;
     void add_paths(std::size_t source,
                    const RaySource& sender,
                    const frustum::PlacedPairs& placed,
@@ -143,33 +144,11 @@ struct Simulator::State {
 };
 
 void Simulator::State::move_geometry(Executor& executor) {
-    std::vector<Vec3> moved = scene.mesh.positions_at(time);
-    if (!kept.empty() && moved == positions) {
-        return;
+    if (geometry.move(time, static_cast<double>(queries), executor)) {
+        finder.reset();
+        sources.clear();
+        listeners.reset();
     }
-    finder.reset();
-    sources.clear();
-    listeners.reset();
-    positions = std::move(moved);
-    geometry::CleanMesh clean = geometry::clean({positions, scene.mesh.triangles()});
-    if (clean.kept.empty()) {
-        throw Error(scene.name,
-                    "no triangle with an area is left after clean-up",
-                    "export the scene with triangles");
-    }
-    const bool same_triangles = clean.kept == kept;
-    kept = std::move(clean.kept);
-    duplicates = std::move(clean.duplicates);
-    triangles.resize(kept.size());
-    labels.resize(kept.size());
-    for (std::size_t i = 0; i < kept.size(); ++i) {
-        triangles[i] = scene.mesh.triangles()[kept[i]];
-        labels[i] = scene.material_of_triangle[kept[i]];
-    }
-    update_bvh(same_triangles, executor);
-    facets = geometry::find_facets(mesh(), clean.weld, labels);
-    describe_facets();
-    summary = {.clean = clean.report, .triangles = kept.size(), .facets = facets.facets.size()};
 }
 
 void Simulator::State::check_visible_sets() const {
@@ -177,7 +156,7 @@ void Simulator::State::check_visible_sets() const {
     if (sets != nullptr &&
         (sets->objects().object_of_triangle().size() != scene.mesh.triangles().size() ||
          sets->provenance().mesh_digest !=
-             visibility::mesh_digest({positions, scene.mesh.triangles()}))) {
+             visibility::mesh_digest({geometry.positions(), scene.mesh.triangles()}))) {
         throw Error("visible sets",
                     "they are of " + sets->provenance().scene + " in another shape than " +
                         scene.name + " has now",
@@ -185,29 +164,11 @@ void Simulator::State::check_visible_sets() const {
     }
 }
 
-void Simulator::State::describe_facets() {
-    one_sided.clear();
-    transmissive.clear();
-    max_pressure_factor.clear();
-    const auto loudest = [&](const audio::Spectrum& pressure) {
-        return *std::max_element(
-            pressure.begin(),
-            pressure.begin() + static_cast<std::ptrdiff_t>(options.bands.count()));
-    };
-    for (const geometry::Facet& facet : facets.facets) {
-        const std::uint32_t material = labels[facet.triangles.front()];
-        const double through = options.transmission ? loudest(transmission[material]) : 0.0;
-        one_sided.push_back(scene.materials[material].one_sided ? 1 : 0);
-        transmissive.push_back(through > 0.0 ? 1 : 0);
-        max_pressure_factor.push_back(std::max(loudest(reflection[material]), through));
-    }
-}
-
 LateEnergy Simulator::State::late_sound(const RaySource& source,
                                         std::span<const Vec3> to,
                                         Executor& executor,
                                         Progress* progress) const {
-    const RayScene rays_see = ray_scene();
+    const RayScene rays_see = geometry.ray_scene();
     RayOptions rays = {.rays = options.rays,
                        .max_error = options.max_error,
                        .seed = options.seed,
@@ -251,18 +212,6 @@ bool Simulator::State::is_wanted(const Path& path) const {
                        [&](double p) { return std::abs(p) >= min_pressure; });
 }
 
-void Simulator::State::update_bvh(bool same_triangles, Executor& executor) {
-    if (bvh && same_triangles) {
-        bvh->expect_queries(static_cast<double>(queries));
-        bvh->update(mesh(), executor);
-        return;
-    }
-    if (bvh) {
-        former_updates += bvh->update_counts();
-    }
-    bvh.emplace(mesh(), bvh::UpdateOptions{}, executor);
-}
-
 Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
     Path path;
     path.order = static_cast<int>(specular.triangles.size());
@@ -282,7 +231,7 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
     }
     for (std::size_t i = 0; i < specular.triangles.size(); ++i) {
         const bool transmitted = !specular.transmitted.empty() && specular.transmitted[i] != 0;
-        const geometry::TriangleId in_file = kept[specular.triangles[i]];
+        const geometry::TriangleId in_file = geometry.kept()[specular.triangles[i]];
         const std::uint32_t material = scene.material_of_triangle[in_file];
         path.triangles.push_back(in_file);
         path.materials.push_back(material);
@@ -318,6 +267,33 @@ void Simulator::set_time(double time, Executor& executor) {
     state_->time = time;
 }
 
+// Direct sound alone, which nothing transmits, between points in the air.
+bool Simulator::State::cannot_do_without_facets(std::span<const Vec3> from,
+                                                std::span<const Vec3> to) const {
+    const bvh::MeshBvh bvh = geometry.bvh();
+    const double tolerance = geometry::coplanar_tolerance(bvh.mesh());
+    const auto is_on_surface = [&](const Vec3& point) {
+        return bvh.closest_point(point, tolerance).has_value();
+    };
+    return options.specular_order > 0 || options.transmission ||
+           std::any_of(from.begin(), from.end(), is_on_surface) ||
+           std::any_of(to.begin(), to.end(), is_on_surface);
+}
+
+frustum::TraceOptions Simulator::State::trace_options() const {
+    double loudest = 1.0;
+    for (const Emitter& source : scene.sources) {
+        loudest = std::max(loudest, source.directivity.loudest());
+    }
+    return {.max_order = options.specular_order,
+            .mode = options.mode,
+            .resolution = options.resolution,
+            .max_length = options.max_length,
+            // Air only takes; the last word is is_wanted().
+            .min_pressure = kRoom * min_pressure / loudest,
+            .box_lattice = options.box_lattice};
+}
+
 // A finder serves as long as the geometry and the farthest emitter stay.
 void Simulator::State::prepare_finder(std::span<const Vec3> from,
                                       std::span<const Vec3> to,
@@ -330,22 +306,10 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
     }
     if (!finder || finder->max_radius() < max_radius) {
         constexpr double kRoomToMove = 4.0;
-        double loudest = 1.0;
-        for (const Emitter& source : scene.sources) {
-            loudest = std::max(loudest, source.directivity.loudest());
-        }
-        const frustum::TraceOptions trace_options = {
-            .max_order = options.specular_order,
-            .mode = options.mode,
-            .resolution = options.resolution,
-            .max_length = options.max_length,
-            // Air only takes; the last word is is_wanted().
-            .min_pressure = kRoom * min_pressure / loudest,
-            .box_lattice = options.box_lattice};
         sources.clear();
         listeners.reset();
-        finder.emplace(scene_view(),
-                       frustum::FinderOptions{.trace = trace_options,
+        finder.emplace(geometry.scene_view(executor),
+                       frustum::FinderOptions{.trace = trace_options(),
                                               .forward_only = frustum::prefer_forward(
                                                   to.size(), options.specular_order),
                                               .max_radius = kRoomToMove * max_radius});
@@ -359,18 +323,19 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
 }
 
 // Empty where every facet may be the first.
-std::vector<std::uint8_t> Simulator::State::first_facets(const Vec3& source) const {
+std::vector<std::uint8_t> Simulator::State::first_facets(const Vec3& source,
+                                                         Executor& executor) const {
     const visibility::VisibleSets* sets = options.visible_sets;
     const auto cell = sets != nullptr ? sets->cells().cell_at(source) : std::nullopt;
     if (!cell) {
         return {};
     }
     std::vector<std::uint8_t> is_first;
-    for (const geometry::Facet& facet : facets.facets) {
+    for (const geometry::Facet& facet : geometry.facets(executor).facets) {
         is_first.push_back(std::any_of(facet.triangles.begin(),
                                        facet.triangles.end(),
                                        [&](geometry::TriangleId triangle) {
-                                           return sets->contains(*cell, kept[triangle]);
+                                           return sets->contains(*cell, geometry.kept()[triangle]);
                                        })
                                ? 1
                                : 0);
@@ -380,8 +345,12 @@ std::vector<std::uint8_t> Simulator::State::first_facets(const Vec3& source) con
 
 frustum::PlacedPairs Simulator::State::place(const Emitter& source,
                                              const Vec3& position,
-                                             std::span<const Vec3> to) const {
-    frustum::PlacedPairs placed = frustum::place_pairs(scene_view(), position, to);
+                                             std::span<const Vec3> to,
+                                             Executor& executor) const {
+    if (!needs_facets) {
+        return frustum::pairs_in_the_air(position, to);
+    }
+    frustum::PlacedPairs placed = frustum::place_pairs(geometry.scene_view(executor), position, to);
     if (placed.undecided) {
         const frustum::UndecidedPoint& point = *placed.undecided;
         const Emitter& listener = scene.listeners[point.listener];
@@ -389,7 +358,7 @@ frustum::PlacedPairs Simulator::State::place(const Emitter& source,
         const std::string of_listener = "listener " + listener.name;
         const std::string& name = point.is_source ? of_source : of_listener;
         const std::string& other = point.is_source ? of_listener : of_source;
-        const std::string triangle = "triangle " + std::to_string(kept[point.triangle]);
+        const std::string triangle = "triangle " + std::to_string(geometry.kept()[point.triangle]);
         if (point.problem == frustum::PlacementProblem::edge_of_free_sheet) {
             throw Error(name,
                         "lies on the edge of a free sheet, " + triangle +
@@ -409,7 +378,10 @@ frustum::TraceResult Simulator::State::trace(std::size_t source,
                                              const frustum::PlacedPairs& placed,
                                              Executor& executor,
                                              Progress* progress) {
-    const std::vector<std::uint8_t> first = first_facets(position);
+    if (!needs_facets) {
+        return frustum::find_direct_paths(geometry.bvh(), placed, trace_options());
+    }
+    const std::vector<std::uint8_t> first = first_facets(position, executor);
     if (placed.is_moved) {
         return finder->find(placed, first, executor);
     }
@@ -500,12 +472,17 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     };
 
     // Early sound: exact paths.
-    state.prepare_finder(sources, listeners, executor);
     state.queries = 0;
-    state.statistics = {.frusta = state.listeners->frusta()};
+    state.statistics = {};
+    state.needs_facets = state.cannot_do_without_facets(sources, listeners);
+    if (state.needs_facets) {
+        state.prepare_finder(sources, listeners, executor);
+        state.statistics.frusta = state.listeners->frusta();
+    }
     std::vector<frustum::PlacedPairs> placed;  // per source
     for (std::size_t source = 0; source < sources.size(); ++source) {
-        placed.push_back(state.place(state.scene.sources[source], sources[source], listeners));
+        placed.push_back(
+            state.place(state.scene.sources[source], sources[source], listeners, executor));
         PartProgress part(progress, source, sources.size());
         state.add_paths(source, senders[source], placed[source], pairs_of(source), executor, &part);
     }
@@ -517,27 +494,29 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     return pairs;
 }
 
-frustum::SceneView Simulator::scene_view() const noexcept {
-    return state_->scene_view();
+frustum::SceneView Simulator::scene_view(Executor& executor) const {
+    return state_->geometry.scene_view(executor);
 }
 
 RayScene Simulator::ray_scene() const noexcept {
-    return state_->ray_scene();
+    return state_->geometry.ray_scene();
 }
 
-const GeometrySummary& Simulator::geometry() const noexcept {
-    return state_->summary;
+GeometrySummary Simulator::geometry(Executor& executor) const {
+    const SceneGeometry& geometry = state_->geometry;
+    return {.clean = geometry.clean_report(executor),
+            .triangles = geometry.kept().size(),
+            .facets = geometry.facets(executor).facets.size()};
 }
 
-Warnings Simulator::warnings() const {
+Warnings Simulator::warnings(Executor& executor) const {
+    const SceneGeometry& geometry = state_->geometry;
     return coincident_materials(
-        state_->scene, state_->scene_view(), state_->kept, state_->duplicates);
+        state_->scene, geometry.scene_view(executor), geometry.kept(), geometry.duplicates());
 }
 
 bvh::UpdateCounts Simulator::update_counts() const noexcept {
-    bvh::UpdateCounts counts = state_->former_updates;
-    counts += state_->bvh->update_counts();
-    return counts;
+    return state_->geometry.update_counts();
 }
 
 const frustum::TraceStatistics& Simulator::statistics() const noexcept {

@@ -84,12 +84,13 @@ public:
     std::vector<PairResult> run(Executor& executor = Executor::serial(),
                                 Progress* progress = nullptr);
 
-    const GeometrySummary& geometry() const noexcept;
+    /// Takes time like clean-up.
+    GeometrySummary geometry(Executor& executor = Executor::serial()) const;
     /// What is odd about the scene at the current time: places that two materials claim. Takes time
     /// like clean-up.
-    Warnings warnings() const;
+    Warnings warnings(Executor& executor = Executor::serial()) const;
     /// The scene as the tracer sees it; valid until the time is set or the simulator destroyed.
-    frustum::SceneView scene_view() const noexcept;
+    frustum::SceneView scene_view(Executor& executor = Executor::serial()) const;
     /// The scene as rays see it; valid as long.
     RayScene ray_scene() const noexcept;
     /// How the hierarchy over the triangles has followed them so far.

@@ -143,5 +143,34 @@ TEST(FindSpecularPaths, RefusesOptionsOutOfRange) {
     EXPECT_THROW(attempt({.resolution = 1025}), Error);
 }
 
+TEST(FindDirectPaths, FindsWhatASearchOfOrderZeroFinds) {
+    std::size_t found = 0, blocked = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        const RandomRoom random(seed, static_cast<int>(seed % 12));
+        const SceneView scene_view = random.room.scene_view();
+        std::vector<Vec3> listeners = random.listeners;
+        listeners.push_back(random.source);
+        for (const double max_length : {1e9, 3.0}) {
+            for (const double min_pressure : {0.0, 0.4}) {
+                const TraceOptions options = {.max_order = 0,
+                                              .max_length = max_length,
+                                              .min_pressure = min_pressure,
+                                              .box_lattice = false};
+                const PlacedPairs pairs = pairs_in_the_air(random.source, listeners);
+                const TraceResult direct = find_direct_paths(scene_view.bvh, pairs, options);
+                const TraceResult expected =
+                    find_specular_paths(scene_view, random.source, listeners, options);
+                EXPECT_EQ(direct.paths, expected.paths) << seed;
+                EXPECT_EQ(direct.statistics.candidates, expected.statistics.candidates);
+                EXPECT_EQ(direct.statistics.paths, expected.statistics.paths);
+                found += direct.paths.size();
+                blocked += listeners.size() - direct.paths.size();
+            }
+        }
+    }
+    EXPECT_GT(found, 100U);
+    EXPECT_GT(blocked, 100U);
+}
+
 }  // namespace
 }  // namespace earshot::frustum

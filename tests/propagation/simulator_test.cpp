@@ -212,16 +212,30 @@ TEST(Simulator, TimesMayBeVisitedInAnyOrder) {
     EXPECT_EQ(paths_at(0.0), 1U);
 }
 
-TEST(Simulator, BuildsOneHierarchyOverTheTrianglesOfAnAnimation) {
-    geometry::Part part;
+/// The box with a corner that moves, and a screen that comes between source and listener.
+Scene deforming_scene() {
     Scene scene = box_scene();
+    geometry::Part part;
     part.positions = scene.mesh.positions_at(0.0);
+    std::vector<geometry::Triangle> triangles = scene.mesh.triangles();
+    const auto first = static_cast<geometry::VertexId>(part.positions.size());
+    part.positions.insert(part.positions.end(), {{2, 0.5, 4}, {3, 0.5, 4}, {2.5, 2.5, 4}});
+    triangles.push_back({first, first + 1, first + 2});
+    scene.material_of_triangle.push_back(0);
     part.targets.push_back({std::vector<Vec3>(part.positions.size(), Vec3(0.0))});
     part.targets[0].displacement[7] = {0.5, 0.25, 0.5};
+    for (std::size_t i = 0; i < 3; ++i) {
+        part.targets[0].displacement[first + i] = {0.0, 0.0, -4.0};
+    }
     part.rest_weights = {0.0};
     part.weights = {.times = {0.0, 1.0}, .values = {0.0, 1.0}};
     std::vector<geometry::Part> parts = {part};
-    scene.mesh = geometry::AnimatedMesh({}, {}, std::move(parts), scene.mesh.triangles());
+    scene.mesh = geometry::AnimatedMesh({}, {}, std::move(parts), std::move(triangles));
+    return scene;
+}
+
+TEST(Simulator, BuildsOneHierarchyOverTheTrianglesOfAnAnimation) {
+    const Scene scene = deforming_scene();
     Simulator simulator(scene, {.specular_order = 2, .rays = 500});
     simulator.run();
     EXPECT_EQ(simulator.update_counts(), bvh::UpdateCounts{.builds = 1});
@@ -232,6 +246,38 @@ TEST(Simulator, BuildsOneHierarchyOverTheTrianglesOfAnAnimation) {
     const bvh::UpdateCounts counts = simulator.update_counts();
     EXPECT_EQ(counts.builds, 1U);
     EXPECT_EQ(counts.refits + counts.repairs + counts.rebuilds, 3U);
+}
+
+TEST(Simulator, DirectSoundAloneIsThatOfASearchWithReflections) {
+    Scene scene = deforming_scene();
+    scene.listeners.push_back({.name = "on the floor", .node = -1, .position = {3, 0, 2}});
+    for (const std::size_t listeners : {2U, 1U}) {
+        scene.listeners.resize(listeners);  // then none lies on a surface
+        Simulator direct(scene, {.specular_order = 0});
+        Simulator all(scene, {.specular_order = 1});
+        std::size_t found = 0, frames = 0;
+        for (const double time : {0.0, 0.2, 0.4, 0.5, 0.6, 1.0, 0.3}) {
+            direct.set_time(time);
+            all.set_time(time);
+            const auto pairs = direct.run();
+            const auto expected = all.run();
+            for (std::size_t i = 0; i < pairs.size(); ++i) {
+                auto paths = expected[i].paths;
+                std::erase_if(paths, [](const Path& path) { return path.order > 0; });
+                ASSERT_EQ(pairs[i].paths.size(), paths.size()) << time;
+                for (std::size_t k = 0; k < paths.size(); ++k) {
+                    EXPECT_EQ(pairs[i].paths[k].points, paths[k].points);
+                    EXPECT_EQ(pairs[i].paths[k].pressure, paths[k].pressure);
+                }
+                found += paths.size();
+            }
+            frames += pairs.size();
+            EXPECT_EQ(direct.geometry().facets, all.geometry().facets);
+            EXPECT_EQ(direct.geometry().clean, all.geometry().clean);
+        }
+        EXPECT_GT(found, 0U);
+        EXPECT_LT(found, frames);  // the screen blocks some
+    }
 }
 
 TEST(Simulator, RefusesWhatCannotBeSimulated) {

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/parallel.h"
+#include "earshot/bvh/deformable_bvh.h"
+#include "earshot/frustum/scene_view.h"
+#include "earshot/geometry/clean.h"
+#include "earshot/geometry/facets.h"
+#include "earshot/propagation/late_energy.h"
+#include "earshot/propagation/scene.h"
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace earshot::propagation {
+
+/// What the path search needs to know of a material.
+struct FacetMaterial {
+    bool one_sided = false;
+    bool transmissive = false;
+    double max_pressure_factor = 1.0;  ///< see frustum::SceneView
+};
+
+/// The geometry of a scene at one instant: the triangles that take part, with the hierarchy over
+/// them and their facets. From one instant to the next it keeps what did not change, and follows
+/// the rest; what nobody asks for is not made.
+class SceneGeometry {
+public:
+    /// The scene must outlive it.
+    SceneGeometry(const Scene& scene, std::vector<FacetMaterial> materials);
+
+    /// Moves everything to where it is at `time`, for about `queries` queries. False: it is where
+    /// it was. Throws Error if no triangle is left after clean-up. Invalidates views.
+    bool move(double time, double queries, Executor& executor);
+
+    const std::vector<geometry::Vec3>& positions() const noexcept { return positions_; }
+    /// Of the triangles that take part: their numbers in the scene.
+    std::span<const geometry::TriangleId> kept() const noexcept { return clean_.clean().kept; }
+    std::span<const geometry::DuplicateTriangle> duplicates() const noexcept {
+        return clean_.clean().duplicates;
+    }
+
+    bvh::MeshBvh bvh() const noexcept { return bvh_->view(); }
+    RayScene ray_scene() const noexcept;
+    /// Made when it is asked for first.
+    const geometry::Facets& facets(Executor& executor) const;
+    frustum::SceneView scene_view(Executor& executor) const;
+    geometry::CleanReport clean_report(Executor& executor) const;
+
+    /// Of the hierarchy over the triangles.
+    bvh::UpdateCounts update_counts() const noexcept;
+
+private:
+    geometry::MeshView mesh() const noexcept { return {positions_, triangles_}; }
+    bool set_triangles();  // whether they are others than before
+    void update_bvh(bool same_triangles, double queries, Executor& executor);
+    void describe_facets() const;
+
+    const Scene& scene_;
+    std::vector<FacetMaterial> materials_;
+    std::vector<geometry::Vec3> positions_;
+    std::vector<geometry::Vec3> moved_;  // scratch
+    geometry::CleanMeshCache clean_;
+    std::vector<geometry::Triangle> triangles_;  // that take part
+    std::vector<std::uint32_t> labels_;          // their materials
+    std::optional<bvh::DeformableBvh> bvh_;      // over them
+    bvh::UpdateCounts former_updates_;           // of hierarchies over other triangles
+
+    // Made on demand, by const functions that several threads may call.
+    mutable std::mutex on_demand_;
+    mutable bool has_facets_ = false;
+    mutable geometry::Facets facets_;
+    mutable std::vector<std::uint8_t> one_sided_, transmissive_;  // per facet
+    mutable std::vector<double> max_pressure_factor_;             // likewise
+    mutable std::optional<geometry::CleanReport> report_;
+};
+
+}  // namespace earshot::propagation
