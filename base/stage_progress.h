@@ -50,4 +50,21 @@ private:
     std::mutex mutex_;
 };
 
+/// One of several parts of a stage, in the units of the part; parts of different sizes count alike.
+class PartProgress : public Progress {
+public:
+    PartProgress(Progress* whole, std::size_t part, std::size_t parts)
+        : whole_(whole), part_(part), parts_(parts) {}
+
+    void report(std::string_view stage, std::size_t done, std::size_t total) override {
+        if (whole_ != nullptr && total > 0) {
+            whole_->report(stage, part_ * total + done, parts_ * total);
+        }
+    }
+
+private:
+    Progress* whole_;
+    std::size_t part_, parts_;
+};
+
 }  // namespace earshot

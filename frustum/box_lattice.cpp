@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/box_lattice.h"
 
+#include "earshot/frustum/internal/box_search.h"
 #include "earshot/frustum/internal/path_order.h"
 #include "earshot/frustum/internal/reflection_point.h"
 
@@ -21,65 +22,23 @@ using geometry::Vec3;
 
 namespace {
 
-constexpr std::size_t kMaxOrder = 64;  // of TraceOptions
 /// Orders of one image's walls that are verified one by one.
 constexpr std::size_t kMaxOrders = 64;
 /// Rounding of mirroring and intersecting, per reflection and metre: PathVerifier allows 2^-42 for
 /// sixteen.
 constexpr double kRoundingPerReflection = 0x1p-48;
-/// Safety on all bounds of errors.
-constexpr double kSafety = 4.0;
-
-using Axes = std::array<double, 3>;
-using Cell = std::array<int, 3>;  // reflections per axis, negative: the last by the low wall
-
-/// Where the line to a listener crosses a plane of the lattice.
-struct Crossing {
-    double t = 0.0;  // from the listener, 0, to the image, 1
-    int axis = 0;
-};
 
 }  // namespace
 
-/// One source and one listener.
-struct BoxLattice::Search {
-    Search(const BoxLattice& the_lattice, const Vec3& the_source, const Vec3& the_listener)
-        : lattice(the_lattice),
-          room(the_lattice.room_),
-          source(the_source),
-          listener(the_listener),
-          local_source(room.local(the_source)),
-          local_listener(room.local(the_listener)) {}
-
-    const BoxLattice& lattice;
-    const BoxRoom& room;
-    Vec3 source, listener;
-    Axes local_source, local_listener;
-    Paths result;
-
-    // The image at hand.
-    Cell cell{};
-    std::size_t order = 0;
-    Axes distance{};  // of the ideal image from the listener, along each axis
-    Axes border{};    // metres: see may_be_at_edge()
-    double ideal_length = 0.0;
-    std::array<Crossing, kMaxOrder> crossings;
-    std::array<FacetId, kMaxOrder> sequence;
-    std::array<Vec3, kMaxOrder + 1> images;
-    std::array<Vec3, kMaxOrder> points;
-    std::array<TriangleId, kMaxOrder> triangles;
-
-    bool visit(const Cell& the_cell);
-    void find_crossings();
-    void make_sequence();
-    void make_images();
-    bool within_limits(double length) const;
-    bool construct();
-    bool may_be_at_edge(const Crossing& a, const Crossing& b) const;
-    bool verify_every_order();
-    std::vector<std::pair<std::size_t, std::size_t>> clusters() const;
-    void verify(std::vector<SpecularPath>& found);
-};
+BoxLattice::Search::Search(const BoxLattice& the_lattice,
+                           const Vec3& the_source,
+                           const Vec3& the_listener)
+    : lattice(the_lattice),
+      room(the_lattice.room_),
+      source(the_source),
+      listener(the_listener),
+      local_source(room.local(the_source)),
+      local_listener(room.local(the_listener)) {}
 
 BoxLattice::BoxLattice(const SceneView& scene,
                        const PathVerifier& verifier,
@@ -100,12 +59,11 @@ BoxLattice::BoxLattice(const SceneView& scene,
     }
     // The verifier's rules for layers of one surface reach as far as the tolerance, and outlines
     // leave out vertices within the tolerance.
-    const double max_length =
-        std::min(options.max_length, largest * (options.max_order + 1) + diagonal_);
-    const double slack = verifier.rounding_slack(max_length);
-    border_ = kSafety * (scene.facets.tolerance + 2.0 * room.error + slack);
-    min_height_ = kSafety * (kGrazingSlacks * slack + room.error +
-                             image_error(options.max_order, max_length));
+    max_length_ = std::min(options.max_length, largest * (options.max_order + 1) + diagonal_);
+    const double slack = verifier.rounding_slack(max_length_);
+    border_ = kLatticeSafety * (scene.facets.tolerance + 2.0 * room.error + slack);
+    min_height_ = kLatticeSafety * (kGrazingSlacks * slack + room.error +
+                                    image_error(options.max_order, max_length_));
 }
 
 std::optional<BoxLattice> BoxLattice::make(const SceneView& scene,
@@ -151,26 +109,30 @@ std::optional<BoxLattice::Paths> BoxLattice::find(const Vec3& source, const Vec3
     return std::move(search.result);
 }
 
-// False: the pair must be left to frusta.
-bool BoxLattice::Search::visit(const Cell& the_cell) {
+double BoxLattice::Search::image(std::size_t axis, int number) const noexcept {
+    return number % 2 == 0 ? number * room.size(axis) + local_source[axis]
+                           : (number + 1) * room.size(axis) - local_source[axis];
+}
+
+void BoxLattice::Search::set_cell(const Cell& the_cell) {
     cell = the_cell;
     order = 0;
-    double squared = 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        const int number = cell[axis];
-        order += static_cast<std::size_t>(std::abs(number));
-        const double image = number % 2 == 0 ? number * room.size(axis) + local_source[axis]
-                                             : (number + 1) * room.size(axis) - local_source[axis];
-        distance[axis] = std::abs(image - local_listener[axis]);
-        squared += distance[axis] * distance[axis];
+        order += static_cast<std::size_t>(std::abs(cell[axis]));
+        distance[axis] = std::abs(image(axis, cell[axis]) - local_listener[axis]);
     }
-    ideal_length = std::sqrt(squared);
-    const double error = lattice.image_error(static_cast<int>(order), ideal_length);
-    if (ideal_length - error > lattice.options_.max_length) {
+}
+
+bool BoxLattice::Search::visit(const Cell& the_cell) {
+    set_cell(the_cell);
+    const double length = std::sqrt(distance[0] * distance[0] + distance[1] * distance[1] +
+                                    distance[2] * distance[2]);
+    const double error = lattice.image_error(static_cast<int>(order), length);
+    if (length - error > lattice.options_.max_length) {
         return true;
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        border[axis] = lattice.border_ + kSafety * error * (1.0 + ideal_length / distance[axis]);
+        border[axis] = lattice.border_ + kLatticeSafety * error * (1.0 + length / distance[axis]);
     }
     find_crossings();
     make_sequence();
@@ -186,8 +148,9 @@ void BoxLattice::Search::find_crossings() {
         left[axis] = std::abs(cell[axis]);
         const double first =
             cell[axis] > 0 ? room.size(axis) - local_listener[axis] : local_listener[axis];
-        next[axis] = left[axis] > 0 ? first / distance[axis] : kNone;
-        step[axis] = room.size(axis) / distance[axis];
+        const double per_metre = 1.0 / distance[axis];
+        next[axis] = left[axis] > 0 ? first * per_metre : kNone;
+        step[axis] = room.size(axis) * per_metre;
     }
     for (std::size_t i = 0; i < order; ++i) {
         std::size_t axis = next[1] < next[0] ? 1 : 0;
@@ -288,8 +251,8 @@ bool BoxLattice::Search::may_be_at_edge(const Crossing& a, const Crossing& b) co
 }
 
 /// Runs of crossings whose order is uncertain, as ranges.
-std::vector<std::pair<std::size_t, std::size_t>> BoxLattice::Search::clusters() const {
-    std::vector<std::pair<std::size_t, std::size_t>> found;
+std::vector<BoxLattice::Search::Cluster> BoxLattice::Search::clusters() const {
+    std::vector<Cluster> found;
     for (std::size_t i = 0; i + 1 < order; ++i) {
         if (!may_be_at_edge(crossings[i], crossings[i + 1])) {
             continue;
@@ -321,7 +284,7 @@ void BoxLattice::Search::verify(std::vector<SpecularPath>& found) {
 bool BoxLattice::Search::verify_every_order() {
     const auto uncertain = clusters();
     const auto by_axis = [](const Crossing& a, const Crossing& b) { return a.axis < b.axis; };
-    const auto range = [&](const std::pair<std::size_t, std::size_t>& cluster) {
+    const auto range = [&](const Cluster& cluster) {
         return std::pair(crossings.begin() + static_cast<std::ptrdiff_t>(cluster.first),
                          crossings.begin() + static_cast<std::ptrdiff_t>(cluster.second));
     };

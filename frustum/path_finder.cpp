@@ -5,6 +5,7 @@
 #include "earshot/base/error.h"
 #include "earshot/base/stage_progress.h"
 #include "earshot/frustum/internal/beam_tree.h"
+#include "earshot/frustum/internal/box_arrivals.h"
 #include "earshot/frustum/internal/box_lattice.h"
 #include "earshot/frustum/internal/candidate_sequences.h"
 #include "earshot/frustum/internal/facet_index.h"
@@ -203,6 +204,17 @@ PathFinder::~PathFinder() = default;
 
 double PathFinder::max_radius() const noexcept {
     return state_->max_radius;
+}
+
+std::optional<PathArrivals> PathFinder::find_arrivals(const Vec3& source,
+                                                      const Vec3& listener) const {
+    if (!state_->is_in_box(source) || !state_->is_in_box(listener) ||
+        !BoxArrivals::suits(*state_->box)) {
+        return std::nullopt;
+    }
+    auto arrivals = std::make_unique<BoxArrivals>(*state_->box, source, listener);
+    return arrivals->is_complete() ? std::optional(PathArrivals(std::move(arrivals)))
+                                   : std::nullopt;
 }
 
 bool PathFinder::is_box() const noexcept {

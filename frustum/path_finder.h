@@ -3,6 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
+#include "earshot/frustum/path_arrivals.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
 #include "earshot/frustum/surface_points.h"
@@ -11,6 +12,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace earshot::frustum {
@@ -123,6 +125,12 @@ public:
 
     /// Largest distance of a source or listener from the origin, metres.
     double max_radius() const noexcept;
+
+    /// The paths of one pair without their points, where the scene is a box whose walls are
+    /// coordinate planes and the lattice of its images gives the paths; else nothing. Valid as long
+    /// as the finder.
+    std::optional<PathArrivals> find_arrivals(const geometry::Vec3& source,
+                                              const geometry::Vec3& listener) const;
 
     /// Whether the scene is a box whose image lattice gives the paths between points inside.
     bool is_box() const noexcept;

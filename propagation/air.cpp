@@ -4,6 +4,7 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
+#include "earshot/propagation/internal/air_kernel.h"
 
 #include <cmath>
 #include <string>
@@ -77,6 +78,20 @@ audio::Spectrum air_pressure(const Air& air, const audio::Bands& bands, double d
         factor[band] = math::pow10(-lost_db / 20.0);
     }
     return factor;
+}
+
+AirAbsorption::AirAbsorption(const Air& air, const audio::Bands& bands) {
+    constexpr std::size_t kLanes = 8;
+    rates_.assign((bands.count() + kLanes - 1) / kLanes * kLanes, 0.0);
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        rates_[band] = absorption_db_per_metre(air, bands.exact_hz()[band]);
+    }
+}
+
+std::vector<double> AirAbsorption::pressures(std::span<const double> distances) const {
+    std::vector<double> factors(distances.size() * stride());
+    pressures_of_losses(rates_, distances, factors);
+    return factors;
 }
 
 }  // namespace earshot::propagation

@@ -3,6 +3,10 @@
 
 #include "earshot/audio/bands.h"
 
+#include <cstddef>
+#include <span>
+#include <vector>
+
 namespace earshot::propagation {
 
 /// The air that sound travels through.
@@ -26,5 +30,19 @@ double absorption_db_per_metre(const Air& air, double frequency_hz) noexcept;
 
 /// Factor of the pressure amplitude over `distance` metres (>= 0), per band at its exact centre.
 audio::Spectrum air_pressure(const Air& air, const audio::Bands& bands, double distance) noexcept;
+
+/// air_pressure() over many distances, to the bit: what depends on the air alone is prepared once.
+class AirAbsorption {
+public:
+    AirAbsorption(const Air& air, const audio::Bands& bands);
+
+    /// Factors of the pressure amplitude: stride() numbers per distance (metres, >= 0), of which
+    /// the first are the bands'.
+    std::vector<double> pressures(std::span<const double> distances) const;
+    std::size_t stride() const noexcept { return rates_.size(); }
+
+private:
+    std::vector<double> rates_;  // decibels per metre, per band, and zeros to a multiple of 8
+};
 
 }  // namespace earshot::propagation

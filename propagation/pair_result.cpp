@@ -19,6 +19,10 @@ std::string_view name_of(PathKind kind) noexcept {
 
 std::vector<audio::Arrival> arrivals_of(const PairResult& pair) {
     std::vector<audio::Arrival> arrivals;
+    if (pair.paths.empty()) {
+        return pair.arrivals;
+    }
+    arrivals.reserve(pair.paths.size());
     for (const Path& path : pair.paths) {
         audio::Arrival& arrival = arrivals.emplace_back(
             audio::Arrival{.delay = path.delay,

@@ -44,6 +44,8 @@ struct PairResult {
     std::uint64_t key = 0;
     double time = 0.0;          ///< seconds, of the scene's animation
     std::vector<Path> paths{};  ///< sorted by delay, order, triangles
+    /// Of the paths, in their order, if Options::report_paths is off and there are no paths here.
+    std::vector<audio::Arrival> arrivals{};
     /// What arrives besides, past Options::specular_order or scattered; empty without rays.
     audio::EnergyHistogram late{};
     LateErrors late_errors{};                      ///< of that
@@ -51,7 +53,7 @@ struct PairResult {
     double visible_volume = 0.0;                   ///< of the source, cubic metres; see LateEnergy
 };
 
-/// The arrivals of a pair's paths, in their order.
+/// The arrivals of a pair's paths, in their order; PairResult::arrivals where there are no paths.
 std::vector<audio::Arrival> arrivals_of(const PairResult& pair);
 
 }  // namespace earshot::propagation

@@ -2,12 +2,14 @@
 #include "earshot/propagation/simulator.h"
 
 #include "earshot/base/math.h"
+#include "earshot/base/stage_progress.h"
 #include "earshot/frustum/find_specular_paths.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/frustum/surface_points.h"
 #include "earshot/geometry/tolerance.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/propagation/internal/coincident_materials.h"
+#include "earshot/propagation/internal/lattice_arrivals.h"
 #include "earshot/propagation/internal/scene_geometry.h"
 #include "earshot/propagation/late_rays.h"
 
@@ -19,7 +21,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 
 namespace earshot::propagation {
@@ -38,23 +39,6 @@ bool is_silent(const audio::EnergyHistogram& histogram) {
                 energies.begin(), energies.end(), [](double energy) { return energy == 0.0; });
         });
 }
-
-/// One of several parts of a stage, in the units of the part; parts of different sizes count alike.
-class PartProgress : public Progress {
-public:
-    PartProgress(Progress* whole, std::size_t part, std::size_t parts)
-        : whole_(whole), part_(part), parts_(parts) {}
-
-    void report(std::string_view stage, std::size_t done, std::size_t total) override {
-        if (whole_ != nullptr && total > 0) {
-            whole_->report(stage, part_ * total + done, parts_ * total);
-        }
-    }
-
-private:
-    Progress* whole_;
-    std::size_t part_, parts_;
-};
 
 std::vector<FacetMaterial> facet_materials(const Scene& scene, const Options& options) {
     const auto loudest = [&](const audio::Spectrum& pressure) {
@@ -82,6 +66,7 @@ struct Simulator::State {
           options(the_options),
           speed_of_sound(propagation::speed_of_sound(the_options.air)),
           min_pressure(math::pow10(the_options.min_level_db / 20.0)),
+          air(the_options.air, the_options.bands),
           geometry(the_scene, facet_materials(the_scene, the_options)) {
         for (const Material& material : scene.materials) {
             reflection.push_back(reflected_pressure(material, options.bands));
@@ -93,6 +78,7 @@ struct Simulator::State {
     Options options;
     double speed_of_sound = 0.0;
     double min_pressure = 0.0;
+    AirAbsorption air;
     std::vector<audio::Spectrum> reflection;    // pressure factor per material
     std::vector<audio::Spectrum> transmission;  // likewise
 
@@ -140,7 +126,11 @@ struct Simulator::State {
                           Progress* progress) const;
     void radiate(const RaySource& source, Path& path) const;
     bool is_wanted(const Path& path) const;
-    Path describe(const frustum::SpecularPath& specular) const;
+    Path describe(const frustum::SpecularPath& specular, const double* air_pressures) const;
+    bool add_arrivals(const RaySource& sender,
+                      const frustum::PlacedPairs& placed,
+                      std::span<PairResult> pairs,
+                      Executor& executor);
 };
 
 void Simulator::State::move_geometry(Executor& executor) {
@@ -212,7 +202,9 @@ bool Simulator::State::is_wanted(const Path& path) const {
                        [&](double p) { return std::abs(p) >= min_pressure; });
 }
 
-Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
+// `air_pressures`: per band, over the path's length.
+Path Simulator::State::describe(const frustum::SpecularPath& specular,
+                                const double* air_pressures) const {
     Path path;
     path.order = static_cast<int>(specular.triangles.size());
     path.kind = path.order == 0                ? PathKind::direct
@@ -224,11 +216,12 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular) const {
     const std::size_t bands = options.bands.count();
     std::fill_n(path.pressure.begin(), bands, 1.0 / specular.length);
     if (options.air_absorption) {
-        const audio::Spectrum air = air_pressure(options.air, options.bands, specular.length);
         for (std::size_t band = 0; band < bands; ++band) {
-            path.pressure[band] *= air[band];
+            path.pressure[band] *= air_pressures[band];
         }
     }
+    path.triangles.reserve(specular.triangles.size());
+    path.materials.reserve(specular.triangles.size());
     for (std::size_t i = 0; i < specular.triangles.size(); ++i) {
         const bool transmitted = !specular.transmitted.empty() && specular.transmitted[i] != 0;
         const geometry::TriangleId in_file = geometry.kept()[specular.triangles[i]];
@@ -409,8 +402,15 @@ void Simulator::State::add_paths(std::size_t source,
     statistics.paths += traced.statistics.paths;
     queries +=
         traced.statistics.candidates * static_cast<std::uint64_t>(options.specular_order + 1);
+    std::vector<double> lengths;
+    lengths.reserve(traced.paths.size());
     for (const frustum::SpecularPath& specular : traced.paths) {
-        Path path = describe(specular);
+        lengths.push_back(specular.length);
+    }
+    const std::vector<double> air_pressures = air.pressures(lengths);
+    for (std::size_t i = 0; i < traced.paths.size(); ++i) {
+        const frustum::SpecularPath& specular = traced.paths[i];
+        Path path = describe(specular, &air_pressures[i * air.stride()]);
         radiate(sender, path);
         if (placed.is_moved) {
             path.points.front() = position;
@@ -420,6 +420,47 @@ void Simulator::State::add_paths(std::size_t source,
             pairs[specular.listener].paths.push_back(std::move(path));
         }
     }
+}
+
+// In a box, without their paths. False: that does not do for every pair.
+bool Simulator::State::add_arrivals(const RaySource& sender,
+                                    const frustum::PlacedPairs& placed,
+                                    std::span<PairResult> pairs,
+                                    Executor& executor) {
+    const Vec3& position = sender.pose.position;
+    if (!needs_facets || placed.is_moved || !sender.directivity.is_omnidirectional() ||
+        !finder->is_box() || !first_facets(position, executor).empty()) {
+        return false;
+    }
+    std::vector<audio::Spectrum> reflection_of_facet;
+    for (const geometry::Facet& facet : geometry.facets(executor).facets) {
+        const geometry::TriangleId in_file = geometry.kept()[facet.triangles.front()];
+        reflection_of_facet.push_back(reflection[scene.material_of_triangle[in_file]]);
+    }
+    const ArrivalModel model = {.bands = options.bands.count(),
+                                .speed_of_sound = speed_of_sound,
+                                .air = options.air_absorption ? &air : nullptr,
+                                .reflection = reflection_of_facet,
+                                .min_pressure = min_pressure};
+    std::vector<std::uint8_t> is_done(pairs.size(), 0);
+    executor.for_each(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3& listener = listeners->listeners()[i];
+            if (auto found = finder->find_arrivals(position, listener)) {
+                pairs[i].arrivals = describe_arrivals(*found, listener, model);
+                is_done[i] = 1;
+            }
+        }
+    });
+    const bool is_complete = std::find(is_done.begin(), is_done.end(), 0) == is_done.end();
+    for (PairResult& pair : pairs) {
+        if (is_complete) {
+            statistics.paths += pair.arrivals.size();
+        } else {
+            pair.arrivals.clear();
+        }
+    }
+    return is_complete;
 }
 
 void Simulator::State::add_late_sound(const RaySource& sender,
@@ -484,7 +525,20 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
         placed.push_back(
             state.place(state.scene.sources[source], sources[source], listeners, executor));
         PartProgress part(progress, source, sources.size());
-        state.add_paths(source, senders[source], placed[source], pairs_of(source), executor, &part);
+        const std::span<PairResult> of_source = pairs_of(source);
+        const RaySource& sender = senders[source];
+        if (!state.options.report_paths &&
+            state.add_arrivals(sender, placed[source], of_source, executor)) {
+            part.report("tracing", 1, 1);
+            continue;
+        }
+        state.add_paths(source, sender, placed[source], of_source, executor, &part);
+        for (PairResult& pair : of_source) {
+            if (!state.options.report_paths) {
+                pair.arrivals = arrivals_of(pair);
+                pair.paths.clear();
+            }
+        }
     }
     // Late sound: rays.
     for (std::size_t source = 0; state.options.rays > 0 && source < sources.size(); ++source) {

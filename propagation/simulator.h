@@ -25,6 +25,9 @@ struct Options {
     int specular_order = 4;  ///< max reflections and transmissions of a path, >= 0
     frustum::Mode mode = frustum::Mode::complete;
     int resolution = 0;  ///< sub-frusta along a frustum's side; 0: the mode's default
+    /// Off: PairResult::arrivals in place of paths, for responses that nobody asks the paths of. In
+    /// boxes between omnidirectional sources and listeners these come in less time and memory.
+    bool report_paths = true;
     /// Answer rooms that are boxes by their image lattice; changes the time only.
     bool box_lattice = true;
     Air air{};

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// exp, log, sin and cos of doubles side by side, with the bits of the functions of base/math.h: the
-// same steps on lanes, with selections in place of branches. See lanes-inl.h for what an -inl.h is;
-// base/math.cpp and base/math_circular.cpp say where the numbers come from.
+// exp, pow10, log, sin and cos of doubles side by side, with the bits of the functions of
+// base/math.h: the same steps on lanes, with selections in place of branches. See lanes-inl.h for
+// what an -inl.h is; base/math.cpp and base/math_circular.cpp say where the numbers come from.
 
 #include "earshot/base/simd/lanes-inl.h"
 
@@ -118,8 +118,8 @@ HWY_INLINE Doubles polynomial(Doubles x, const double (&c)[N]) {
     return sum;
 }
 
-/// math::exp().
-HWY_INLINE Doubles exp(Doubles x) {
+/// exp(hi + lo), where lo is to hi as its rounding.
+HWY_INLINE Doubles exp_of_sum(Doubles x, Doubles lo) {
     constexpr double kCoefficients[] = {1.66666666666666019037e-01,
                                         -2.77777777770155933842e-03,
                                         6.61375632143793436117e-05,
@@ -127,7 +127,7 @@ HWY_INLINE Doubles exp(Doubles x) {
                                         4.13813679705723846039e-08};
     const Doubles k = floor(x * Doubles(0x1.71547652b82fep+0) + Doubles(0.5));
     const Doubles r_hi = x - k * Doubles(6.93147180369123816490e-01);
-    const Doubles r_lo = k * Doubles(1.90821492927058770002e-10);
+    const Doubles r_lo = k * Doubles(1.90821492927058770002e-10) - lo;
     const Doubles r = r_hi - r_lo;
     const Doubles t = r * r;
     const Doubles c = r - t * polynomial(t, kCoefficients);
@@ -140,6 +140,18 @@ HWY_INLINE Doubles exp(Doubles x) {
     const Doubles infinity(std::numeric_limits<double>::infinity());
     result = select(x < Doubles(-7.45133219101941108420e+02), Doubles(0.0), result);
     return select(x <= overflow, result, select(overflow < x, infinity, x));
+}
+
+/// math::exp().
+HWY_INLINE Doubles exp(Doubles x) {
+    return exp_of_sum(x, Doubles(0.0));
+}
+
+/// math::pow10() of finite numbers that are not above 0, of which it makes no special case.
+HWY_INLINE Doubles pow10(Doubles x) {
+    const DoublesPair ln10 = pair_of(0x1.26bb1bbb55516p+1, -0x1.f48ad494ea3e9p-53);
+    const DoublesPair exponent = multiply({x, Doubles(0.0)}, ln10);
+    return exp_of_sum(exponent.hi, exponent.lo);
 }
 
 /// log(m) to about 2^-68 relative, sqrt(1/2) <= m < sqrt(2).

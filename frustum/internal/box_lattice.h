@@ -39,8 +39,11 @@ public:
     };
     std::optional<Paths> find(const geometry::Vec3& source, const geometry::Vec3& listener) const;
 
-private:
+    /// One source and one listener: box_search.h.
     struct Search;
+
+private:
+    friend class BoxArrivals;
 
     BoxLattice(const SceneView& scene,
                const PathVerifier& verifier,
@@ -54,6 +57,7 @@ private:
     BoxRoom room_;
     std::array<std::array<WallTriangles, 2>, 3> triangles_;
     double diagonal_ = 0.0;
+    double max_length_ = 0.0;  ///< metres: of any path up to the highest order
     double border_ = 0.0;      ///< metres: points of a wall closer to its border may be another's
     double min_height_ = 0.0;  ///< metres above every wall of sources and listeners
 };

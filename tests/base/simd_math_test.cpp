@@ -30,6 +30,12 @@ void wide_exp(std::span<double> x) {
     }
 }
 
+void wide_pow10(std::span<double> x) {
+    for (std::size_t i = 0; i < x.size(); i += Doubles::kCount) {
+        pow10(Doubles::load_unaligned(&x[i])).store_unaligned(&x[i]);
+    }
+}
+
 void wide_log(std::span<double> x) {
     for (std::size_t i = 0; i < x.size(); i += Doubles::kCount) {
         log(Doubles::load_unaligned(&x[i])).store_unaligned(&x[i]);
@@ -56,6 +62,7 @@ namespace earshot {
 namespace {
 
 HWY_EXPORT(wide_exp);
+HWY_EXPORT(wide_pow10);
 HWY_EXPORT(wide_log);
 HWY_EXPORT(wide_sin);
 HWY_EXPORT(wide_cos);
@@ -125,6 +132,13 @@ TEST(SimdMath, ExpHasTheBitsOfTheScalarFunction) {
                         1e-300,
                         0x1p-60,
                         0.34657359027997264});
+}
+
+TEST(SimdMath, Pow10HasTheBitsOfTheScalarFunction) {
+    const auto wide = [](std::span<double> x) { HWY_DYNAMIC_DISPATCH(wide_pow10)(x); };
+    expect_scalar_bits(wide, math::pow10, between(6, -330.0, 0.0));
+    expect_scalar_bits(wide, math::pow10, between(7, -1.0, 0.0));
+    expect_scalar_bits(wide, math::pow10, {0.0, -0.0, -1.0, -2.0, -0.5, -1e-300, -400.0, -1e9});
 }
 
 TEST(SimdMath, LogHasTheBitsOfTheScalarFunction) {

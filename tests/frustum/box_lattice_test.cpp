@@ -220,6 +220,69 @@ TEST(BoxLattice, KeptTracesAndManyListenersGiveTheSame) {
     EXPECT_EQ(finder.find(points[0], listeners, every).paths, found.paths);
 }
 
+// Paths told without their points: in straight boxes, also where several have one length.
+void expect_equal_arrivals(const SceneView& scene,
+                           const Vec3& source,
+                           const Vec3& listener,
+                           const TraceOptions& options) {
+    const PathFinder finder(scene, {.trace = options});
+    const auto paths =
+        finder.find(source, finder.trace_listeners(std::vector<Vec3>{listener})).paths;
+    auto arrivals = finder.find_arrivals(source, listener);
+    ASSERT_TRUE(arrivals.has_value());
+    ASSERT_EQ(arrivals->lengths().size(), paths.size());
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        const SpecularPath& path = paths[i];
+        EXPECT_EQ(arrivals->lengths()[i], path.length) << i;
+        const PathArrival arrival = arrivals->at(i, true);
+        EXPECT_EQ(arrival.order, path.triangles.size());
+        EXPECT_EQ(arrival.last_point, path.points[path.points.size() - 2]) << i;
+        ASSERT_EQ(arrival.facets.size(), path.triangles.size());
+        for (std::size_t k = 0; k < path.triangles.size(); ++k) {
+            EXPECT_EQ(arrival.facets[k], scene.facets.of_triangle[path.triangles[k]]);
+        }
+        EXPECT_EQ(arrivals->at(i, false).last_point, arrival.last_point);
+    }
+}
+
+TEST(BoxArrivals, AreThePathsWithoutTheirPoints) {
+    const std::vector<double> factors = {0.9, 0.8, 0.7, 0.95, 0.6, 0.85};
+    for (std::uint64_t seed = 500; seed < 510; ++seed) {
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        Dice dice(seed);
+        BoxShape shape = random_box(seed, dice);
+        shape.turn = glm::dmat3(1.0);
+        const MeshedScene scene(box_mesh(shape, dice));
+        SceneView view = scene.scene_view();
+        view.max_pressure_factor = factors;
+        for (const Vec3& listener : random_points(shape, dice, 2)) {
+            const Vec3 source = random_points(shape, dice, 1).front();
+            for (const int order : {0, 1, 2, 7, 12}) {
+                expect_equal_arrivals(view, source, listener, {.max_order = order});
+            }
+            expect_equal_arrivals(view, source, listener, {.max_order = 9, .max_length = 25.0});
+            expect_equal_arrivals(view, source, listener, {.max_order = 6, .min_pressure = 0.02});
+        }
+        const Vec3 middle = point_in(shape, Vec3(0.5));
+        expect_equal_arrivals(view, middle, middle, {.max_order = 5});
+        expect_equal_arrivals(view, middle, point_in(shape, {0.25, 0.5, 0.5}), {.max_order = 6});
+        expect_equal_arrivals(view, point_in(shape, {0.7, 1e-5, 0.2}), middle, {.max_order = 6});
+    }
+}
+
+TEST(BoxArrivals, AreNotToldOfTurnedBoxesAndPointsOutside) {
+    Dice dice(9);
+    BoxShape shape = random_box(3, dice);
+    const MeshedScene turned(box_mesh(shape, dice));
+    const std::vector<Vec3> points = random_points(shape, dice, 2);
+    EXPECT_TRUE(PathFinder(turned.scene_view()).is_box());
+    EXPECT_FALSE(PathFinder(turned.scene_view()).find_arrivals(points[0], points[1]));
+    shape.turn = glm::dmat3(1.0);
+    const MeshedScene straight(box_mesh(shape, dice));
+    const PathFinder finder(straight.scene_view(), {.max_radius = 100.0});
+    EXPECT_FALSE(finder.find_arrivals(point_in(shape, Vec3(0.5)), point_in(shape, Vec3(1.5))));
+}
+
 bool is_box(const SceneView& scene) {
     return PathFinder(scene).is_box();
 }

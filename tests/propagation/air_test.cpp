@@ -2,6 +2,7 @@
 #include "earshot/propagation/air.h"
 
 #include "earshot/base/error.h"
+#include "earshot/base/simd.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +12,30 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <vector>
 
 namespace earshot::propagation {
 namespace {
+
+TEST(Air, ManyDistancesHaveTheBitsOfOne) {
+    const Air air = {.temperature_c = 13.0, .humidity_percent = 31.0};
+    const std::vector<double> distances = {0.0, 0.01, 1.0 / 3.0, 7.5, 123.456, 3000.0, 1e6};
+    for (const audio::Bands& bands : {audio::Bands::octaves(), audio::Bands::third_octaves()}) {
+        const AirAbsorption absorption(air, bands);
+        for (const std::string& target : simd_targets()) {
+            override_simd_target(target);
+            const std::vector<double> factors = absorption.pressures(distances);
+            for (std::size_t i = 0; i < distances.size(); ++i) {
+                const audio::Spectrum expected = air_pressure(air, bands, distances[i]);
+                for (std::size_t band = 0; band < bands.count(); ++band) {
+                    EXPECT_EQ(factors[i * absorption.stride() + band], expected[band])
+                        << target << ", " << distances[i] << " m, band " << band;
+                }
+            }
+        }
+        override_simd_target("auto");
+    }
+}
 
 TEST(Air, CarriesSoundAt343Point2MetresPerSecondByDefault) {
     EXPECT_DOUBLE_EQ(speed_of_sound({}), 343.2);

@@ -131,6 +131,45 @@ TEST(Simulator, OneSidedMaterialsReflectOnTheirFront) {
     EXPECT_EQ(Simulator(turned, {.specular_order = 1}).run()[0].paths.size(), 8U - inside);
 }
 
+void expect_equal_arrivals(const Scene& scene, Options options) {
+    Simulator with_paths(scene, options);
+    options.report_paths = false;
+    Simulator without(scene, options);
+    const auto expected = with_paths.run();
+    const auto found = without.run();
+    EXPECT_EQ(without.statistics().paths, with_paths.statistics().paths);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_TRUE(found[i].paths.empty());
+        const auto arrivals = arrivals_of(expected[i]);
+        ASSERT_EQ(found[i].arrivals.size(), arrivals.size());
+        for (std::size_t k = 0; k < arrivals.size(); ++k) {
+            EXPECT_EQ(found[i].arrivals[k].delay, arrivals[k].delay);
+            EXPECT_EQ(found[i].arrivals[k].pressure, arrivals[k].pressure);
+            EXPECT_EQ(found[i].arrivals[k].direction, arrivals[k].direction);
+            EXPECT_EQ(found[i].arrivals[k].is_inverted, arrivals[k].is_inverted);
+        }
+    }
+}
+
+TEST(Simulator, ArrivalsWithoutPathsAreThoseOfThePaths) {
+    Scene scene = box_scene();
+    scene.listeners.push_back({.name = "m", .node = -1, .position = {4, 1.5, 2.5}});
+    expect_equal_arrivals(scene, {.specular_order = 6});
+    expect_equal_arrivals(scene, {.specular_order = 5, .min_level_db = -30.0});
+    expect_equal_arrivals(scene, {.specular_order = 5, .air_absorption = false});
+    scene.materials[1] = scene.materials[0];
+    expect_equal_arrivals(scene, {.specular_order = 5});
+    // Frusta, and what needs whole paths.
+    expect_equal_arrivals(scene, {.specular_order = 3, .box_lattice = false});
+    scene.sources[0].directivity = Directivity::first_order(0.5);
+    expect_equal_arrivals(scene, {.specular_order = 3});
+    scene.sources[0].directivity = {};
+    scene.sources[0].position = {2, 0, 3};  // on the floor
+    scene.listeners.push_back({.name = "out", .node = -1, .position = {7, 1, 1}});
+    expect_equal_arrivals(scene, {.specular_order = 3});
+}
+
 TEST(Simulator, ReportsWhileItTracesAndWhileRaysRun) {
     class Reports : public Progress {
     public:

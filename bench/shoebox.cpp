@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// Time of a response of a shoe-box by its image lattice: images, assembly and the whole job.
+#include "earshot/audio/impulse_response.h"
+#include "earshot/propagation/simulator.h"
+
+#include <glm/vec3.hpp>
+
+#include "harness.h"
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace {
+
+using earshot::geometry::Vec3;
+using earshot::propagation::Scene;
+
+Scene shoebox(const Vec3& size, int microphones) {
+    earshot::geometry::Mesh mesh;
+    for (int i = 0; i < 8; ++i) {
+        mesh.positions.emplace_back(
+            (i & 1) != 0 ? size.x : 0.0, (i & 2) != 0 ? size.y : 0.0, (i & 4) != 0 ? size.z : 0.0);
+    }
+    mesh.triangles = {{0, 4, 5},
+                      {0, 5, 1},
+                      {2, 3, 7},
+                      {2, 7, 6},
+                      {0, 1, 3},
+                      {0, 3, 2},
+                      {4, 6, 7},
+                      {4, 7, 5},
+                      {0, 2, 6},
+                      {0, 6, 4},
+                      {1, 5, 7},
+                      {1, 7, 3}};
+    Scene scene;
+    scene.name = "shoebox";
+    scene.material_of_triangle.assign(mesh.triangles.size(), 0);
+    scene.mesh = earshot::geometry::AnimatedMesh::fixed(std::move(mesh));
+    scene.sources = {{.name = "source", .position = {2.0, 1.7, 1.5}}};
+    for (int i = 0; i < microphones; ++i) {
+        scene.listeners.push_back(
+            {.name = "m" + std::to_string(i), .position = {6.1 + 0.03 * i, 1.2, 4.3 - 0.05 * i}});
+    }
+    return scene;
+}
+
+struct Job {
+    int order = 0;
+    int microphones = 1;
+    bool has_bands = false;  // else all frequencies alike
+    int repeats = 5;
+};
+
+void measure(const Job& job) {
+    using earshot::propagation::EnergyCoefficient;
+    Scene scene = shoebox({8.0, 3.5, 6.0}, job.microphones);
+    scene.materials.resize(1);
+    scene.materials[0].name = "wall";
+    scene.materials[0].scattering = EnergyCoefficient(0.0);
+    scene.materials[0].absorption =
+        job.has_bands
+            ? EnergyCoefficient({{125, 0.10}, {250, 0.10}, {500, 0.11}, {1000, 0.12}, {4000, 0.14}})
+            : EnergyCoefficient(0.1);
+    earshot::propagation::Options options = {.specular_order = job.order,
+                                             .air_absorption = job.has_bands};
+    const earshot::audio::Assembler assembler(options.bands, 48000.0);
+    std::vector<earshot::propagation::PairResult> pairs;
+    const auto find = [&](bool report_paths) {
+        options.report_paths = report_paths;
+        earshot::propagation::Simulator simulator(scene, options);
+        pairs = simulator.run();
+    };
+    double sum = 0.0;
+    const auto assemble = [&] {
+        for (const auto& pair : pairs) {
+            sum += assembler.assemble(pair.arrivals).samples[1000];
+        }
+    };
+    const double paths = bench::min_times_of(job.repeats, [&] { find(true); }).processor;
+    const double images = bench::min_times_of(job.repeats, [&] { find(false); }).processor;
+    const double assembly = bench::min_times_of(job.repeats, assemble).processor;
+    const double all = bench::min_times_of(job.repeats, [&] {
+                           find(false);
+                           assemble();
+                       }).processor;
+    std::printf("%s %d %d %zu %.3f %.3f %.3f %.3f\n",
+                job.has_bands ? "bands" : "flat",
+                job.order,
+                job.microphones,
+                pairs.front().arrivals.size(),
+                1e3 * paths,
+                1e3 * images,
+                1e3 * assembly,
+                1e3 * all);
+    std::fflush(stdout);
+    if (sum == 1.0) {  // never: keeps the work
+        std::puts("");
+    }
+}
+
+int run(int argc, char** argv) {
+    const int repeats = argc > 1 ? std::atoi(argv[1]) : 5;
+    std::puts("walls order microphones images ms_with_paths ms_images ms_assembly ms_in_all");
+    for (const bool has_bands : {false, true}) {
+        for (const int microphones : {1, 8}) {
+            for (const int order : {10, 17, 30}) {
+                measure({.order = order,
+                         .microphones = microphones,
+                         .has_bands = has_bands,
+                         .repeats = repeats});
+            }
+        }
+    }
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    return bench::run_main("bench_shoebox", argc, argv, run);
+}
