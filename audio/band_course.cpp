@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace earshot::audio {
 
@@ -13,21 +14,20 @@ constexpr std::size_t kMaxRinging = 20;  // at most this part of a response is l
 
 }  // namespace
 
-BandCourse band_course(const Bands& bands,
-                       std::size_t band,
-                       const BandEnergy& energy,
+BandCourse band_course(std::vector<double> squared,
+                       std::size_t lead,
+                       double bandwidth_hz,
                        const ImpulseResponse& response,
                        std::size_t onset,
                        bool ends_in_noise) {
-    BandCourse course{.squared = energy.squared(band), .onset = energy.lead() + onset, .noise = {}};
+    BandCourse course{.squared = std::move(squared), .onset = lead + onset, .noise = {}};
     if (!ends_in_noise) {
         return course;
     }
     // The recording's end is a step, which rings.
-    const double bandwidth_hz = bands.upper_edge_hz(band) - bands.lower_edge_hz(band);
     const auto ringing =
         static_cast<std::size_t>(kRingingCells / bandwidth_hz * response.sample_rate);
-    const std::size_t end = energy.lead() + response.samples.size() -
+    const std::size_t end = lead + response.samples.size() -
                             std::min(ringing, (response.samples.size() - onset) / kMaxRinging);
     course.noise = find_noise_floor({.squared = std::span(course.squared).first(end),
                                      .onset = course.onset,
@@ -36,7 +36,7 @@ BandCourse band_course(const Bands& bands,
     if (course.noise.energy > 0.0) {
         course.squared.resize(std::max(course.noise.cross_point, course.onset + 1));
         if (course.noise.peak_to_noise_db >= kMinPeakToNoiseDb) {
-            for (std::size_t n = energy.lead(); n < course.squared.size(); ++n) {
+            for (std::size_t n = lead; n < course.squared.size(); ++n) {
                 course.squared[n] -= course.noise.energy;
             }
         }

@@ -20,68 +20,51 @@ std::size_t ringing_samples(const Bands& bands, double sample_rate) {
 
 }  // namespace
 
-double band_power_gain(const Bands& bands, std::size_t band, double frequency_hz) noexcept {
-    if (frequency_hz <= 0.0) {
-        return 0.0;
-    }
-    // The low-pass prototype's frequency, -1 and 1 at the edges.
-    const double ratio = frequency_hz / bands.exact_hz()[band];
-    const double edge = bands.upper_edge_hz(band) / bands.exact_hz()[band];
-    const double x = (ratio - 1.0 / ratio) / (edge - 1.0 / edge);
-    const double x_squared = x * x;
-    return 1.0 / (1.0 + x_squared * x_squared * x_squared);
-}
-
-BandEnergy::BandEnergy(const Bands& bands, std::span<const double> signal, double sample_rate)
-    : bands_(bands),
-      sample_rate_(sample_rate),
-      lead_(ringing_samples(bands, sample_rate)),
+BandEnergy::BandEnergy(const Bands& bands,
+                       std::span<const double> signal,
+                       double sample_rate,
+                       const FilterCache& cache)
+    : lead_(ringing_samples(bands, sample_rate)),
       squared_size_(signal.size() + 2 * lead_),
-      fft_(power_of_two_from(std::max(std::size_t{4}, squared_size_))),
-      spectrum_(fft_.bins()) {
+      filters_(cache.state().band_filters.borrow(
+          FilterKey(bands, sample_rate, fft_size_from(squared_size_)))),
+      workspace_(cache.state().workspaces.borrow()) {
     EARSHOT_ASSERT(!signal.empty() && sample_rate > 0.0);
-    std::vector<double> padded(fft_.size(), 0.0);
-    std::copy(signal.begin(), signal.end(), padded.begin() + static_cast<std::ptrdiff_t>(lead_));
-    fft_.forward(padded, spectrum_);
+    const RealFft& fft = filters_->fft();
+    workspace_->spectrum.resize(fft.bins());
+    workspace_->padded.resize(fft.size());
+    workspace_->filtered.resize(fft.size());
+    const auto begin = workspace_->padded.begin() + static_cast<std::ptrdiff_t>(lead_);
+    std::fill(workspace_->padded.begin(), begin, 0.0);
+    std::fill(std::copy(signal.begin(), signal.end(), begin), workspace_->padded.end(), 0.0);
+    fft.forward(workspace_->padded, workspace_->spectrum, workspace_->fft);
 }
 
-bool BandEnergy::covers(std::size_t band) const noexcept {
-    return bands_.upper_edge_hz(band) <= sample_rate_ / 2.0;
-}
-
-double BandEnergy::frequency_of_bin(std::size_t bin) const noexcept {
-    return sample_rate_ * static_cast<double>(bin) / static_cast<double>(fft_.size());
-}
-
-std::vector<double> BandEnergy::filtered(std::size_t band) const {
+std::span<const double> BandEnergy::filter(std::size_t band) const {
     EARSHOT_ASSERT(covers(band));
-    std::vector<std::complex<double>> spectrum(spectrum_);
-    for (std::size_t k = 0; k < spectrum.size(); ++k) {
-        spectrum[k] *= std::sqrt(band_power_gain(bands_, band, frequency_of_bin(k)));
-    }
-    std::vector<double> signal(fft_.size());
-    fft_.inverse(spectrum, signal);
-    signal.resize(squared_size_);
-    return signal;
+    filters_->fft().filtered_inverse(
+        workspace_->spectrum, filters_->gains(band), workspace_->filtered, workspace_->fft);
+    return std::span(workspace_->filtered).first(squared_size_);
 }
 
-std::vector<double> BandEnergy::squared(std::size_t band) const {
-    std::vector<double> signal = filtered(band);
-    for (double& sample : signal) {
-        sample *= sample;
-    }
-    return signal;
+std::vector<double> BandEnergy::filtered(std::size_t band, std::vector<double> memory) const {
+    const std::span<const double> signal = filter(band);
+    memory.assign(signal.begin(), signal.end());
+    return memory;
+}
+
+std::vector<double> BandEnergy::squared(std::size_t band, std::vector<double> memory) const {
+    const std::span<const double> signal = filter(band);
+    memory.resize(signal.size());
+    std::transform(signal.begin(), signal.end(), memory.begin(), [](double sample) {
+        return sample * sample;
+    });
+    return memory;
 }
 
 double BandEnergy::of_unit_impulse(std::size_t band) const {
     EARSHOT_ASSERT(covers(band));
-    // Parseval: every bin but the first and the last stands for two.
-    double sum = 0.0;
-    for (std::size_t k = 1; k + 1 < fft_.bins(); ++k) {
-        sum += 2.0 * band_power_gain(bands_, band, frequency_of_bin(k));
-    }
-    sum += band_power_gain(bands_, band, sample_rate_ / 2.0);
-    return sum / static_cast<double>(fft_.size());
+    return filters_->unit_impulse_energy(band);
 }
 
 }  // namespace earshot::audio

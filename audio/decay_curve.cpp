@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/internal/decay_curve.h"
 
+#include "earshot/audio/internal/decay_kernel.h"
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace earshot::audio {
 
@@ -41,22 +44,45 @@ std::string rounded_ms(double time) {
     return std::to_string(std::lround(1000.0 * time));
 }
 
+/// Energy from each sample on to the last, and `after` behind it. Every addition waits for the one
+/// before it: eight sections are added up side by side, and each then gets what follows it.
+void integrate_backward(std::span<const double> squared,
+                        double after,
+                        std::span<double> remaining) {
+    constexpr std::size_t kSections = 8;
+    const std::size_t length = squared.size() / kSections;
+    std::array<double, kSections> sums{};
+    for (std::size_t n = length; n-- > 0;) {
+        for (std::size_t k = 0; k < kSections; ++k) {
+            sums[k] += squared[k * length + n];
+            remaining[k * length + n] = sums[k];
+        }
+    }
+    double sum = after;
+    for (std::size_t n = squared.size(); n-- > kSections * length;) {
+        sum += squared[n];
+        remaining[n] = sum;
+    }
+    for (std::size_t k = kSections; k-- > 0;) {
+        for (std::size_t n = k * length; n < (k + 1) * length; ++n) {
+            remaining[n] += sum;
+        }
+        sum = length > 0 ? remaining[k * length] : sum;
+    }
+}
+
 }  // namespace
 
 DecayCurve::DecayCurve(std::span<const double> squared,
                        std::size_t onset,
                        double sample_rate,
-                       double tail_energy)
-    : sample_rate_(sample_rate), remaining_(squared.size() - onset) {
+                       double tail_energy,
+                       std::vector<double> memory)
+    : sample_rate_(sample_rate), onset_(onset), integral_(std::move(memory)) {
     EARSHOT_ASSERT(onset < squared.size());
-    double sum = tail_energy;
-    for (std::size_t n = squared.size(); n-- > 0;) {
-        sum += squared[n];
-        if (n >= onset) {
-            remaining_[n - onset] = sum;
-        }
-    }
-    energy_ = sum;
+    integral_.resize(squared.size());
+    integrate_backward(squared, tail_energy, integral_);
+    energy_ = integral_.front();
     EARSHOT_ASSERT(energy_ > 0.0);
 
     // Ten decibels above the level at which the curve goes on by extrapolation it still shows the
@@ -64,16 +90,16 @@ DecayCurve::DecayCurve(std::span<const double> squared,
     known_db_ = tail_energy > 0.0
                     ? static_cast<int>(-10.0 * math::log10(tail_energy / energy_)) - kStepDb
                     : kMaxDepthDb;
+    const std::span<const double> curve = remaining();
     const double min_energy = energy_ * math::pow10(-kMaxDepthDb / 10.0);
-    for (const double remaining : remaining_) {
-        if (remaining < min_energy) {
-            break;
-        }
-        level_db_.push_back(10.0 * math::log10(remaining / energy_));
-    }
+    const auto end = static_cast<std::size_t>(
+        std::find_if(
+            curve.begin(), curve.end(), [&](double energy) { return energy < min_energy; }) -
+        curve.begin());
     std::size_t sample = 0;
     for (int depth = 0; depth <= kMaxDepthDb; ++depth) {
-        while (sample < level_db_.size() && level_db_[sample] >= -depth) {
+        const double limit = energy_ * math::pow10(-depth / 10.0);
+        while (sample < end && curve[sample] >= limit) {
             ++sample;
         }
         first_below_db_.push_back(sample);
@@ -82,7 +108,8 @@ DecayCurve::DecayCurve(std::span<const double> squared,
 
 double DecayCurve::energy_from(double time) const noexcept {
     const auto sample = static_cast<std::size_t>(std::llround(time * sample_rate_));
-    return sample < remaining_.size() ? remaining_[sample] : 0.0;
+    const std::span<const double> curve = remaining();
+    return sample < curve.size() ? curve[sample] : 0.0;
 }
 
 // Time per decibel in the step after a depth, relative to that from the start down to it.
@@ -113,14 +140,11 @@ double DecayCurve::slope(const DecayRange& range) const noexcept {
     if (end < begin + 2) {
         return 0.0;
     }
+    constexpr double kNeperDb = 4.342944819032518;  // a factor of e of energy in decibels
     const auto count = static_cast<double>(end - begin);
-    const double middle = (count - 1.0) / 2.0;
-    double time_and_level = 0.0;
-    for (std::size_t n = begin; n < end; ++n) {
-        time_and_level += (static_cast<double>(n - begin) - middle) * level_db_[n];
-    }
     const double time_squared = count * (count * count - 1.0) / 12.0;
-    return time_and_level / time_squared * sample_rate_;
+    return kNeperDb * log_covariance(remaining().subspan(begin, end - begin)) / time_squared *
+           sample_rate_;
 }
 
 DecayCurve::Reading DecayCurve::read(const DecayRange& range,

@@ -2,27 +2,26 @@
 #include "earshot/audio/late_noise.h"
 
 #include "earshot/audio/convolve.h"
-#include "earshot/audio/internal/band_energy.h"
-#include "earshot/audio/internal/fft.h"
-#include "earshot/base/assert.h"
+#include "earshot/audio/internal/filter_cache_state.h"
 #include "earshot/base/math.h"
 #include "earshot/base/random.h"
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
+#include <span>
 
 namespace earshot::audio {
 
 namespace {
 
-/// Noise of variance 1 per sample: velvet noise with the density of the reflections, and white
-/// noise from the time on at which that density exceeds half the sample rate.
-std::vector<double> velvet_then_white_noise(std::size_t length,
-                                            double growth,
-                                            double sample_rate,
-                                            std::uint64_t seed) {
-    std::vector<double> noise(length, 0.0);
+/// Adds noise of variance 1 per sample to silence: velvet noise with the density of the
+/// reflections, and white noise from the time on at which that density exceeds half the sample
+/// rate.
+void velvet_then_white_noise(double growth,
+                             double sample_rate,
+                             std::uint64_t seed,
+                             std::span<double> noise) {
+    const std::size_t length = noise.size();
     std::size_t white_begin = 0;
     if (growth > 0.0) {
         const double white_time = std::sqrt(0.5 * sample_rate / growth);
@@ -43,69 +42,79 @@ std::vector<double> velvet_then_white_noise(std::size_t length,
     for (std::size_t n = white_begin; n < length; ++n) {
         noise[n] = std::sqrt(12.0) * (random(seed, 0, n) - 0.5);
     }
-    return noise;
 }
 
-/// Shapes noise to the energy of histograms. The state depends only on the bands, the length and
-/// the sample rate, so it serves several histograms.
+/// First sample of each interval of a histogram, and the number of samples.
+std::vector<std::size_t> interval_begins(const EnergyHistogram& histogram,
+                                         std::size_t length,
+                                         double sample_rate) {
+    const double samples_per_bin = histogram.bin * sample_rate;
+    std::vector<std::size_t> begins = {0};
+    for (std::size_t bin = 1; bin < histogram.energy.size(); ++bin) {
+        // Sample n is in interval n / samples_per_bin, as rounded.
+        const auto index = static_cast<double>(bin);
+        auto n = static_cast<std::size_t>(std::ceil(index * samples_per_bin));
+        while (n > 0 && static_cast<double>(n - 1) / samples_per_bin >= index) {
+            --n;
+        }
+        while (static_cast<double>(n) / samples_per_bin < index) {
+            ++n;
+        }
+        begins.push_back(std::min(n, length));
+    }
+    begins.push_back(length);
+    return begins;
+}
+
+/// Shapes noise to the energy of histograms of one length.
 class NoiseShaper {
 public:
-    NoiseShaper(const Bands& bands, std::size_t length, double sample_rate)
-        : length_(length),
+    NoiseShaper(const Bands& bands,
+                const EnergyHistogram& histogram,
+                std::size_t length,
+                double sample_rate,
+                const FilterCache& cache)
+        : samples_per_bin_(histogram.bin * sample_rate),
           sample_rate_(sample_rate),
-          fft_(power_of_two_from(std::max<std::size_t>(length, 4))) {
-        std::size_t count = 0;
-        while (count < bands.count() && bands.exact_hz()[count] < 0.5 * sample_rate) {
-            ++count;
-        }
-        std::vector<double> gain_sum(fft_.bins(), 0.0);
-        for (std::size_t band = 0; band < count; ++band) {
-            std::vector<double>& weights = band_weights_.emplace_back(fft_.bins());
-            for (std::size_t k = 0; k < weights.size(); ++k) {
-                weights[k] = band_power_gain(
-                    bands,
-                    band,
-                    sample_rate * static_cast<double>(k) / static_cast<double>(fft_.size()));
-                gain_sum[k] += weights[k];
-            }
-        }
-        for (std::vector<double>& weights : band_weights_) {
-            for (std::size_t k = 0; k < weights.size(); ++k) {
-                weights[k] = gain_sum[k] > 0.0 ? weights[k] / gain_sum[k] : 0.0;
-            }
-        }
+          begins_(interval_begins(histogram, length, sample_rate)),
+          filters_(cache.state().complementary_filters.borrow(
+              FilterKey(bands, sample_rate, power_of_two_from(std::max<std::size_t>(length, 4))))),
+          workspace_(cache.state().workspaces.borrow()) {
+        workspace_->spectrum.resize(filters_->fft().bins());
+        workspace_->padded.resize(filters_->fft().size());
+        workspace_->filtered.resize(filters_->fft().size());
     }
 
+    /// Precondition: the histogram has the intervals of that which the object was made for.
     std::vector<double> noise(const EnergyHistogram& histogram, std::uint64_t seed) const {
-        std::vector<double> white =
-            velvet_then_white_noise(length_, histogram.reflection_growth, sample_rate_, seed);
-        white.resize(fft_.size(), 0.0);
-        std::vector<std::complex<double>> spectrum(fft_.bins());
-        fft_.forward(white, spectrum);
-        const double samples_per_bin = histogram.bin * sample_rate_;
-        std::vector<double> sum(length_, 0.0);
-        std::vector<double> signal(fft_.size());
-        std::vector<std::complex<double>> band_spectrum(fft_.bins());
-        for (std::size_t band = 0; band < band_weights_.size(); ++band) {
-            for (std::size_t k = 0; k < band_spectrum.size(); ++k) {
-                band_spectrum[k] = spectrum[k] * band_weights_[band][k];
-            }
-            fft_.inverse(band_spectrum, signal);
-            for (std::size_t n = 0; n < length_; ++n) {
-                const auto bin =
-                    std::min(static_cast<std::size_t>(static_cast<double>(n) / samples_per_bin),
-                             histogram.energy.size() - 1);
-                sum[n] += signal[n] * std::sqrt(histogram.energy[bin][band] / samples_per_bin);
+        const std::size_t length = begins_.back();
+        const std::span<double> white(workspace_->padded);
+        std::fill(white.begin(), white.end(), 0.0);
+        velvet_then_white_noise(
+            histogram.reflection_growth, sample_rate_, seed, white.first(length));
+        const RealFft& fft = filters_->fft();
+        fft.forward(white, workspace_->spectrum, workspace_->fft);
+        const std::span<double> signal(workspace_->filtered);
+        std::vector<double> sum(length, 0.0);
+        for (std::size_t band = 0; band < filters_->rows(); ++band) {
+            fft.filtered_inverse(
+                workspace_->spectrum, filters_->gains(band), signal, workspace_->fft);
+            for (std::size_t bin = 0; bin + 1 < begins_.size(); ++bin) {
+                const double amplitude = std::sqrt(histogram.energy[bin][band] / samples_per_bin_);
+                for (std::size_t n = begins_[bin]; n < begins_[bin + 1]; ++n) {
+                    sum[n] += signal[n] * amplitude;
+                }
             }
         }
         return sum;
     }
 
 private:
-    std::size_t length_;
+    double samples_per_bin_;
     double sample_rate_;
-    RealFft fft_;
-    std::vector<std::vector<double>> band_weights_;  // per band and bin; sum over bands: 1
+    std::vector<std::size_t> begins_;
+    RecentlyUsed<ComplementaryFilters>::Loan filters_;
+    WorkspacePool<FilterWorkspace>::Loan workspace_;
 };
 
 std::size_t samples_of(const EnergyHistogram& histogram, double sample_rate) {
@@ -137,12 +146,13 @@ void for_each_part(const Bands& bands,
                    double sample_rate,
                    std::uint64_t seed,
                    const Orientation& orientation,
+                   const FilterCache& cache,
                    const Visit& visit) {
     const std::size_t length = samples_of(histogram, sample_rate);
     if (length == 0) {
         return;
     }
-    const NoiseShaper shaper(bands, length, sample_rate);
+    const NoiseShaper shaper(bands, histogram, length, sample_rate, cache);
     for (std::size_t part = 0; part < kDirectionParts; ++part) {
         EnergyHistogram energy = energy_from(histogram, part);
         // The reflections are divided equally among the parts.
@@ -161,9 +171,19 @@ std::vector<double> late_noise(const Bands& bands,
                                const EnergyHistogram& histogram,
                                double sample_rate,
                                std::uint64_t seed) {
+    return late_noise(bands, histogram, sample_rate, seed, FilterCache());
+}
+
+std::vector<double> late_noise(const Bands& bands,
+                               const EnergyHistogram& histogram,
+                               double sample_rate,
+                               std::uint64_t seed,
+                               const FilterCache& cache) {
     const std::size_t length = samples_of(histogram, sample_rate);
-    return length == 0 ? std::vector<double>{}
-                       : NoiseShaper(bands, length, sample_rate).noise(histogram, seed);
+    if (length == 0) {
+        return {};
+    }
+    return NoiseShaper(bands, histogram, length, sample_rate, cache).noise(histogram, seed);
 }
 
 std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
@@ -172,6 +192,17 @@ std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
                                                       std::uint64_t seed,
                                                       int order,
                                                       const Orientation& orientation) {
+    return ambisonic_late_noise(
+        bands, histogram, sample_rate, seed, order, orientation, FilterCache());
+}
+
+std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
+                                                      const EnergyHistogram& histogram,
+                                                      double sample_rate,
+                                                      std::uint64_t seed,
+                                                      int order,
+                                                      const Orientation& orientation,
+                                                      const FilterCache& cache) {
     std::vector<std::vector<double>> channels(ambisonic_channels(order));
     std::vector<double> gains(channels.size());
     for_each_part(bands,
@@ -179,6 +210,7 @@ std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
                   sample_rate,
                   seed,
                   orientation,
+                  cache,
                   [&](const std::vector<double>& noise, const std::array<double, 3>& from) {
                       spherical_harmonics(order, from, gains);
                       for (std::size_t channel = 0; channel < channels.size(); ++channel) {
@@ -193,12 +225,22 @@ std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
                                                        const HrirInterpolator& hrirs,
                                                        std::uint64_t seed,
                                                        const Orientation& orientation) {
+    return binaural_late_noise(bands, histogram, hrirs, seed, orientation, FilterCache());
+}
+
+std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
+                                                       const EnergyHistogram& histogram,
+                                                       const HrirInterpolator& hrirs,
+                                                       std::uint64_t seed,
+                                                       const Orientation& orientation,
+                                                       const FilterCache& cache) {
     std::array<std::vector<double>, 2> ears;
     for_each_part(bands,
                   histogram,
                   hrirs.sample_rate(),
                   seed,
                   orientation,
+                  cache,
                   [&](const std::vector<double>& noise, const std::array<double, 3>& from) {
                       const InterpolatedHrir hrir = hrirs.at(from);
                       for (std::size_t ear = 0; ear < 2; ++ear) {

@@ -3,6 +3,7 @@
 
 #include "earshot/audio/binaural.h"
 #include "earshot/audio/energy_histogram.h"
+#include "earshot/audio/filter_cache.h"
 
 #include <cstdint>
 #include <vector>
@@ -23,6 +24,12 @@ std::vector<double> late_noise(const Bands& bands,
                                const EnergyHistogram& histogram,
                                double sample_rate,
                                std::uint64_t seed);
+/// The same with filters that are kept.
+std::vector<double> late_noise(const Bands& bands,
+                               const EnergyHistogram& histogram,
+                               double sample_rate,
+                               std::uint64_t seed,
+                               const FilterCache& cache);
 
 /// The late sound of an ambisonic response (encode_ambisonic): independent noise from the middle
 /// direction of each part of the sphere. Precondition: the histogram has directions, as well as
@@ -33,6 +40,14 @@ std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
                                                       std::uint64_t seed,
                                                       int order,
                                                       const Orientation& orientation = {});
+/// The same with filters that are kept.
+std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,
+                                                      const EnergyHistogram& histogram,
+                                                      double sample_rate,
+                                                      std::uint64_t seed,
+                                                      int order,
+                                                      const Orientation& orientation,
+                                                      const FilterCache& cache);
 
 /// The late sound at both ears, left first, at the sample rate of the HRIRs: the noise of each part
 /// of the sphere is convolved with the HRIRs of the part's middle direction. Preconditions: as
@@ -42,5 +57,12 @@ std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
                                                        const HrirInterpolator& hrirs,
                                                        std::uint64_t seed,
                                                        const Orientation& orientation = {});
+/// The same with filters that are kept.
+std::array<std::vector<double>, 2> binaural_late_noise(const Bands& bands,
+                                                       const EnergyHistogram& histogram,
+                                                       const HrirInterpolator& hrirs,
+                                                       std::uint64_t seed,
+                                                       const Orientation& orientation,
+                                                       const FilterCache& cache);
 
 }  // namespace earshot::audio

@@ -2,7 +2,9 @@
 #include "earshot/audio/internal/metric_errors.h"
 
 #include "earshot/audio/internal/decay_curve.h"
+#include "earshot/audio/internal/decay_kernel.h"
 #include "earshot/audio/internal/metrics_reader.h"
+#include "earshot/audio/internal/modulation_kernel.h"
 #include "earshot/audio/speech_levels.h"
 #include "earshot/base/math.h"
 #include "earshot/base/standard_error.h"
@@ -141,7 +143,12 @@ public:
         const double all = positive(remaining_.front() + tail_.front());
         level_db_.clear();
         for (const Point& point : points_) {
-            level_db_.push_back(10.0 * math::log10(remaining_at(point) / all));
+            level_db_.push_back(remaining_at(point) / all);
+        }
+        constexpr double kNeperDb = 4.342944819032518;  // a factor of e of energy in decibels
+        natural_logs(level_db_, level_db_);
+        for (double& level : level_db_) {
+            level *= kNeperDb;
         }
         const LineTime line_time(points_, level_db_);
         const double after_50_ms = remaining_at(after_speech_limit_);
@@ -236,9 +243,12 @@ private:
 class SpeechJackknife {
 public:
     SpeechJackknife(const Bands& bands, const SpeechCourse& speech, const Deviations& deviations)
-        : bands_(bands), speech_(speech), deviations_(deviations) {
+        : bands_(bands),
+          speech_(speech),
+          deviations_(deviations),
+          of_octave_(deviations.intervals()) {
         for (std::size_t k = 0; k < deviations.intervals(); ++k) {
-            ModulationSums& unit = units_.emplace_back();
+            ModulationSums unit{.energy = 1.0};
             for (std::size_t f = 0; f < kModulationHz.size(); ++f) {
                 const double turn = kTurn * kModulationHz[f];
                 const double half = 0.5 * turn * deviations.length(k);
@@ -246,22 +256,27 @@ public:
                 unit.in_phase[f] = spread * math::cos(turn * deviations.middle(k));
                 unit.in_quadrature[f] = spread * math::sin(turn * deviations.middle(k));
             }
+            const Row row = row_of(unit);
+            units_.insert(units_.end(), row.begin(), row.end());
         }
     }
 
-    double without(std::size_t replicate) const {
+    double without(std::size_t replicate) {
         std::array<ModulationSums, kSpeechBands> octaves = speech_.octaves;
         SpeechSpectrum energy{};
         for (std::size_t octave = 0; octave < kSpeechBands; ++octave) {
             const OctaveBands parts = bands_of_speech_octave(bands_, octave);
-            for (std::size_t k = 0; k < units_.size(); ++k) {
-                double deviation = 0.0;
+            for (std::size_t k = 0; k < deviations_.intervals(); ++k) {
+                double& deviation = of_octave_[k];
+                deviation = 0.0;
                 for (std::size_t i = 0; i < parts.count; ++i) {
                     deviation += deviations_.of(replicate, k, parts.first + i) /
                                  static_cast<double>(parts.count);
                 }
-                add(deviation, units_[k], octaves[octave]);
             }
+            Row sums = row_of(octaves[octave]);
+            add_rows(units_, of_octave_, sums);
+            octaves[octave] = sums_of(sums);
             octaves[octave].energy =
                 std::max(octaves[octave].energy, 1e-9 * speech_.octaves[octave].energy);
             energy[octave] = octaves[octave].energy;
@@ -274,18 +289,31 @@ public:
     }
 
 private:
-    static void add(double energy, const ModulationSums& unit, ModulationSums& sums) {
-        sums.energy += energy;
-        for (std::size_t f = 0; f < kModulationHz.size(); ++f) {
-            sums.in_phase[f] += energy * unit.in_phase[f];
-            sums.in_quadrature[f] += energy * unit.in_quadrature[f];
-        }
+    /// Modulation sums as numbers in a row: the energy, those in phase, those in quadrature.
+    using Row = std::array<double, kSumRow>;
+    static constexpr std::size_t kCount = kModulationHz.size();
+    static_assert(1 + 2 * kCount <= kSumRow);
+
+    static Row row_of(const ModulationSums& sums) {
+        Row row{};
+        row[0] = sums.energy;
+        std::copy(sums.in_phase.begin(), sums.in_phase.end(), row.begin() + 1);
+        std::copy(sums.in_quadrature.begin(), sums.in_quadrature.end(), row.begin() + 1 + kCount);
+        return row;
+    }
+
+    static ModulationSums sums_of(const Row& row) {
+        ModulationSums sums{.energy = row[0]};
+        std::copy_n(row.begin() + 1, kCount, sums.in_phase.begin());
+        std::copy_n(row.begin() + 1 + kCount, kCount, sums.in_quadrature.begin());
+        return sums;
     }
 
     const Bands& bands_;
     const SpeechCourse& speech_;
     const Deviations& deviations_;
-    std::vector<ModulationSums> units_;  // of an interval's unit energy
+    std::vector<double> units_;      // a row per interval, of unit energy in it
+    std::vector<double> of_octave_;  // deviation per interval
 };
 
 /// Standard error of the mean of replicates from the values without each of them.
@@ -350,7 +378,7 @@ MetricValues metric_errors(const Bands& bands,
         errors.mid.*kind.value = error_of(values.mid.*kind.value, mid, kind.value);
     }
     if (values.speech_transmission_index && speech) {
-        const SpeechJackknife jackknife(bands, *speech, deviations);
+        SpeechJackknife jackknife(bands, *speech, deviations);
         std::vector<double> numbers;
         for (std::size_t replicate = 0; replicate < count; ++replicate) {
             numbers.push_back(jackknife.without(replicate));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/internal/metrics_reader.h"
 
+#include "earshot/audio/internal/decay_kernel.h"
 #include "earshot/base/math.h"
 
 #include <cmath>
@@ -30,11 +31,8 @@ double centre_of(const BandDecay& decay) {
         const double time_constant = energy / decay.noise.energy;  // samples
         moment = energy * (static_cast<double>(decay.squared.size() - decay.onset) + time_constant);
     }
-    for (std::size_t n = 0; n < decay.squared.size(); ++n) {
-        energy += decay.squared[n];
-        moment += decay.squared[n] * (static_cast<double>(n) - static_cast<double>(decay.onset));
-    }
-    return moment / energy / decay.sample_rate;
+    const EnergyMoments sums = energy_moments(decay.squared, static_cast<double>(decay.onset));
+    return (moment + sums.moment) / (energy + sums.energy) / decay.sample_rate;
 }
 
 }  // namespace
@@ -125,7 +123,11 @@ BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
     if (is_lost_in_noise(decay, band)) {
         return {};
     }
-    const DecayCurve curve(decay.squared, decay.onset, decay.sample_rate, decay.noise.tail_energy);
+    DecayCurve curve(decay.squared,
+                     decay.onset,
+                     decay.sample_rate,
+                     decay.noise.tail_energy,
+                     std::move(curve_memory_));
     BandMetrics out;
     read_times(curve, decay, band, out);
     if (decay.after_onset >= kSpeechLimit &&
@@ -145,6 +147,7 @@ BandMetrics MetricsReader::read(std::size_t band, const BandDecay& decay) {
     } else if (decay.withhold_uncertain) {
         limit_to_extent(curve, decay, band, out);
     }
+    curve_memory_ = std::move(curve).take_memory();
     return out;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/filter_cache.h"
 #include "earshot/audio/impulse_response.h"
 #include "earshot/audio/room_metrics.h"
 #include "earshot/audio/speech.h"
@@ -34,5 +35,10 @@ struct MetricsOptions {
 RoomMetrics response_metrics(const Bands& bands,
                              const ImpulseResponse& response,
                              const MetricsOptions& options = {});
+/// The same with filters that are kept.
+RoomMetrics response_metrics(const Bands& bands,
+                             const ImpulseResponse& response,
+                             const MetricsOptions& options,
+                             const FilterCache& cache);
 
 }  // namespace earshot::audio

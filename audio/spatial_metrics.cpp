@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace earshot::audio {
 
@@ -62,7 +63,15 @@ MetricNote note_at(const char* metric, const Bands& bands, std::size_t band, con
 LateralMetrics lateral_metrics(const Bands& bands,
                                const ImpulseResponse& pressure,
                                const ImpulseResponse& figure_of_eight,
-                               std::optional<std::size_t> known_onset) {
+                               std::optional<std::size_t> onset) {
+    return lateral_metrics(bands, pressure, figure_of_eight, onset, FilterCache());
+}
+
+LateralMetrics lateral_metrics(const Bands& bands,
+                               const ImpulseResponse& pressure,
+                               const ImpulseResponse& figure_of_eight,
+                               std::optional<std::size_t> known_onset,
+                               const FilterCache& cache) {
     EARSHOT_ASSERT(pressure.samples.size() == figure_of_eight.samples.size());
     EARSHOT_ASSERT(pressure.sample_rate == figure_of_eight.sample_rate);
     LateralMetrics metrics;
@@ -75,23 +84,24 @@ LateralMetrics lateral_metrics(const Bands& bands,
             {.metric = "lf", .text = "silent, or it ends within 80 ms of the direct sound"});
         return metrics;
     }
-    const BandEnergy of_pressure(bands, pressure.samples, rate);
-    const BandEnergy of_eight(bands, figure_of_eight.samples, rate);
+    const BandEnergy of_pressure(bands, pressure.samples, rate, cache);
+    const BandEnergy of_eight(bands, figure_of_eight.samples, rate, cache);
     const std::size_t begin = of_pressure.lead() + *onset;
     const std::size_t lateral = samples_in(kLateralBegin, rate);
+    std::vector<double> omni, eight;
     for (std::size_t band = 0; band < bands.count(); ++band) {
         if (!of_pressure.covers(band)) {
             metrics.notes.push_back(
                 note_at("lf", bands, band, "reaches past half the sample rate"));
             continue;
         }
-        const auto omni = of_pressure.filtered(band);
+        omni = of_pressure.filtered(band, std::move(omni));
         const double whole = energy_of(std::span(omni).first(begin + early));
         if (!(whole > 0.0)) {
             metrics.notes.push_back(note_at("lf", bands, band, "silent"));
             continue;
         }
-        const auto eight = of_eight.filtered(band);
+        eight = of_eight.filtered(band, std::move(eight));
         metrics.lateral_fraction[band] =
             energy_of(std::span(eight).subspan(begin + lateral, early - lateral)) / whole;
     }
@@ -101,6 +111,13 @@ LateralMetrics lateral_metrics(const Bands& bands,
 BinauralMetrics binaural_metrics(const Bands& bands,
                                  const ImpulseResponse& left,
                                  const ImpulseResponse& right) {
+    return binaural_metrics(bands, left, right, FilterCache());
+}
+
+BinauralMetrics binaural_metrics(const Bands& bands,
+                                 const ImpulseResponse& left,
+                                 const ImpulseResponse& right,
+                                 const FilterCache& cache) {
     EARSHOT_ASSERT(left.samples.size() == right.samples.size());
     EARSHOT_ASSERT(left.sample_rate == right.sample_rate);
     const std::vector<std::optional<double>> none(bands.count());
@@ -115,18 +132,19 @@ BinauralMetrics binaural_metrics(const Bands& bands,
              .text = "an ear is silent, or it ends within 80 ms of the direct sound"});
         return metrics;
     }
-    const BandEnergy at_left(bands, left.samples, left.sample_rate);
-    const BandEnergy at_right(bands, right.samples, right.sample_rate);
+    const BandEnergy at_left(bands, left.samples, left.sample_rate, cache);
+    const BandEnergy at_right(bands, right.samples, right.sample_rate, cache);
     const std::size_t begin = at_left.lead() + std::min(*left_onset, *right_onset);
     const std::size_t max_delay = samples_in(kMaxDelay, left.sample_rate);
+    std::vector<double> l, r;
     for (std::size_t band = 0; band < bands.count(); ++band) {
         if (!at_left.covers(band)) {
             metrics.notes.push_back(
                 note_at("iacc", bands, band, "reaches past half the sample rate"));
             continue;
         }
-        const auto l = at_left.filtered(band);
-        const auto r = at_right.filtered(band);
+        l = at_left.filtered(band, std::move(l));
+        r = at_right.filtered(band, std::move(r));
         metrics.iacc_early[band] = coefficient(l, r, begin, begin + early, max_delay);
         metrics.iacc_late[band] = coefficient(l, r, begin + early, l.size(), max_delay);
         metrics.iacc[band] = coefficient(l, r, begin, l.size(), max_delay);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/audio/bands.h"
+#include "earshot/audio/filter_cache.h"
 #include "earshot/audio/impulse_response.h"
 #include "earshot/audio/metric_note.h"
 
@@ -26,6 +27,12 @@ LateralMetrics lateral_metrics(const Bands& bands,
                                const ImpulseResponse& pressure,
                                const ImpulseResponse& figure_of_eight,
                                std::optional<std::size_t> onset = {});
+/// The same with filters that are kept.
+LateralMetrics lateral_metrics(const Bands& bands,
+                               const ImpulseResponse& pressure,
+                               const ImpulseResponse& figure_of_eight,
+                               std::optional<std::size_t> onset,
+                               const FilterCache& cache);
 
 /// Per band; empty where the response does not support it.
 struct BinauralMetrics {
@@ -41,5 +48,10 @@ struct BinauralMetrics {
 BinauralMetrics binaural_metrics(const Bands& bands,
                                  const ImpulseResponse& left,
                                  const ImpulseResponse& right);
+/// The same with filters that are kept.
+BinauralMetrics binaural_metrics(const Bands& bands,
+                                 const ImpulseResponse& left,
+                                 const ImpulseResponse& right,
+                                 const FilterCache& cache);
 
 }  // namespace earshot::audio

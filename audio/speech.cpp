@@ -3,6 +3,7 @@
 
 #include "earshot/audio/internal/band_energy.h"
 #include "earshot/audio/internal/modulation.h"
+#include "earshot/audio/internal/modulation_kernel.h"
 #include "earshot/audio/internal/noise_floor.h"
 #include "earshot/audio/speech_levels.h"
 #include "earshot/base/assert.h"
@@ -33,8 +34,10 @@ std::size_t samples_per_step(double sample_rate) {
     return static_cast<std::size_t>(std::max(1.0, std::floor(kStep * sample_rate)));
 }
 
-std::vector<double> energy_per_step(std::span<const double> squared, std::size_t length) {
+std::vector<double> energy_per_step(std::span<const double> squared, double sample_rate) {
+    const std::size_t length = samples_per_step(sample_rate);
     std::vector<double> energy;
+    energy.reserve(squared.size() / length + 1);
     for (std::size_t begin = 0; begin < squared.size(); begin += length) {
         double sum = 0.0;
         for (std::size_t n = begin; n < std::min(begin + length, squared.size()); ++n) {
@@ -45,6 +48,36 @@ std::vector<double> energy_per_step(std::span<const double> squared, std::size_t
     return energy;
 }
 
+std::array<ModulationSums, kSpeechBands> sums_of_steps(std::span<const std::vector<double>> steps,
+                                                       double sample_rate) {
+    const double step = static_cast<double>(samples_per_step(sample_rate)) / sample_rate;
+    std::size_t length = 0;
+    for (const std::vector<double>& energy : steps) {
+        length = std::max(length, energy.size());
+    }
+    constexpr std::size_t kRow = 8;
+    length = (length + kRow - 1) / kRow * kRow;
+    std::vector<double> padded(kSpeechBands * length, 0.0);
+    std::array<ModulationSums, kSpeechBands> sums;
+    std::array<const double*, kSpeechBands> rows{};
+    for (std::size_t band = 0; band < kSpeechBands; ++band) {
+        rows[band] = padded.data() + band * length;
+        std::copy(steps[band].begin(), steps[band].end(), padded.data() + band * length);
+        for (const double e : steps[band]) {
+            sums[band].energy += e;
+        }
+    }
+    // Sines and cosines cost most: all octaves share them.
+    for (std::size_t k = 0; k < kModulationHz.size(); ++k) {
+        const auto of_bands = fourier_sums(rows, length, kTurn * kModulationHz[k] * step);
+        for (std::size_t band = 0; band < kSpeechBands; ++band) {
+            sums[band].in_phase[k] = of_bands[band].in_phase;
+            sums[band].in_quadrature[k] = of_bands[band].in_quadrature;
+        }
+    }
+    return sums;
+}
+
 /// What is left of a modulation (Schroeder 1981).
 double modulation_transfer(const ModulationSums& sums, std::size_t frequency) {
     const double in_phase = sums.in_phase[frequency];
@@ -52,20 +85,18 @@ double modulation_transfer(const ModulationSums& sums, std::size_t frequency) {
     return std::sqrt(in_phase * in_phase + in_quadrature * in_quadrature) / sums.energy;
 }
 
-/// Truncates a band at the cross point of its decay with the noise.
-void cut_noise(std::vector<double>& squared,
-               std::size_t lead,
-               const ImpulseResponse& response,
-               double bandwidth_hz) {
-    const std::span<const double> signal(squared.data(), lead + response.samples.size());
+/// How much of an octave comes before the cross point of its decay with the noise.
+std::size_t size_before_noise(std::span<const double> squared,
+                              std::size_t lead,
+                              const ImpulseResponse& response,
+                              double bandwidth_hz) {
+    const std::span<const double> signal = squared.first(lead + response.samples.size());
     const auto loudest = std::max_element(signal.begin(), signal.end()) - signal.begin();
     const NoiseFloor floor = find_noise_floor({.squared = signal,
                                                .onset = static_cast<std::size_t>(loudest),
                                                .sample_rate = response.sample_rate,
                                                .bandwidth_hz = bandwidth_hz});
-    if (floor.energy > 0.0) {
-        squared.resize(floor.cross_point);
-    }
+    return floor.energy > 0.0 ? floor.cross_point : squared.size();
 }
 
 double intensity(double level_db) {
@@ -110,33 +141,39 @@ double transmission_index(double modulation) {
 std::array<ModulationSums, kSpeechBands> modulation_sums(
     std::span<const std::vector<double>> squared, double sample_rate) {
     EARSHOT_ASSERT(squared.size() == kSpeechBands && sample_rate > 0.0);
-    const std::size_t length = samples_per_step(sample_rate);
-    const double step = static_cast<double>(length) / sample_rate;
-    std::array<ModulationSums, kSpeechBands> sums;
-    std::array<std::vector<double>, kSpeechBands> energy;
-    std::size_t steps = 0;
+    std::array<std::vector<double>, kSpeechBands> steps;
     for (std::size_t band = 0; band < kSpeechBands; ++band) {
-        energy[band] = energy_per_step(squared[band], length);
-        steps = std::max(steps, energy[band].size());
-        for (const double e : energy[band]) {
-            sums[band].energy += e;
-        }
+        steps[band] = energy_per_step(squared[band], sample_rate);
     }
-    // Sines and cosines cost most: all octaves share them.
-    for (std::size_t k = 0; k < kModulationHz.size(); ++k) {
-        for (std::size_t n = 0; n < steps; ++n) {
-            const double angle = kTurn * kModulationHz[k] * step * static_cast<double>(n);
-            const double cosine = math::cos(angle);
-            const double sine = math::sin(angle);
-            for (std::size_t band = 0; band < kSpeechBands; ++band) {
-                if (n < energy[band].size()) {
-                    sums[band].in_phase[k] += energy[band][n] * cosine;
-                    sums[band].in_quadrature[k] += energy[band][n] * sine;
-                }
-            }
-        }
+    return sums_of_steps(steps, sample_rate);
+}
+
+void SpeechOctaves::set(std::size_t octave,
+                        std::span<const double> squared,
+                        std::size_t lead,
+                        double unit_impulse_energy) {
+    if (ends_in_noise_) {
+        const Bands& bands = Bands::octaves();
+        const std::size_t band = kFirstSpeechOctave + octave;
+        const double bandwidth_hz = bands.upper_edge_hz(band) - bands.lower_edge_hz(band);
+        squared = squared.first(size_before_noise(squared, lead, response_, bandwidth_hz));
     }
-    return sums;
+    steps_[octave] = energy_per_step(squared, response_.sample_rate);
+    unit_impulse_energy_[octave] = unit_impulse_energy;
+}
+
+std::optional<SpeechTransmission> SpeechOctaves::transmission(
+    const std::optional<SpeechConditions>& conditions) const {
+    const auto octaves = sums_of_steps(steps_, response_.sample_rate);
+    SpeechSpectrum gain{};
+    for (std::size_t band = 0; band < kSpeechBands; ++band) {
+        if (!(octaves[band].energy > 0.0)) {
+            return std::nullopt;
+        }
+        gain[band] = octaves[band].energy / unit_impulse_energy_[band];
+    }
+    return speech_transmission(
+        octaves, conditions ? std::optional(levels_at_listener(*conditions, gain)) : std::nullopt);
 }
 
 SpeechTransmission speech_transmission(const std::array<ModulationSums, kSpeechBands>& octaves,
@@ -159,6 +196,8 @@ SpeechTransmission speech_transmission(const std::array<ModulationSums, kSpeechB
     return result;
 }
 
+static_assert(kModulationBands == kSpeechBands);
+
 SpeechTransmission speech_transmission(std::span<const std::vector<double>> squared,
                                        double sample_rate,
                                        const std::optional<SpeechLevels>& levels) {
@@ -169,35 +208,29 @@ std::optional<SpeechTransmission> speech_transmission(
     const ImpulseResponse& response,
     const std::optional<SpeechConditions>& conditions,
     bool ends_in_noise) {
+    return speech_transmission(response, conditions, ends_in_noise, FilterCache());
+}
+
+std::optional<SpeechTransmission> speech_transmission(
+    const ImpulseResponse& response,
+    const std::optional<SpeechConditions>& conditions,
+    bool ends_in_noise,
+    const FilterCache& cache) {
     if (response.samples.empty()) {
         return std::nullopt;
     }
-    const BandEnergy filters(Bands::octaves(), response.samples, response.sample_rate);
-    std::vector<std::vector<double>> squared;
-    for (std::size_t band = 0; band < kSpeechBands; ++band) {
-        if (!filters.covers(kFirstSpeechOctave + band)) {
+    const BandEnergy filters(Bands::octaves(), response.samples, response.sample_rate, cache);
+    SpeechOctaves octaves(response, ends_in_noise);
+    std::vector<double> squared;
+    for (std::size_t octave = 0; octave < kSpeechBands; ++octave) {
+        const std::size_t band = kFirstSpeechOctave + octave;
+        if (!filters.covers(band)) {
             return std::nullopt;
         }
-        squared.push_back(filters.squared(kFirstSpeechOctave + band));
-        if (ends_in_noise) {
-            const std::size_t octave = kFirstSpeechOctave + band;
-            const Bands& bands = Bands::octaves();
-            cut_noise(squared.back(),
-                      filters.lead(),
-                      response,
-                      bands.upper_edge_hz(octave) - bands.lower_edge_hz(octave));
-        }
+        squared = filters.squared(band, std::move(squared));
+        octaves.set(octave, squared, filters.lead(), filters.of_unit_impulse(band));
     }
-    const auto octaves = modulation_sums(squared, response.sample_rate);
-    SpeechSpectrum gain{};
-    for (std::size_t band = 0; band < kSpeechBands; ++band) {
-        if (!(octaves[band].energy > 0.0)) {
-            return std::nullopt;
-        }
-        gain[band] = octaves[band].energy / filters.of_unit_impulse(kFirstSpeechOctave + band);
-    }
-    return speech_transmission(
-        octaves, conditions ? std::optional(levels_at_listener(*conditions, gain)) : std::nullopt);
+    return octaves.transmission(conditions);
 }
 
 std::string_view sti_letter(double index) noexcept {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/filter_cache.h"
 #include "earshot/audio/impulse_response.h"
 
 #include <array>
@@ -54,6 +55,12 @@ std::optional<SpeechTransmission> speech_transmission(
     const ImpulseResponse& response,
     const std::optional<SpeechConditions>& conditions = {},
     bool ends_in_noise = false);
+/// The same with filters that are kept.
+std::optional<SpeechTransmission> speech_transmission(
+    const ImpulseResponse& response,
+    const std::optional<SpeechConditions>& conditions,
+    bool ends_in_noise,
+    const FilterCache& cache);
 
 /// Qualification band of an index, "A+" (above 0.76), "A", "B", ... "J", each 0.04 lower, and "U"
 /// (below 0.36): IEC 60268-16:2011, annex F. An index on a limit belongs to the higher band,

@@ -2,6 +2,7 @@
 #include "earshot/audio/stage_support.h"
 
 #include "earshot/audio/internal/band_course.h"
+#include "earshot/audio/internal/band_energy.h"
 #include "earshot/audio/internal/decay_curve.h"
 #include "earshot/audio/internal/metrics_reader.h"
 #include "earshot/base/assert.h"
@@ -42,7 +43,12 @@ CheckedCurve curve_of(const Bands& bands,
     if (!energy.covers(band)) {
         return {.why_not = "the band reaches past half the sample rate"};
     }
-    const BandCourse course = band_course(bands, band, energy, response, onset, ends_in_noise);
+    const BandCourse course = band_course(energy.squared(band),
+                                          energy.lead(),
+                                          bands.upper_edge_hz(band) - bands.lower_edge_hz(band),
+                                          response,
+                                          onset,
+                                          ends_in_noise);
     if (std::all_of(
             course.squared.begin(), course.squared.end(), [](double e) { return e == 0.0; })) {
         return {.why_not = "silent"};
@@ -101,7 +107,8 @@ StageSupport stage_support(const Bands& bands,
         }
         return support;
     }
-    const BandEnergy energy(bands, response.samples, response.sample_rate);
+    const FilterCache cache;
+    const BandEnergy energy(bands, response.samples, response.sample_rate, cache);
     for (std::size_t band = 0; band < bands.count(); ++band) {
         const CheckedCurve checked = curve_of(bands, band, energy, response, onset, ends_in_noise);
         if (!checked.curve) {
@@ -136,7 +143,8 @@ LateLateralLevel late_lateral_level(
             {.metric = "lj", .band_hz = {}, .text = "the response is not calibrated"});
         return level;
     }
-    const BandEnergy energy(bands, figure_of_eight.samples, figure_of_eight.sample_rate);
+    const FilterCache cache;
+    const BandEnergy energy(bands, figure_of_eight.samples, figure_of_eight.sample_rate, cache);
     for (std::size_t band = 0; band < bands.count(); ++band) {
         const CheckedCurve checked =
             curve_of(bands, band, energy, figure_of_eight, onset, ends_in_noise);

@@ -99,6 +99,7 @@ public:
           format_(renderer.format_),
           assembler_(renderer.assembler_),
           hrirs_(renderer.hrirs_),
+          cache_(renderer.cache_),
           pair_(pair),
           arrivals_(arrivals_of(pair)),
           orientation_(orientation_of(listener)),
@@ -141,13 +142,14 @@ private:
         metrics.response =
             response_metrics(bands_,
                              binaural ? mono() : channels.front(),
-                             {.full_decay = pair_.late.full_decay, .speech = format_.speech});
+                             {.full_decay = pair_.late.full_decay, .speech = format_.speech},
+                             cache_);
         note_uncertain(bands_, metrics);
         if (format_.channels == Channels::ambisonic && format_.ambisonic_order > 0) {
-            metrics.lateral = lateral_metrics(bands_, channels[0], channels[1]);
+            metrics.lateral = lateral_metrics(bands_, channels[0], channels[1], {}, cache_);
         }
         if (binaural) {
-            metrics.binaural = binaural_metrics(bands_, channels[0], channels[1]);
+            metrics.binaural = binaural_metrics(bands_, channels[0], channels[1], cache_);
         }
         if (pair_.visible_volume > 0.0) {
             metrics.schroeder_hz =
@@ -163,7 +165,7 @@ private:
         std::vector<ImpulseResponse> channels{
             assembler_.assemble(arrivals_, format_.length, executor_)};
         if (has_late()) {
-            add_late({late_noise(bands_, pair_.late, format_.sample_rate, seed_)},
+            add_late({late_noise(bands_, pair_.late, format_.sample_rate, seed_, cache_)},
                      fixed_length(),
                      channels);
         }
@@ -175,10 +177,11 @@ private:
         auto channels =
             encode_ambisonic(assembler_, arrivals_, order, orientation_, format_.length, executor_);
         if (has_late()) {
-            add_late(ambisonic_late_noise(
-                         bands_, pair_.late, format_.sample_rate, seed_, order, orientation_),
-                     fixed_length(),
-                     channels);
+            add_late(
+                ambisonic_late_noise(
+                    bands_, pair_.late, format_.sample_rate, seed_, order, orientation_, cache_),
+                fixed_length(),
+                channels);
         }
         return channels;
     }
@@ -188,7 +191,8 @@ private:
             assembler_, arrivals_, *hrirs_, orientation_, format_.length, executor_);
         std::vector<ImpulseResponse> channels{std::move(ears[0]), std::move(ears[1])};
         if (has_late()) {
-            auto late = binaural_late_noise(bands_, pair_.late, *hrirs_, seed_, orientation_);
+            auto late =
+                binaural_late_noise(bands_, pair_.late, *hrirs_, seed_, orientation_, cache_);
             add_late({std::move(late[0]), std::move(late[1])}, fixed_length(), channels);
         }
         return channels;
@@ -198,6 +202,7 @@ private:
     const ResponseFormat& format_;
     const audio::Assembler& assembler_;
     const std::optional<audio::HrirInterpolator>& hrirs_;
+    const audio::FilterCache& cache_;
     const PairResult& pair_;
     std::vector<audio::Arrival> arrivals_;
     audio::Orientation orientation_;

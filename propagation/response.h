@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/filter_cache.h"
 #include "earshot/audio/hrir_interpolator.h"
 #include "earshot/audio/hrir_set.h"
 #include "earshot/audio/impulse_response.h"
@@ -42,7 +43,8 @@ struct Response {
 };
 
 /// Renders the responses of many pairs in one format. What depends on the bands and the format
-/// alone is prepared once. Const members may be called from many threads at once.
+/// alone is prepared once, and filters and memory are kept from one response to the next. Const
+/// members may be called from many threads at once.
 class ResponseRenderer {
 public:
     /// Throws Error if the sample rate or the ambisonic order is out of range, or if a binaural
@@ -65,6 +67,7 @@ private:
     ResponseFormat format_;
     audio::Assembler assembler_;
     std::optional<audio::HrirInterpolator> hrirs_;
+    audio::FilterCache cache_;
 };
 
 /// ResponseRenderer::render() for one pair.

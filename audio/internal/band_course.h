@@ -2,7 +2,6 @@
 #pragma once
 
 #include "earshot/audio/impulse_response.h"
-#include "earshot/audio/internal/band_energy.h"
 #include "earshot/audio/internal/noise_floor.h"
 
 #include <cstddef>
@@ -17,13 +16,13 @@ struct BandCourse {
     NoiseFloor noise{};             ///< of a measured response
 };
 
-/// `onset`: a sample of the response. A measured response is cut off where its decay meets its
-/// noise; where that is low enough, its energy is subtracted from what is before (Chu 1978) and the
-/// decay behind is in `noise`: the most accurate of the compensations that Guski and Vorlaender
-/// 2014 compare. Precondition: energy.covers(band).
-BandCourse band_course(const Bands& bands,
-                       std::size_t band,
-                       const BandEnergy& energy,
+/// `squared`: of the band; sample n of the response is sample n + lead. `onset`: a sample of the
+/// response. A measured response is cut off where its decay meets its noise; where that is low
+/// enough, its energy is subtracted from what is before (Chu 1978) and the decay behind is in
+/// `noise`: the most accurate of the compensations that Guski and Vorlaender 2014 compare.
+BandCourse band_course(std::vector<double> squared,
+                       std::size_t lead,
+                       double bandwidth_hz,
                        const ImpulseResponse& response,
                        std::size_t onset,
                        bool ends_in_noise);

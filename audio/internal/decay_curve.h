@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace earshot::audio {
@@ -26,11 +27,15 @@ class DecayCurve {
 public:
     /// The curve begins at sample `onset`; its 0 dB is the energy of all samples, those before the
     /// onset included, and `tail_energy`, that of the decay after the last sample. Precondition: a
-    /// sample is positive, onset < squared.size().
+    /// sample is positive, onset < squared.size(). `memory`: a vector whose elements are not needed
+    /// any more.
     DecayCurve(std::span<const double> squared,
                std::size_t onset,
                double sample_rate,
-               double tail_energy = 0.0);
+               double tail_energy = 0.0,
+               std::vector<double> memory = {});
+    /// The memory for another curve.
+    std::vector<double> take_memory() && { return std::move(integral_); }
 
     double energy() const noexcept { return energy_; }
     /// Energy from `time` seconds after the onset on.
@@ -52,12 +57,17 @@ private:
     double time_between(const DecayRange& range) const noexcept;
     double slope(const DecayRange& range) const noexcept;
 
+    // Energy from each sample after the onset on.
+    std::span<const double> remaining() const noexcept {
+        return std::span(integral_).subspan(onset_);
+    }
+
     double sample_rate_;
+    std::size_t onset_;
     double energy_ = 0.0;
     int known_db_ = 0;                         // the curve is not known deeper
-    std::vector<double> remaining_;            // energy from each sample on
-    std::vector<double> level_db_;             // of remaining_, to the lowest depth of interest
-    std::vector<std::size_t> first_below_db_;  // entry d: first sample below -d dB
+    std::vector<double> integral_;             // energy from each sample on
+    std::vector<std::size_t> first_below_db_;  // entry d: first sample after the onset below -d dB
 };
 
 }  // namespace earshot::audio

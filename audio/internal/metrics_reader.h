@@ -84,6 +84,7 @@ private:
     bool any_ends_early_ = false;
     bool speech_ends_early_ = false;
     bool speech_is_unsure_ = false;  // for noise, or for what is missing at the end
+    std::vector<double> curve_memory_;
 };
 
 }  // namespace earshot::audio

@@ -24,9 +24,35 @@ struct ModulationSums {
     std::array<double, kModulationHz.size()> in_quadrature{};
 };
 
-/// Of each octave.
+/// Of each octave's energy per sample.
 std::array<ModulationSums, kSpeechBands> modulation_sums(
     std::span<const std::vector<double>> squared, double sample_rate);
+
+/// The octaves of speech of a response, each reduced to energies over so short times that no
+/// modulation changes in them.
+class SpeechOctaves {
+public:
+    /// `ends_in_noise`: what lies behind the point where an octave's decay sinks into steady noise
+    /// is left out.
+    SpeechOctaves(const ImpulseResponse& response, bool ends_in_noise)
+        : response_(response), ends_in_noise_(ends_in_noise) {}
+
+    /// `squared`: per sample of Bands::octaves()[kFirstSpeechOctave + octave]; sample n of the
+    /// response is sample n + lead. `unit_impulse_energy`: of a response that is one sample of 1.
+    void set(std::size_t octave,
+             std::span<const double> squared,
+             std::size_t lead,
+             double unit_impulse_energy);
+    /// Nothing if an octave is silent or was not set.
+    std::optional<SpeechTransmission> transmission(
+        const std::optional<SpeechConditions>& conditions) const;
+
+private:
+    const ImpulseResponse& response_;
+    bool ends_in_noise_;
+    std::array<std::vector<double>, kSpeechBands> steps_;
+    SpeechSpectrum unit_impulse_energy_{};
+};
 
 /// The index of the octaves. Precondition: each has energy.
 SpeechTransmission speech_transmission(const std::array<ModulationSums, kSpeechBands>& octaves,

@@ -9,17 +9,34 @@
 namespace earshot::audio {
 
 /// Memory that one thread at a time works in and that is kept for the next: as many workspaces as
-/// threads have been at work at once. What a workspace holds on loan is left over from others.
+/// have been on loan at once. What a workspace holds on loan is left over from others.
 template <typename Workspace>
 class WorkspacePool {
 public:
+    /// A workspace that goes back to its pool, which must outlive it.
+    class Loan {
+    public:
+        Loan(WorkspacePool& pool, std::unique_ptr<Workspace> workspace)
+            : pool_(pool), workspace_(std::move(workspace)) {}
+        ~Loan() { pool_.give_back(std::move(workspace_)); }
+        Loan(const Loan&) = delete;
+        Loan& operator=(const Loan&) = delete;
+
+        Workspace& operator*() const noexcept { return *workspace_; }
+        Workspace* operator->() const noexcept { return workspace_.get(); }
+
+    private:
+        WorkspacePool& pool_;
+        std::unique_ptr<Workspace> workspace_;
+    };
+
+    Loan borrow() { return Loan(*this, take()); }
+
     /// Calls work(workspace).
     template <typename Work>
     void with(Work&& work) {
-        std::unique_ptr<Workspace> workspace = take();
-        work(*workspace);
-        const std::lock_guard lock(mutex_);
-        free_.push_back(std::move(workspace));
+        const Loan loan = borrow();
+        work(*loan);
     }
 
 private:
@@ -31,6 +48,11 @@ private:
         std::unique_ptr<Workspace> workspace = std::move(free_.back());
         free_.pop_back();
         return workspace;
+    }
+
+    void give_back(std::unique_ptr<Workspace> workspace) {
+        const std::lock_guard lock(mutex_);
+        free_.push_back(std::move(workspace));
     }
 
     std::mutex mutex_;

@@ -9,6 +9,8 @@
 namespace earshot::audio {
 namespace {
 
+const FilterCache kCache;
+
 double sum(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
@@ -57,7 +59,7 @@ TEST(BandPowerGain, IsOneHalfAtTheEdges) {
 TEST(BandEnergy, OfAnImpulseIsSymmetricInTime) {
     std::vector<double> impulse(2001, 0.0);
     impulse[1000] = 1.0;
-    const BandEnergy energy(Bands::octaves(), impulse, 48000.0);
+    const BandEnergy energy(Bands::octaves(), impulse, 48000.0, kCache);
     for (std::size_t band = 2; band < 10; ++band) {
         const auto squared = energy.squared(band);
         const std::size_t centre = energy.lead() + 1000;
@@ -70,7 +72,7 @@ TEST(BandEnergy, OfAnImpulseIsSymmetricInTime) {
 
 TEST(BandEnergy, HoldsTheRingingOfTheLowestBand) {
     for (const Bands* bands : {&Bands::octaves(), &Bands::third_octaves()}) {
-        const BandEnergy energy(*bands, std::vector<double>{1.0}, 8000.0);
+        const BandEnergy energy(*bands, std::vector<double>{1.0}, 8000.0, kCache);
         const auto squared = energy.squared(0);
         EXPECT_EQ(squared.size(), 1 + 2 * energy.lead());
         EXPECT_NEAR(sum(squared) / energy.of_unit_impulse(0), 1.0, 1e-6);
@@ -86,7 +88,7 @@ TEST(BandEnergy, OfAToneLiesInItsBand) {
         tone[n] = std::pow(std::sin(3.14159265 * along), 4) * std::sin(6283.185307 * along);
     }
     const double all = std::inner_product(tone.begin(), tone.end(), tone.begin(), 0.0);
-    const BandEnergy energy(Bands::octaves(), tone, 48000.0);
+    const BandEnergy energy(Bands::octaves(), tone, 48000.0, kCache);
     EXPECT_NEAR(sum(energy.squared(5)) / all, 1.0, 1e-3);
     EXPECT_NEAR(10 * std::log10(sum(energy.squared(6)) / all), -19.7, 0.1);
     EXPECT_LT(10 * std::log10(sum(energy.squared(7)) / all), -43.0);
@@ -95,9 +97,9 @@ TEST(BandEnergy, OfAToneLiesInItsBand) {
 
 TEST(BandEnergy, CoversBandsBelowHalfTheSampleRate) {
     const std::vector<double> any{1.0};
-    EXPECT_TRUE(BandEnergy(Bands::octaves(), any, 48000.0).covers(9));
-    EXPECT_FALSE(BandEnergy(Bands::octaves(), any, 44100.0).covers(9));
-    EXPECT_TRUE(BandEnergy(Bands::octaves(), any, 44100.0).covers(8));
+    EXPECT_TRUE(BandEnergy(Bands::octaves(), any, 48000.0, kCache).covers(9));
+    EXPECT_FALSE(BandEnergy(Bands::octaves(), any, 44100.0, kCache).covers(9));
+    EXPECT_TRUE(BandEnergy(Bands::octaves(), any, 44100.0, kCache).covers(8));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace earshot::audio {
 namespace {
 
 constexpr double kSampleRate = 48000.0;
+const FilterCache kCache;
 
 /// Energies that decay by 60 dB in `time` seconds, a share per band.
 EnergyHistogram decay(double time, double length, const Spectrum& shares) {
@@ -43,7 +44,7 @@ TEST(LateNoise, HasTheEnergyOfAnArrivalOfTheSamePressure) {
         });
     const auto samples = late_noise(bands, histogram, kSampleRate, 1);
     ASSERT_EQ(samples.size(), 72000U);
-    const BandEnergy energy(bands, samples, kSampleRate);
+    const BandEnergy energy(bands, samples, kSampleRate, kCache);
     for (std::size_t band = 2; band + 1 < bands.count(); ++band) {
         const auto squared = energy.squared(band);
         const double sum = std::accumulate(squared.begin(), squared.end(), 0.0);
@@ -67,7 +68,7 @@ TEST(LateNoise, KeepsBandsApart) {
     Spectrum shares{};
     shares[5] = 1e-4;  // 1 kHz alone
     const auto samples = late_noise(Bands::octaves(), decay(1.0, 0.5, shares), kSampleRate, 3);
-    const BandEnergy energy(Bands::octaves(), samples, kSampleRate);
+    const BandEnergy energy(Bands::octaves(), samples, kSampleRate, kCache);
     const auto total = [&](std::size_t band) {
         const auto squared = energy.squared(band);
         return std::accumulate(squared.begin(), squared.end(), 0.0) / energy.of_unit_impulse(band);
