@@ -69,40 +69,6 @@ void delay_spectrum(const SpectralDelay& delay,
     }
 }
 
-void add_product(const double* a, const double* b, std::size_t count, double* sum) {
-    for (std::size_t k = 0; k < count; k += Doubles::kCount) {
-        const ComplexDoubles u = ComplexDoubles::load_unaligned(a + 2 * k);
-        const ComplexDoubles v = ComplexDoubles::load_unaligned(b + 2 * k);
-        const ComplexDoubles s = ComplexDoubles::load_unaligned(sum + 2 * k);
-        const ComplexDoubles total{s.re + (u.re * v.re - u.im * v.im),
-                                   s.im + (u.re * v.im + u.im * v.re)};
-        total.store_unaligned(sum + 2 * k);
-    }
-}
-
-void add_scaled(double factor, const double* values, std::size_t count, double* sum) {
-    const std::size_t whole = count / Doubles::kCount * Doubles::kCount;
-    const Doubles factors(factor);
-    for (std::size_t n = 0; n < whole; n += Doubles::kCount) {
-        const Doubles more = factors * Doubles::load_unaligned(values + n);
-        (Doubles::load_unaligned(sum + n) + more).store_unaligned(sum + n);
-    }
-    for (std::size_t n = whole; n < count; ++n) {
-        sum[n] += factor * values[n];
-    }
-}
-
-void interpolate(
-    const double* low, const double* high, double along, std::size_t count, double* values) {
-    const Doubles of_low(1.0 - along);
-    const Doubles of_high(along);
-    for (std::size_t n = 0; n < count; n += Doubles::kCount) {
-        const Doubles value =
-            of_low * Doubles::load_unaligned(low + n) + of_high * Doubles::load_unaligned(high + n);
-        value.store_unaligned(values + n);
-    }
-}
-
 }  // namespace earshot::audio::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -112,9 +78,6 @@ namespace earshot::audio {
 HWY_EXPORT(logarithms);
 HWY_EXPORT(filter_spectrum);
 HWY_EXPORT(delay_spectrum);
-HWY_EXPORT(add_product);
-HWY_EXPORT(add_scaled);
-HWY_EXPORT(interpolate);
 
 void logarithms(double* values, std::size_t count) {
     HWY_DYNAMIC_DISPATCH(logarithms)(values, count);
@@ -133,19 +96,6 @@ void delay_spectrum(const SpectralDelay& delay,
                     std::size_t count,
                     double* spectrum) {
     HWY_DYNAMIC_DISPATCH(delay_spectrum)(delay, angle, kernel, count, spectrum);
-}
-
-void add_product(const double* a, const double* b, std::size_t count, double* sum) {
-    HWY_DYNAMIC_DISPATCH(add_product)(a, b, count, sum);
-}
-
-void add_scaled(double factor, const double* values, std::size_t count, double* sum) {
-    HWY_DYNAMIC_DISPATCH(add_scaled)(factor, values, count, sum);
-}
-
-void interpolate(
-    const double* low, const double* high, double along, std::size_t count, double* values) {
-    HWY_DYNAMIC_DISPATCH(interpolate)(low, high, along, count, values);
 }
 
 }  // namespace earshot::audio

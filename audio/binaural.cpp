@@ -3,6 +3,7 @@
 
 #include "earshot/audio/internal/fractional_delay.h"
 #include "earshot/audio/internal/response_assembly.h"
+#include "earshot/audio/internal/signal_kernel.h"
 #include "earshot/base/assert.h"
 
 #include <algorithm>
@@ -68,22 +69,21 @@ EarImpulse impulse_of(const AssemblyTables& tables,
         return {};
     }
     const double position = arrival.delay * tables.sample_rate;
-    std::array<double, kDelayTaps> delay{};
-    tables.delays.impulse(position - std::floor(position), delay);
+    std::array<double, kDelayTaps + 2 * kConvolutionMargin> delay{};
+    tables.delays.impulse(position - std::floor(position),
+                          std::span(delay).subspan<kConvolutionMargin, kDelayTaps>());
     const auto lead = static_cast<std::ptrdiff_t>(kDelayHalfLength - 1);
     EarImpulse impulse;
     impulse.place = {.begin = static_cast<std::ptrdiff_t>(position) - lead + hrir.begin,
                      .taps = size + kDelayTaps - 1};
     impulse.taps.assign(2 * impulse.place.taps, 0.0);
     for (std::size_t ear = 0; ear < 2; ++ear) {
-        for (std::size_t tap = 0; tap < kDelayTaps; ++tap) {
-            if (delay[tap] != 0.0) {
-                add_scaled(delay[tap],
-                           hrir.ears[ear].data(),
-                           size,
-                           &impulse.taps[ear * impulse.place.taps + tap]);
-            }
-        }
+        add_convolution(1.0,
+                        hrir.ears[ear].data(),
+                        size,
+                        &delay[kConvolutionMargin],
+                        kDelayTaps,
+                        &impulse.taps[ear * impulse.place.taps]);
     }
     return impulse;
 }

@@ -2,6 +2,7 @@
 #include "earshot/audio/internal/fractional_delay.h"
 
 #include "earshot/audio/internal/arrival_filter_kernel.h"
+#include "earshot/audio/internal/signal_kernel.h"
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
 

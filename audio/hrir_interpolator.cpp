@@ -4,9 +4,11 @@
 #include "earshot/audio/internal/direction_triangulation.h"
 #include "earshot/audio/internal/fractional_delay.h"
 #include "earshot/audio/internal/hrir_onset.h"
+#include "earshot/audio/internal/signal_kernel.h"
 #include "earshot/base/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <span>
@@ -53,13 +55,15 @@ void add(const Term& term, std::ptrdiff_t begin, std::span<double> sum) {
         }
         return;
     }
+    std::array<double, kDelayTaps + 2 * kConvolutionMargin> taps{};
     const auto impulse = fractional_impulse(fraction);
-    for (std::size_t n = 0; n < samples.size(); ++n) {
-        const double sample = term.weight * samples[n];
-        for (std::size_t tap = 0; tap < kDelayTaps; ++tap) {
-            sum[first + n + tap] += sample * impulse[tap];
-        }
-    }
+    std::copy(impulse.begin(), impulse.end(), taps.begin() + kConvolutionMargin);
+    add_convolution(term.weight,
+                    samples.data(),
+                    samples.size(),
+                    &taps[kConvolutionMargin],
+                    kDelayTaps,
+                    &sum[first]);
 }
 
 std::vector<Direction> directions_of(const HrirSet& set) {

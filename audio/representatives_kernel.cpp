@@ -182,26 +182,6 @@ void solve_weights(const double* pivots, std::size_t count, double* coefficients
     }
 }
 
-void spread(const double* taps,
-            std::size_t tap_count,
-            const double* weights,
-            std::size_t train_count,
-            std::size_t stride,
-            double* trains) {
-    const std::size_t whole = tap_count / Doubles::kCount * Doubles::kCount;
-    for (std::size_t m = 0; m < train_count; ++m) {
-        double* train = trains + m * stride;
-        const Doubles weight(weights[m]);
-        for (std::size_t n = 0; n < whole; n += Doubles::kCount) {
-            const Doubles more = weight * Doubles::load_unaligned(taps + n);
-            (Doubles::load_unaligned(train + n) + more).store_unaligned(train + n);
-        }
-        for (std::size_t n = whole; n < tap_count; ++n) {
-            train[n] += weights[m] * taps[n];
-        }
-    }
-}
-
 }  // namespace earshot::audio::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -213,7 +193,6 @@ HWY_EXPORT(project);
 HWY_EXPORT(project_groups);
 HWY_EXPORT(orthogonalise);
 HWY_EXPORT(solve_weights);
-HWY_EXPORT(spread);
 
 void node_vectors(const NodeRows& nodes,
                   const double* log_pressure,
@@ -249,15 +228,6 @@ void orthogonalise(const double* basis, std::size_t size, std::size_t count, dou
 
 void solve_weights(const double* pivots, std::size_t count, double* coefficients) {
     HWY_DYNAMIC_DISPATCH(solve_weights)(pivots, count, coefficients);
-}
-
-void spread(const double* taps,
-            std::size_t tap_count,
-            const double* weights,
-            std::size_t train_count,
-            std::size_t stride,
-            double* trains) {
-    HWY_DYNAMIC_DISPATCH(spread)(taps, tap_count, weights, train_count, stride, trains);
 }
 
 }  // namespace earshot::audio

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/internal/response_assembly.h"
 
+#include "earshot/audio/internal/signal_kernel.h"
 #include "earshot/base/error.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <string>
 
@@ -38,9 +40,10 @@ void add_block(std::span<const double> sum, std::ptrdiff_t begin, std::span<doub
 
 void check_arrivals(std::span<const Arrival> arrivals) {
     for (const Arrival& arrival : arrivals) {
-        bool sound = std::isfinite(arrival.delay) && arrival.delay >= 0.0;
+        constexpr double kMax = std::numeric_limits<double>::max();
+        bool sound = arrival.delay >= 0.0 && arrival.delay <= kMax;
         for (const double pressure : arrival.pressure) {
-            sound = sound && std::isfinite(pressure) && pressure >= 0.0;
+            sound = sound & (pressure >= 0.0) & (pressure <= kMax);  // without a branch per band
         }
         if (!sound) {
             throw Error("arrivals",
@@ -86,18 +89,17 @@ ResponseAssembly::ResponseAssembly(const AssemblyTables& tables,
       block_samples_((fft_.size() - tables.filter.fft().size() - impulses.max_taps()) / kLanes *
                      kLanes) {}
 
-std::vector<ResponseAssembly::Block> ResponseAssembly::blocks_of(
-    std::span<const std::size_t> heard) const {
-    std::map<std::size_t, Block> blocks;
+std::vector<ArrivalBlock> ResponseAssembly::blocks_of(std::span<const std::size_t> heard) const {
+    std::map<std::size_t, ArrivalBlock> blocks;
     const std::ptrdiff_t earliest = impulses_.earliest();
     for (const std::size_t arrival : heard) {
         const auto after = static_cast<std::size_t>(impulses_.place(arrival).begin - earliest);
         const std::size_t index = after / block_samples_;
-        Block& block = blocks[index];
+        ArrivalBlock& block = blocks[index];
         block.begin = earliest + static_cast<std::ptrdiff_t>(index * block_samples_);
         block.arrivals.push_back(arrival);
     }
-    std::vector<Block> result;
+    std::vector<ArrivalBlock> result;
     for (auto& [index, block] : blocks) {
         result.push_back(std::move(block));
     }
@@ -107,7 +109,7 @@ std::vector<ResponseAssembly::Block> ResponseAssembly::blocks_of(
 void ResponseAssembly::add(std::span<const std::size_t> heard,
                            std::span<ImpulseResponse> channels,
                            Executor& executor) const {
-    const std::vector<Block> blocks = blocks_of(heard);
+    const std::vector<ArrivalBlock> blocks = blocks_of(heard);
     const std::size_t sum_size = channels.size() * fft_.size();
     std::vector<LargeArray<double>> sums(std::min(kBlocksPerStep, blocks.size()));
     for (std::size_t first = 0; first < blocks.size(); first += kBlocksPerStep) {
@@ -116,7 +118,8 @@ void ResponseAssembly::add(std::span<const std::size_t> heard,
             for (std::size_t i = begin; i < end; ++i) {
                 tables_.workspaces.with([&](BlockWorkspace& work) {
                     sums[i].resize(sum_size);
-                    assemble(blocks[first + i], work, sums[i]);
+                    BlockAssembly(tables_, arrivals_, impulses_, fft_, blocks[first + i], work)
+                        .assemble(sums[i]);
                 });
             }
         });

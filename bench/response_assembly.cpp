@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// bench_response_assembly [ORDER [REPEATS [REFERENCE]]]: microseconds per arrival of responses of a
-// shoe-box of 8 x 6 x 3.5 m at 48 kHz, medians of the processor's time on one thread, in ten
-// octaves, with walls of one material, of six, and with independent pressures in all bands; and how
-// far they are from the sum of separately filtered arrivals (tests/support/arrival_reference.h),
-// which REFERENCE 0 leaves out.
+// bench_response_assembly [ORDER [REPEATS [REFERENCE [SIMD]]]]: microseconds per arrival of
+// responses of a shoe-box of 8 x 6 x 3.5 m at 48 kHz, medians of the processor's time on one
+// thread, in ten octaves, with walls of one material, of six, and with independent pressures in all
+// bands; and how far they are from the sum of separately filtered arrivals
+// (tests/support/arrival_reference.h), which REFERENCE 0 leaves out. SIMD: a name of base/simd.h.
 
 #include "earshot/audio/impulse_response.h"
 #include "earshot/audio/spatial.h"
 #include "earshot/base/digest.h"
 #include "earshot/base/random.h"
+#include "earshot/base/simd.h"
 
 #include "harness.h"
 #include "support/arrival_reference.h"
@@ -86,6 +87,7 @@ int run(int argc, char** argv) {
     const int order = argc > 1 ? std::atoi(argv[1]) : 14;
     const int repeats = argc > 2 ? std::atoi(argv[2]) : 9;
     const bool compare = argc <= 3 || std::atoi(argv[3]) != 0;
+    override_simd_target(argc > 4 ? argv[4] : "auto");
     const auto alike = support::box_arrivals(order, support::wall_factors(true));
     measure("one material", alike, repeats, compare);
     measure("six materials",

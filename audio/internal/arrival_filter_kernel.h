@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
+#include "earshot/audio/internal/logical_lanes.h"
+
 #include <complex>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 
 namespace earshot::audio {
-
-/// Kernels work on this many logical lanes on every instruction set; rows are padded to them.
-inline constexpr std::size_t kLanes = 8;
-
-constexpr std::size_t padded(std::size_t count) noexcept {
-    return (count + kLanes - 1) / kLanes * kLanes;
-}
 
 /// Consecutive bins between two band centres.
 struct FilterSegment {
@@ -57,15 +50,5 @@ void delay_spectrum(const SpectralDelay& delay,
                     const double* kernel,
                     std::size_t count,
                     double* spectrum);
-
-/// sum += a * b, of `count` complex numbers, a multiple of kLanes.
-void add_product(const double* a, const double* b, std::size_t count, double* sum);
-
-/// sum += factor * values.
-void add_scaled(double factor, const double* values, std::size_t count, double* sum);
-
-/// (1 - along) * low + along * high, of a multiple of kLanes numbers.
-void interpolate(
-    const double* low, const double* high, double along, std::size_t count, double* values);
 
 }  // namespace earshot::audio

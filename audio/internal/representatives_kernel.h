@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/audio/internal/arrival_filter_kernel.h"
+#include "earshot/audio/internal/logical_lanes.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -57,13 +57,5 @@ void orthogonalise(const double* basis, std::size_t size, std::size_t count, dou
 /// From coefficients (count rows of a group) to the weights t that solve sum_m t_m pivots[m][j] =
 /// c_j, in place. `pivots`: lower triangle, rows of `count`.
 void solve_weights(const double* pivots, std::size_t count, double* coefficients);
-
-/// trains[m * stride + n] += weights[m] * taps[n].
-void spread(const double* taps,
-            std::size_t tap_count,
-            const double* weights,
-            std::size_t train_count,
-            std::size_t stride,
-            double* trains);
 
 }  // namespace earshot::audio

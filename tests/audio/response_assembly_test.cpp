@@ -2,6 +2,7 @@
 #include "earshot/audio/internal/response_assembly.h"
 
 #include "earshot/audio/binaural.h"
+#include "earshot/audio/internal/signal_kernel.h"
 #include "earshot/audio/spatial.h"
 #include "earshot/base/random.h"
 #include "earshot/base/simd.h"
@@ -212,6 +213,38 @@ TEST(ResponseAssembly, InThirdOctavesIsTheSumOfItsArrivals) {
     const auto error =
         support::response_error(found.samples, expected.sum(arrivals, gains, found.samples.size()));
     EXPECT_LT(error.energy_db, -100.0);
+}
+
+TEST(AddConvolution, HasTheBitsOfTheLoopOnEveryInstructionSet) {
+    for (const std::size_t count : {1U, 7U, 40U, 200U}) {
+        for (const std::size_t tap_count : {1U, 31U, 128U}) {
+            std::vector<double> samples(count), taps(tap_count + 2 * kConvolutionMargin, 0.0);
+            std::vector<double> expected(count + tap_count - 1);
+            for (std::size_t n = 0; n < count; ++n) {
+                samples[n] = random_between(7, 0, n, -1.0, 1.0);
+            }
+            for (std::size_t n = 0; n < tap_count; ++n) {
+                taps[kConvolutionMargin + n] = random_between(7, 1, n, -1.0, 1.0);
+            }
+            for (std::size_t n = 0; n < expected.size(); ++n) {
+                expected[n] = random_between(7, 2, n, -1.0, 1.0);
+            }
+            const std::vector<double> before = expected;
+            for (std::size_t n = 0; n < count; ++n) {
+                for (std::size_t tap = 0; tap < tap_count; ++tap) {
+                    expected[n + tap] += 0.3 * samples[n] * taps[kConvolutionMargin + tap];
+                }
+            }
+            for (const std::string& target : simd_targets()) {
+                override_simd_target(target);
+                std::vector<double> found = before;
+                add_convolution(
+                    0.3, samples.data(), count, &taps[kConvolutionMargin], tap_count, found.data());
+                EXPECT_EQ(found, expected) << target << " " << count << " " << tap_count;
+            }
+            override_simd_target("auto");
+        }
+    }
 }
 
 // Every filter against the sum that stands for it, at all bins and not only at the nodes.

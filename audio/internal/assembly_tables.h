@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/impulse_response.h"
+#include "earshot/audio/internal/arrival_filter.h"
+#include "earshot/audio/internal/fractional_delay.h"
+#include "earshot/audio/internal/representatives.h"
+#include "earshot/audio/internal/workspace_pool.h"
+#include "earshot/base/large_array.h"
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace earshot::audio {
+
+/// What a thread needs to assemble a block; see block_assembly.cpp.
+struct BlockWorkspace {
+    std::vector<std::size_t> flat, filtered, own;
+    std::vector<double> largest;  // pressure per filtered arrival
+    LargeArray<double> logs;      // as Representatives::find() takes them
+    Representatives representatives;
+    LargeArray<double> log_pressure, log_magnitude, taps, weights, trains, piece;
+    LargeArray<std::complex<double>> spectrum, filter, train, sum;
+    FftWorkspace fft;
+};
+
+/// What depends on the bands and the sample rate alone.
+struct AssemblyTables {
+    AssemblyTables(const Bands& bands, double rate);
+
+    /// No band in use has a pressure.
+    bool silent(const Arrival& arrival) const;
+    /// All bands in use have the same pressure.
+    bool flat(const Arrival& arrival) const;
+
+    double sample_rate;
+    ArrivalFilter filter;
+    FilterNodes nodes;
+    DelayTable delays;
+    RealFft piece_fft;  // of a filter and an impulse
+    DelaySpectrum delay_spectrum;
+    mutable WorkspacePool<BlockWorkspace> workspaces;
+};
+
+}  // namespace earshot::audio
