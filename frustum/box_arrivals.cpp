@@ -7,9 +7,10 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <tuple>
+#include <numeric>
 #include <utility>
 
 namespace earshot::frustum {
@@ -28,6 +29,21 @@ int component_of(const Vec3& direction) noexcept {
         }
     }
     return -1;
+}
+
+/// Whether start + t way is within `distance` of a whole number, for one of the t.
+bool comes_close_to_whole(double start,
+                          double way,
+                          std::span<const double> all_t,
+                          double distance) noexcept {
+    constexpr double kRound = 0x1.8p52;  // adding it rounds numbers below 2^51 to whole ones
+    bool is_close = false;
+    for (const double t : all_t) {
+        const double position = start + t * way;
+        const double whole = (position + kRound) - kRound;
+        is_close |= std::abs(position - whole) <= distance;
+    }
+    return is_close;
 }
 
 }  // namespace
@@ -78,9 +94,13 @@ void BoxArrivals::make_coordinates(std::size_t axis) {
         coordinate[column(n)] = mirror(high, 1 - n);
         coordinate[column(-n)] = mirror(low, n - 1);
     }
-    for (const double image : coordinate) {
-        const double difference = search_.listener[k] - image;
+    const double from = search_.local_listener[axis];
+    for (int n = -max_order_; n <= max_order_; ++n) {
+        const double difference = search_.listener[k] - coordinate[column(n)];
         squared_[axis].push_back(difference * difference);
+        const double along = std::abs(search_.image(axis, n) - from);
+        const double to_wall = n > 0 ? lattice_.room_.size(axis) - from : from;
+        first_crossing_[axis].push_back(n == 0 ? 2.0 : to_wall / along);
     }
 }
 
@@ -99,17 +119,16 @@ void BoxArrivals::find_edges(std::size_t a, std::size_t b) {
         const double first = i > 0 ? room.size(a) - from : from;
         const double border =
             (lattice_.border_ + kLatticeSafety * error * (1.0 + max_length / along)) / size;
+        std::array<double, kMaxLatticeOrder> t{};
+        for (int n = 0; n < reflections; ++n) {
+            t[static_cast<std::size_t>(n)] = (first + n * room.size(a)) / along;
+        }
+        const auto crossings = std::span(t).first(static_cast<std::size_t>(reflections));
         const int left = max_order_ - reflections;
         for (int j = -left; j <= left && i != 0; ++j) {
             const double start = search_.local_listener[b] / size;
             const double way = search_.image(b, j) / size - start;
-            bool is_close = false;
-            for (int n = 0; n < reflections; ++n) {
-                const double t = (first + n * room.size(a)) / along;
-                const double position = start + t * way;  // in rooms
-                is_close = is_close || std::abs(position - std::nearbyint(position)) <= border;
-            }
-            if (is_close) {
+            if (comes_close_to_whole(start, way, crossings, border)) {
                 const std::size_t row = column(a < b ? i : j), cell = column(a < b ? j : i);
                 marks[row * columns_ + cell] = 1;
             }
@@ -124,6 +143,8 @@ bool BoxArrivals::passes_edge(const Cell& cell) const noexcept {
 }
 
 void BoxArrivals::find_images() {
+    const auto n = static_cast<std::size_t>(max_order_);
+    images_.reserve(columns_ * (2 * n * n + 2 * n + 3) / 3);
     // The axes of the room in the order of coordinates, in which glm::distance adds squares.
     std::array<std::size_t, 3> axis{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -178,13 +199,43 @@ void BoxArrivals::add(const Cell& cell, double squared) {
                                 static_cast<std::int8_t>(cell[2])}});
 }
 
+// By length: the upper 33 bits of a positive number digit by digit from the lowest, in a time that
+// grows with the count alone; then what agrees in these.
+void BoxArrivals::sort_by_length() {
+    constexpr std::size_t kDigits = std::size_t{1} << 11U;
+    std::vector<Image> sorted(images_.size());
+    for (const unsigned shift : {31U, 42U, 53U}) {
+        const auto digit = [&](const Image& image) {
+            return std::bit_cast<std::uint64_t>(image.length) >> shift & (kDigits - 1);
+        };
+        std::array<std::size_t, kDigits> next{};
+        for (const Image& image : images_) {
+            ++next[digit(image)];
+        }
+        std::exclusive_scan(next.begin(), next.end(), next.begin(), std::size_t{0});
+        for (const Image& image : images_) {
+            sorted[next[digit(image)]++] = image;
+        }
+        images_.swap(sorted);
+    }
+    const auto comes_first = [](const Image& a, const Image& b) {
+        return std::pair(a.length, a.order) < std::pair(b.length, b.order);
+    };
+    for (std::size_t i = 1; i < images_.size(); ++i) {
+        const Image image = images_[i];
+        std::size_t k = i;
+        for (; k > 0 && comes_first(image, images_[k - 1]); --k) {
+            images_[k] = images_[k - 1];
+        }
+        images_[k] = image;
+    }
+}
+
 // By length, order and triangles, as sort_and_deduplicate(). There are no duplicates: those of one
 // image have been removed, and the images of a box lie apart.
 void BoxArrivals::sort() {
+    sort_by_length();
     const auto key = [](const Image& image) { return std::pair(image.length, image.order); };
-    std::sort(images_.begin(), images_.end(), [&](const Image& a, const Image& b) {
-        return key(a) < key(b);
-    });
     for (std::size_t begin = 0; begin < images_.size();) {
         std::size_t end = begin + 1;
         while (end < images_.size() && key(images_[end]) == key(images_[begin])) {
@@ -238,9 +289,9 @@ PathArrival BoxArrivals::at(std::size_t i, bool name_facets) {
         }
         arrival.last_point = path.points[path.points.size() - 2];
     } else if (image.order > 0) {
-        search_.set_cell({image.cell[0], image.cell[1], image.cell[2]});
-        arrival.last_point = last_reflection(image.length);
+        arrival.last_point = last_reflection(image);
         if (name_facets) {
+            search_.set_cell({image.cell[0], image.cell[1], image.cell[2]});
             search_.find_crossings();
             search_.make_sequence();
         }
@@ -252,30 +303,27 @@ PathArrival BoxArrivals::at(std::size_t i, bool name_facets) {
 }
 
 // In the wall whose plane the line from the listener crosses first.
-Vec3 BoxArrivals::last_reflection(double length) const {
-    const BoxRoom& room = lattice_.room_;
-    const Cell& cell = search_.cell;
+Vec3 BoxArrivals::last_reflection(const Image& image) const {
     Vec3 behind(0.0);
     std::size_t last = 0;
     double closest = 2.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        behind[component_[axis]] = coordinate_[axis][column(cell[axis])];
-        const double from = search_.local_listener[axis];
-        const double t = (cell[axis] > 0 ? room.size(axis) - from : from) / search_.distance[axis];
-        if (cell[axis] != 0 && t < closest) {
-            closest = t;
+        const std::size_t at = column(image.cell[axis]);
+        behind[component_[axis]] = coordinate_[axis][at];
+        if (first_crossing_[axis][at] < closest) {
+            closest = first_crossing_[axis][at];
             last = axis;
         }
     }
-    const int number = cell[last];
+    const int number = image.cell[last];
     Vec3 before = behind;
     before[component_[last]] = coordinate_[last][column(number > 0 ? 1 - number : -1 - number)];
-    const FacetId wall = room.walls[last][number > 0 ? 1 : 0];
+    const FacetId wall = lattice_.room_.walls[last][number > 0 ? 1 : 0];
     const auto reflection = find_reflection(lattice_.scene_.facets.facets[wall].plane,
                                             before,
                                             behind,
                                             search_.listener,
-                                            lattice_.verifier_->rounding_slack(length));
+                                            lattice_.verifier_->rounding_slack(image.length));
     EARSHOT_ASSERT(reflection.has_value());
     return reflection ? reflection->point : search_.listener;
 }

@@ -40,6 +40,8 @@ public:
     /// the first are the bands'.
     std::vector<double> pressures(std::span<const double> distances) const;
     std::size_t stride() const noexcept { return rates_.size(); }
+    /// Decibels per metre, per band and zeros up to stride().
+    std::span<const double> rates() const noexcept { return rates_; }
 
 private:
     std::vector<double> rates_;  // decibels per metre, per band, and zeros to a multiple of 8

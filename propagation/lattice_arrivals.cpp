@@ -2,9 +2,10 @@
 #include "earshot/propagation/internal/lattice_arrivals.h"
 
 #include "earshot/geometry/vector.h"
+#include "earshot/propagation/internal/air_kernel.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdint>
 
 namespace earshot::propagation {
 namespace {
@@ -22,37 +23,50 @@ std::vector<audio::Arrival> describe_arrivals(frustum::PathArrivals& paths,
                                               const geometry::Vec3& listener,
                                               const ArrivalModel& model) {
     const std::span<const double> lengths = paths.lengths();
-    const std::vector<double> air =
-        model.air != nullptr ? model.air->pressures(lengths) : std::vector<double>();
     const bool name_facets = !are_alike(model.reflection);
-    std::vector<audio::Arrival> arrivals;
-    arrivals.reserve(lengths.size());
+    std::vector<audio::Arrival> arrivals(lengths.size());
+    std::vector<std::uint8_t> orders(lengths.size()), sequences;
     for (std::size_t i = 0; i < lengths.size(); ++i) {
         const frustum::PathArrival path = paths.at(i, name_facets);
-        audio::Arrival& arrival = arrivals.emplace_back();
-        arrival.delay = lengths[i] / model.speed_of_sound;
-        // In the order of Simulator::State::describe(): spreading, air, walls.
-        double* pressure = arrival.pressure.data();
-        std::fill_n(pressure, model.bands, 1.0 / lengths[i]);
-        for (std::size_t band = 0; band < model.bands && model.air != nullptr; ++band) {
-            pressure[band] *= air[i * model.air->stride() + band];
-        }
-        for (std::size_t k = 0; k < path.order; ++k) {
-            const audio::Spectrum& wall = model.reflection[name_facets ? path.facets[k] : 0];
-            for (std::size_t band = 0; band < model.bands; ++band) {
-                pressure[band] *= wall[band];
-            }
-        }
         const geometry::Vec3 direction = geometry::direction_between(path.last_point, listener);
-        arrival.direction = {direction.x, direction.y, direction.z};
+        arrivals[i].delay = lengths[i] / model.speed_of_sound;
+        arrivals[i].direction = {direction.x, direction.y, direction.z};
+        orders[i] = static_cast<std::uint8_t>(path.order);
+        for (const geometry::FacetId facet : path.facets) {
+            sequences.push_back(static_cast<std::uint8_t>(facet));
+        }
+    }
+    // The operations of Simulator::State::describe(), in its order.
+    const std::size_t stride = model.air.stride();
+    std::vector<double> walls(model.reflection.size() * stride);
+    for (std::size_t i = 0; i < model.reflection.size(); ++i) {
+        std::copy_n(model.reflection[i].begin(), model.bands, &walls[i * stride]);
+    }
+    std::vector<double> pressures(lengths.size() * stride);
+    pressures_of_arrivals(
+        {.stride = stride,
+         .lengths = lengths,
+         .rates = model.air_absorption ? model.air.rates() : std::span<const double>(),
+         .walls = walls,
+         .orders = orders,
+         .sequences = sequences},
+        pressures);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
+        const double* pressure = &pressures[i * stride];
         const bool is_wanted =
             lengths[i] > 0.0 && std::any_of(pressure, pressure + model.bands, [&](double p) {
                 return p >= model.min_pressure;
             });
-        if (!is_wanted) {
-            arrivals.pop_back();
+        if (is_wanted) {
+            if (kept != i) {
+                arrivals[kept] = arrivals[i];
+            }
+            std::copy_n(pressure, model.bands, arrivals[kept].pressure.begin());
+            ++kept;
         }
     }
+    arrivals.resize(kept);
     return arrivals;
 }
 

@@ -439,7 +439,8 @@ bool Simulator::State::add_arrivals(const RaySource& sender,
     }
     const ArrivalModel model = {.bands = options.bands.count(),
                                 .speed_of_sound = speed_of_sound,
-                                .air = options.air_absorption ? &air : nullptr,
+                                .air = air,
+                                .air_absorption = options.air_absorption,
                                 .reflection = reflection_of_facet,
                                 .min_pressure = min_pressure};
     std::vector<std::uint8_t> is_done(pairs.size(), 0);

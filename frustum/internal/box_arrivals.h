@@ -43,9 +43,10 @@ private:
     void find_images();
     void add(const Cell& cell, double squared);
     void sort();
+    void sort_by_length();
     void sort_equals(std::size_t begin, std::size_t end);
     bool passes_edge(const Cell& cell) const noexcept;
-    geometry::Vec3 last_reflection(double length) const;
+    geometry::Vec3 last_reflection(const Image& image) const;
     std::size_t column(int number) const noexcept {
         return static_cast<std::size_t>(number + max_order_);
     }
@@ -61,6 +62,9 @@ private:
     /// Per pair of axes (the one that is left out): whether the line of two columns passes an edge.
     std::array<std::vector<std::uint8_t>, 3> passes_edge_;
     std::vector<Image> images_;
+    /// Per axis, by column: where the line from the listener crosses the first wall, from 0 to 1 at
+    /// the image; 2 if it crosses none.
+    std::array<std::vector<double>, 3> first_crossing_;
     std::vector<double> lengths_;
 };
 

@@ -16,7 +16,8 @@ namespace earshot::propagation {
 struct ArrivalModel {
     std::size_t bands = 0;
     double speed_of_sound = 0.0;
-    const AirAbsorption* air = nullptr;           ///< null: no absorption
+    const AirAbsorption& air;
+    bool air_absorption = true;
     std::span<const audio::Spectrum> reflection;  ///< pressure factors per facet
     double min_pressure = 0.0;                    ///< arrivals of less in every band are left out
 };
