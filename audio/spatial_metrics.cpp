@@ -2,6 +2,7 @@
 #include "earshot/audio/spatial_metrics.h"
 
 #include "earshot/audio/internal/band_energy.h"
+#include "earshot/audio/internal/correlation_kernel.h"
 #include "earshot/audio/internal/onset.h"
 #include "earshot/base/assert.h"
 
@@ -22,33 +23,54 @@ std::size_t samples_in(double time, double sample_rate) {
 }
 
 double energy_of(std::span<const double> signal) {
-    double sum = 0.0;
-    for (const double sample : signal) {
-        sum += sample * sample;
+    return dot_product(signal, signal);
+}
+
+/// The ears' energies in a part of time, and their correlation with the right ear up to 1 ms
+/// earlier or later.
+struct Correlation {
+    double left_energy = 0.0;
+    double right_energy = 0.0;
+    std::vector<double> by_shift{};  ///< the right ear by max_delay earlier first
+};
+
+Correlation correlation(std::span<const double> left,
+                        std::span<const double> right,
+                        std::size_t begin,
+                        std::size_t end,
+                        std::size_t max_delay) {
+    Correlation result{.left_energy = energy_of(left.subspan(begin, end - begin)),
+                       .right_energy = energy_of(right.subspan(begin, end - begin))};
+    for (std::size_t shift = 0; shift <= 2 * max_delay; ++shift) {
+        // Sample n of the left ear meets sample n + shift - max_delay of the right one.
+        const std::size_t first = std::max(begin, max_delay - std::min(shift, max_delay));
+        const std::size_t last = std::max(first, std::min(end, right.size() + max_delay - shift));
+        result.by_shift.push_back(
+            dot_product(left.subspan(first, last - first),
+                        right.subspan(first + shift - max_delay, last - first)));
+    }
+    return result;
+}
+
+/// Of two parts of time together.
+Correlation operator+(const Correlation& a, const Correlation& b) {
+    Correlation sum = a;
+    sum.left_energy += b.left_energy;
+    sum.right_energy += b.right_energy;
+    for (std::size_t shift = 0; shift < sum.by_shift.size(); ++shift) {
+        sum.by_shift[shift] += b.by_shift[shift];
     }
     return sum;
 }
 
-// Of the samples begin ... end of the left ear with those of the right that are up to 1 ms earlier
-// or later; nothing if an ear is silent then.
-std::optional<double> coefficient(std::span<const double> left,
-                                  std::span<const double> right,
-                                  std::size_t begin,
-                                  std::size_t end,
-                                  std::size_t max_delay) {
-    const double energies =
-        energy_of(left.subspan(begin, end - begin)) * energy_of(right.subspan(begin, end - begin));
+// Nothing if an ear is silent then.
+std::optional<double> coefficient(const Correlation& correlation) {
+    const double energies = correlation.left_energy * correlation.right_energy;
     if (!(energies > 0.0)) {
         return std::nullopt;
     }
     double largest = 0.0;
-    for (std::size_t shift = 0; shift <= 2 * max_delay; ++shift) {
-        double sum = 0.0;
-        for (std::size_t n = begin; n < end; ++n) {
-            if (n + shift >= max_delay && n + shift - max_delay < right.size()) {
-                sum += left[n] * right[n + shift - max_delay];
-            }
-        }
+    for (const double sum : correlation.by_shift) {
         largest = std::max(largest, std::abs(sum));
     }
     return largest / std::sqrt(energies);
@@ -145,9 +167,11 @@ BinauralMetrics binaural_metrics(const Bands& bands,
         }
         l = at_left.filtered(band, std::move(l));
         r = at_right.filtered(band, std::move(r));
-        metrics.iacc_early[band] = coefficient(l, r, begin, begin + early, max_delay);
-        metrics.iacc_late[band] = coefficient(l, r, begin + early, l.size(), max_delay);
-        metrics.iacc[band] = coefficient(l, r, begin, l.size(), max_delay);
+        const Correlation at_first = correlation(l, r, begin, begin + early, max_delay);
+        const Correlation later = correlation(l, r, begin + early, l.size(), max_delay);
+        metrics.iacc_early[band] = coefficient(at_first);
+        metrics.iacc_late[band] = coefficient(later);
+        metrics.iacc[band] = coefficient(at_first + later);
         if (!metrics.iacc[band]) {
             metrics.notes.push_back(note_at("iacc", bands, band, "an ear is silent"));
         }

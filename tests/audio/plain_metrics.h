@@ -82,10 +82,10 @@ inline std::size_t lead(double rate) {
     return static_cast<std::size_t>(std::ceil(6.0 / width * rate));
 }
 
-/// Squares of a response filtered by an octave; sample n of the response is sample n + lead().
-inline std::vector<double> squared(const std::vector<double>& response,
-                                   double rate,
-                                   std::size_t octave) {
+/// A response filtered by an octave; sample n of the response is sample n + lead().
+inline std::vector<double> in_octave(const std::vector<double>& response,
+                                     double rate,
+                                     std::size_t octave) {
     const std::size_t length = response.size() + 2 * lead(rate);
     std::size_t size = 1;
     while (size < length) {
@@ -96,10 +96,40 @@ inline std::vector<double> squared(const std::vector<double>& response,
             return std::sqrt(octave_power(octave, hz));
         });
     signal.resize(length);
+    return signal;
+}
+
+/// The squares of in_octave().
+inline std::vector<double> squared(const std::vector<double>& response,
+                                   double rate,
+                                   std::size_t octave) {
+    std::vector<double> signal = in_octave(response, rate, octave);
     for (double& sample : signal) {
         sample *= sample;
     }
     return signal;
+}
+
+/// The largest normalised correlation of samples of the left ear from `begin` to `end` with those
+/// of the right one up to 1 ms away (ISO 3382-1:2009, annex B).
+inline double interaural_correlation(const std::vector<double>& left,
+                                     const std::vector<double>& right,
+                                     std::size_t begin,
+                                     std::size_t end,
+                                     double rate) {
+    const auto max_delay = static_cast<std::ptrdiff_t>(std::lround(0.001 * rate));
+    double left_energy = 0.0, right_energy = 0.0, largest = 0.0;
+    for (std::ptrdiff_t delay = -max_delay; delay <= max_delay; ++delay) {
+        double sum = 0.0;
+        for (std::size_t n = begin; n < end; ++n) {
+            const auto other = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(n) + delay);
+            sum += other < right.size() ? left[n] * right[other] : 0.0;
+            left_energy += delay == 0 ? left[n] * left[n] : 0.0;
+            right_energy += delay == 0 ? right[n] * right[n] : 0.0;
+        }
+        largest = std::max(largest, std::abs(sum));
+    }
+    return largest / std::sqrt(left_energy * right_energy);
 }
 
 struct Metrics {

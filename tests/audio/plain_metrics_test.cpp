@@ -5,6 +5,7 @@
 #include "earshot/audio/energy_metrics.h"
 #include "earshot/audio/late_noise.h"
 #include "earshot/audio/response_metrics.h"
+#include "earshot/audio/spatial_metrics.h"
 #include "earshot/base/digest.h"
 #include "earshot/base/simd.h"
 
@@ -129,6 +130,31 @@ TEST(EnergyMetrics, AreThoseOfTheTextbook) {
     EXPECT_NEAR(metrics.speech_transmission_index.value(), plain::speech_index(speech, 1e4), 1e-4);
 }
 
+TEST(BinauralMetrics, AreThoseOfTheTextbook) {
+    ImpulseResponse left = some_response();
+    left.samples.resize(9600);
+    ImpulseResponse right = left;
+    for (std::size_t n = 0; n < right.samples.size(); ++n) {
+        right.samples[n] =
+            (n < 11 ? 0.0 : left.samples[n - 11]) + random_between(8, 0, n, -1e-3, 1e-3);
+    }
+    const BinauralMetrics metrics = binaural_metrics(Bands::octaves(), left, right);
+    const std::size_t begin = plain::lead(kSampleRate) + 480;
+    const std::size_t early_end = begin + 3840;
+    for (const std::size_t band : {0U, 4U, 9U}) {
+        SCOPED_TRACE(band);
+        const auto l = plain::in_octave(left.samples, kSampleRate, band);
+        const auto r = plain::in_octave(right.samples, kSampleRate, band);
+        const auto between = [&](std::size_t from, std::size_t to) {
+            return plain::interaural_correlation(l, r, from, to, kSampleRate);
+        };
+        EXPECT_NEAR(metrics.iacc_early[band].value(), between(begin, early_end), 10.0 * kRounding);
+        EXPECT_NEAR(
+            metrics.iacc_late[band].value(), between(early_end, l.size()), 10.0 * kRounding);
+        EXPECT_NEAR(metrics.iacc[band].value(), between(begin, l.size()), 10.0 * kRounding);
+    }
+}
+
 std::uint64_t digest_of_late_noise_and_metrics() {
     Digest digest;
     const auto add = [&](const RoomMetrics& metrics) {
@@ -159,6 +185,10 @@ std::uint64_t digest_of_late_noise_and_metrics() {
     add({expected.standard_error, {}, {}, {}});
     add(response_metrics(Bands::octaves(), some_response()));
     add(response_metrics(Bands::third_octaves(), some_response()));
+    const ImpulseResponse right{kSampleRate, late_noise(Bands::octaves(), late, kSampleRate, 6)};
+    for (const auto& value : binaural_metrics(Bands::octaves(), some_response(), right).iacc) {
+        digest.add(value.value_or(-1.0));
+    }
     return digest.value();
 }
 
