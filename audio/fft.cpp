@@ -210,7 +210,7 @@ std::size_t power_of_two_from(std::size_t min_size) noexcept {
 
 std::size_t fft_size_from(std::size_t min_size) noexcept {
     std::size_t best = std::bit_ceil(std::max<std::size_t>(min_size, 4));
-    for (const std::size_t odd : {3, 5}) {
+    for (const std::size_t odd : {std::size_t{3}, std::size_t{5}}) {
         const std::size_t twos =
             std::bit_ceil(std::max<std::size_t>((min_size + odd - 1) / odd, 4));
         best = std::min(best, odd * twos);
