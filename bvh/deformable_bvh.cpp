@@ -27,7 +27,7 @@ constexpr double kRepairBatchRatio = 0.005;
 DeformableBvh::DeformableBvh(const geometry::MeshView& mesh,
                              const UpdateOptions& options,
                              Executor& executor)
-    : options_(options), mesh_(mesh), counts_{.builds = 1} {
+    : options_(options), mesh_(mesh) {
     tree_ = build(triangle_boxes(mesh, executor), executor);
     options_.build.rays = {};  // read during the first build only
     wide_ = WideTree::build(tree_, mesh, executor);
@@ -37,7 +37,7 @@ DeformableBvh::DeformableBvh(const geometry::MeshView& mesh,
 DeformableBvh::DeformableBvh(std::span<const geometry::Aabb> boxes,
                              const UpdateOptions& options,
                              Executor& executor)
-    : options_(options), counts_{.builds = 1} {
+    : options_(options) {
     tree_ = build(boxes, executor);
     options_.build.rays = {};
     set_policy(boxes.size(), bvh::sah_cost(tree_));
@@ -91,7 +91,7 @@ UpdateReport DeformableBvh::choose(double sah_cost_after_refit, Act&& act) {
         policy_.record_outcome(report);
     }
     sah_cost_ = report.sah_cost;
-    counts_.count(report.action);
+    statistics_.count(report.action);
     return report;
 }
 

@@ -4,6 +4,7 @@
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/mesh_bvh.h"
 #include "earshot/bvh/update_policy.h"
+#include "earshot/bvh/update_statistics.h"
 #include "earshot/bvh/wide_tree.h"
 
 #include <cstddef>
@@ -66,8 +67,8 @@ public:
     /// Of boxes, as they were given last.
     const Tree& binary_tree() const noexcept { return tree_; }
 
-    /// What has been done so far.
-    const UpdateCounts& update_counts() const noexcept { return counts_; }
+    /// Of all updates so far.
+    const UpdateStatistics& update_statistics() const noexcept { return statistics_; }
 
     /// Grows by one whenever the topology changes.
     std::uint64_t version() const noexcept { return version_; }
@@ -85,7 +86,7 @@ private:
     Tree tree_;  // of a mesh: refitted only when it is repaired
     WideTree wide_;
     geometry::MeshView mesh_;
-    UpdateCounts counts_;
+    UpdateStatistics statistics_;
     UpdatePolicy policy_;
     double sah_cost_ = 0.0;
     std::uint64_t version_ = 1;

@@ -24,20 +24,6 @@ std::string_view name_of(UpdateAction action) noexcept {
     return "rebuild";
 }
 
-UpdateCounts& UpdateCounts::operator+=(const UpdateCounts& other) noexcept {
-    builds += other.builds;
-    refits += other.refits;
-    repairs += other.repairs;
-    rebuilds += other.rebuilds;
-    return *this;
-}
-
-void UpdateCounts::count(UpdateAction action) noexcept {
-    refits += action == UpdateAction::refit ? 1 : 0;
-    repairs += action == UpdateAction::repair ? 1 : 0;
-    rebuilds += action == UpdateAction::rebuild ? 1 : 0;
-}
-
 bool UpdatePolicy::ActionAccount::is_due() const noexcept {
     return accumulated_excess > 0.0 && accumulated_excess >= backoff * action_cost;
 }

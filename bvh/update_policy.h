@@ -3,7 +3,6 @@
 
 #include "earshot/base/floating_point.h"
 
-#include <cstdint>
 #include <string_view>
 
 namespace earshot::bvh {
@@ -22,17 +21,6 @@ struct UpdateReport {
     UpdateAction action = UpdateAction::refit;
     double sah_cost_after_refit = 0.0;  ///< sah_cost() of the tree when it was refitted
     double sah_cost = 0.0;              ///< and at the end of the update
-};
-
-/// What keeping trees has taken.
-struct UpdateCounts {
-    std::uint64_t builds = 0;                             ///< of trees that there were not before
-    std::uint64_t refits = 0, repairs = 0, rebuilds = 0;  ///< updates of trees, by their action
-
-    UpdateCounts& operator+=(const UpdateCounts& other) noexcept;
-    void count(UpdateAction action) noexcept;
-
-    friend bool operator==(const UpdateCounts&, const UpdateCounts&) = default;
 };
 
 /// Chooses between refit, repair and rebuild, so that updates and queries together cost the least.

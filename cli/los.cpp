@@ -6,6 +6,7 @@
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/scene_choice.h"
+#include "earshot/cli/update_summary.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/line_of_sight_table.h"
 #include "earshot/io/points.h"
@@ -123,11 +124,12 @@ private:
             };
             json.begin_frame(times[frame], with_blockers_);
             const std::size_t pairs = points.from.size() * points.to.size();
+            const bvh::UpdateOptions update = {.queries_per_update = static_cast<double>(pairs)};
             // Temporal coherence pays if there are enough pairs.
             if (!with_blockers_ && times.size() > 1 && pairs >= mesh.triangles.size() &&
                 pairs <= kMaxCoherentPairs) {
                 if (!coherent) {
-                    coherent.emplace(mesh, excluded, bvh::UpdateOptions{}, executor);
+                    coherent.emplace(mesh, excluded, update, executor);
                 }
                 const std::vector<std::uint8_t>& seen = coherent->matrix(mesh, points, executor);
                 for (std::size_t row = 0; row < points.from.size(); ++row) {
@@ -137,7 +139,7 @@ private:
                 if (tree) {
                     tree->update(mesh, executor);
                 } else {
-                    tree.emplace(mesh, bvh::UpdateOptions{}, executor);
+                    tree.emplace(mesh, update, executor);
                 }
                 if (with_blockers_) {
                     blocker_matrix(tree->view(), points, excluded, executor, take);
@@ -145,6 +147,7 @@ private:
                     visibility_matrix(tree->view(), points, excluded, executor, take);
                 }
             }
+            updates_ = coherent ? coherent->update_statistics() : tree->update_statistics();
             json.end_frame();
             if (!is_json) {
                 io::write_whole_file(scene_.file_of_frame(output_, frame), csv.text());
@@ -167,6 +170,7 @@ private:
                                                  {"to", points.to.size()},
                                                  {"instants", instants},
                                                  {"visible", free_},
+                                                 {"hierarchy", update_json(updates_)},
                                                  {"seconds", seconds_},
                                                  {"file", output_}};
             return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
@@ -182,6 +186,7 @@ private:
     std::string from_option_, to_option_, output_;
     bool with_blockers_ = false;
     std::size_t free_ = 0;
+    bvh::UpdateStatistics updates_;
     double seconds_ = 0.0;
 };
 

@@ -105,6 +105,7 @@ private:
     double describe_geometry(const propagation::Simulator& simulator) {
         const auto start = std::chrono::steady_clock::now();
         summary_.geometry = simulator.geometry(executor_);
+        summary_.hierarchies = simulator.hierarchy_statistics();
         return seconds_since(start);
     }
 

@@ -33,7 +33,8 @@ struct ResponseSummary {
     std::size_t paths_lost = 0;                ///< to visible sets, if that was checked
     Warnings notes;                            ///< pairs without a path, and the like
     propagation::GeometrySummary geometry;     ///< at the last time
-    geometry::Vec3 size{0.0};                  ///< of the scene at the first time, metres
+    propagation::HierarchyStatistics hierarchies;
+    geometry::Vec3 size{0.0};  ///< of the scene at the first time, metres
     /// Of the air that a source sees, cubic metres: the largest of all sources; 0 without rays.
     double visible_volume = 0.0;
     frustum::TraceStatistics statistics;  ///< over all times

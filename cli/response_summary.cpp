@@ -3,6 +3,7 @@
 
 #include "earshot/cli/output.h"
 #include "earshot/cli/pair_metrics_table.h"
+#include "earshot/cli/update_summary.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <nlohmann/json.hpp>
@@ -151,6 +152,7 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
                  {"paths_per_order", summary.paths_of_order},
                  {"frusta", summary.statistics.frusta},
                  {"candidates", summary.statistics.candidates},
+                 {"hierarchy", update_json(summary.hierarchies.updates)},
                  {"seconds",
                   {{"prepare", summary.prepare_seconds},
                    {"trace", summary.trace_seconds},
@@ -160,6 +162,8 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
     if (job.check_visibility) {
         json["paths_lost_to_visible_sets"] = summary.paths_lost;
     }
+    json["hierarchy"]["builds"] =
+        summary.hierarchies.triangle_builds + summary.hierarchies.facet_builds;
     json.update(pair_metrics_json(job, summary));
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

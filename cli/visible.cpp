@@ -109,11 +109,13 @@ private:
             .excluded = excluded};
         io::VisibleJson json(scene, point_, options.resolution);
         std::optional<bvh::DeformableBvh> tree;
+        std::uint64_t rays = 0;  // of the last instant, and of its picture
         Progress* const inner = times.size() == 1 ? &progress : nullptr;
         for (std::size_t frame = 0; frame < times.size(); ++frame) {
             const std::vector<Vec3> positions = scene.mesh.positions_at(times[frame]);
             const MeshView mesh{positions, scene.mesh.triangles()};
             if (tree) {
+                tree->expect_queries(static_cast<double>(rays));
                 tree->update(mesh, executor);
             } else {
                 tree.emplace(mesh, bvh::UpdateOptions{}, executor);
@@ -122,15 +124,18 @@ private:
             const VisibleTriangles visible =
                 visible_triangles(tree->view(), point_, options, executor, inner);
             summary.add_frame(visible);
+            rays = visible.rays;
             write(visible, json, times, frame);
             if (picture_.is_chosen()) {
                 const visibility::ItemBuffer buffer =
                     render_item_buffer(tree->view(), point_, view, excluded, executor, inner);
                 io::write_png(scene_.file_of_frame(picture_.file(), frame),
                               picture_.paint(buffer, mesh, scene));
+                rays += buffer.triangles.size();
             }
             progress.report("instants", frame + 1, times.size());
         }
+        summary.set_updates(tree->update_statistics());
     }
 
     /// Rounding decides which rays are stopped by a triangle that the point lies on.

@@ -3,6 +3,7 @@
 
 #include "earshot/base/math.h"
 #include "earshot/cli/output.h"
+#include "earshot/cli/update_summary.h"
 #include "earshot/cli/visible_picture.h"
 
 #include <nlohmann/json.hpp>
@@ -59,6 +60,7 @@ std::string VisibleSummary::json(const Outputs& outputs) const {
                  {"triangles", triangles_seen()},
                  {"rays", rays_},
                  {"complete", is_complete_},
+                 {"hierarchy", update_json(updates_)},
                  {"free", share(free_solid_angle_)},
                  {"materials", materials},
                  {"seconds", outputs.seconds}};

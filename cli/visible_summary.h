@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/bvh/update_statistics.h"
 #include "earshot/cli/picture_choice.h"
 #include "earshot/propagation/scene.h"
 #include "earshot/visibility/visible_triangle_set.h"
@@ -20,6 +21,8 @@ public:
     explicit VisibleSummary(const propagation::Scene& scene);
 
     void add_frame(const visibility::VisibleTriangles& visible);
+    /// How the hierarchy followed the scene over all frames.
+    void set_updates(const bvh::UpdateStatistics& updates) { updates_ = updates; }
 
     /// Where results were written; empty: not.
     struct Outputs {
@@ -50,6 +53,7 @@ private:
     double free_solid_angle_ = 0.0;
     std::uint64_t rays_ = 0;
     std::size_t instants_ = 0;
+    bvh::UpdateStatistics updates_;
     bool is_complete_ = true;
 };
 

@@ -30,7 +30,9 @@ void OcclusionGrid::add(FacetId facet, const InverseDepth& depth, CellMask cells
         Occluder& occluder = occluders_[static_cast<std::size_t>(cell)];
         const double centre = depth.at(centre_of(cell));
         const CellMask bit = CellMask{1} << cell;
-        if ((occluded_ & bit) == 0 || centre > occluder.centre) {
+        // At the same depth the lower facet, whatever the order in which a tree visits them.
+        if ((occluded_ & bit) == 0 || centre > occluder.centre ||
+            (centre == occluder.centre && facet < occluder.facet)) {
             occluder = {facet, depth, centre, size};
             occluded_ |= bit;
         }

@@ -80,9 +80,9 @@ struct ListenerBeamTree::Kept {
 };
 
 struct PathFinder::State {
-    State(const SceneView& the_scene, const FinderOptions& options)
+    State(const SceneView& the_scene, const FinderOptions& options, FacetIndex the_index)
         : scene(the_scene),
-          index(the_scene),
+          index(std::move(the_index)),
           verifier(the_scene),
           trace(options.trace),
           bidirectional(options.trace.mode == Mode::complete && !options.forward_only),
@@ -193,9 +193,26 @@ bool prefer_forward(std::size_t listener_count, int max_order) noexcept {
     return listener_count > std::min(kMaxThreshold, std::size_t{12} << (2 * steps));
 }
 
-PathFinder::PathFinder(const SceneView& scene, const FinderOptions& options) {
+PathFinder::PathFinder(const SceneView& scene, const FinderOptions& options, Executor& executor) {
     validate(options.trace);
-    state_ = std::make_unique<State>(scene, options);
+    state_ = std::make_unique<State>(scene, options, FacetIndex(scene, executor));
+}
+
+void PathFinder::move_to(const SceneView& scene,
+                         const FinderOptions& options,
+                         double queries,
+                         Executor& executor) {
+    validate(options.trace);
+    state_ = std::make_unique<State>(
+        scene, options, FacetIndex(scene, std::move(state_->index), queries, executor));
+}
+
+std::uint64_t PathFinder::hierarchies_built() const noexcept {
+    return state_->index.hierarchies_built();
+}
+
+const bvh::UpdateStatistics& PathFinder::updates() const noexcept {
+    return state_->index.updates();
 }
 
 PathFinder::PathFinder(PathFinder&&) noexcept = default;

@@ -3,6 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
+#include "earshot/bvh/update_statistics.h"
 #include "earshot/frustum/path_arrivals.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
@@ -79,10 +80,23 @@ bool prefer_forward(std::size_t listener_count, int max_order) noexcept;
 class PathFinder {
 public:
     /// What the view refers to must outlive the finder. Throws Error if an option is out of range.
-    explicit PathFinder(const SceneView& scene, const FinderOptions& options = {});
+    explicit PathFinder(const SceneView& scene,
+                        const FinderOptions& options = {},
+                        Executor& executor = Executor::serial());
     PathFinder(PathFinder&&) noexcept;
     PathFinder& operator=(PathFinder&&) noexcept;
     ~PathFinder();
+
+    /// Moves to the scene at another instant, for about `queries` frusta. As a new finder, but the
+    /// hierarchy over the facets follows them while they are made of the same triangles. Beam trees
+    /// made before are no longer valid.
+    void move_to(const SceneView& scene,
+                 const FinderOptions& options,
+                 double queries,
+                 Executor& executor = Executor::serial());
+    /// How many hierarchies over facets there have been, and how they followed the facets.
+    std::uint64_t hierarchies_built() const noexcept;
+    const bvh::UpdateStatistics& updates() const noexcept;
 
     /// Reports the stage "tracing". Precondition, here and below: points lie within max_radius() of
     /// the origin.

@@ -50,8 +50,9 @@ void SceneGeometry::update_bvh(bool same_triangles, double queries, Executor& ex
         return;
     }
     if (bvh_) {
-        former_updates_ += bvh_->update_counts();
+        former_updates_ += bvh_->update_statistics();
     }
+    ++hierarchies_built_;
     bvh_.emplace(mesh(), bvh::UpdateOptions{}, executor);
 }
 
@@ -97,10 +98,10 @@ geometry::CleanReport SceneGeometry::clean_report(Executor& executor) const {
     return *report_;
 }
 
-bvh::UpdateCounts SceneGeometry::update_counts() const noexcept {
-    bvh::UpdateCounts counts = former_updates_;
-    counts += bvh_->update_counts();
-    return counts;
+bvh::UpdateStatistics SceneGeometry::update_statistics() const noexcept {
+    bvh::UpdateStatistics updates = former_updates_;
+    updates += bvh_->update_statistics();
+    return updates;
 }
 
 }  // namespace earshot::propagation

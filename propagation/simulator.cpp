@@ -90,10 +90,14 @@ struct Simulator::State {
 
     // Of the geometry as it is.
     std::optional<frustum::PathFinder> finder;
+    bool finder_is_current = false;
     std::vector<std::optional<frustum::SourceBeamTree>> sources;
     std::optional<frustum::ListenerBeamTree> listeners;
 
-    void prepare_finder(std::span<const Vec3> from, std::span<const Vec3> to, Executor& executor);
+    void prepare_finder(std::span<const Vec3> from,
+                        std::span<const Vec3> to,
+                        std::uint64_t frusta,
+                        Executor& executor);
     std::vector<std::uint8_t> first_facets(const Vec3& source, Executor& executor) const;
     frustum::PlacedPairs place(const Emitter& source,
                                const Vec3& position,
@@ -135,7 +139,7 @@ struct Simulator::State {
 
 void Simulator::State::move_geometry(Executor& executor) {
     if (geometry.move(time, static_cast<double>(queries), executor)) {
-        finder.reset();
+        finder_is_current = false;
         sources.clear();
         listeners.reset();
     }
@@ -287,9 +291,10 @@ frustum::TraceOptions Simulator::State::trace_options() const {
             .box_lattice = options.box_lattice};
 }
 
-// A finder serves as long as the geometry and the farthest emitter stay.
+// A finder serves as long as the geometry and the farthest emitter stay. `frusta`: of the last run.
 void Simulator::State::prepare_finder(std::span<const Vec3> from,
                                       std::span<const Vec3> to,
+                                      std::uint64_t frusta,
                                       Executor& executor) {
     double max_radius = std::numeric_limits<double>::min();
     for (const auto& points : {from, to}) {
@@ -297,15 +302,25 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
             max_radius = std::max(max_radius, glm::length(point));
         }
     }
-    if (!finder || finder->max_radius() < max_radius) {
+    if (!finder || !finder_is_current || finder->max_radius() < max_radius) {
         constexpr double kRoomToMove = 4.0;
+        // Nodes that a frustum visits, about, over those that a ray does.
+        constexpr double kQueriesPerFrustum = 8.0;
+        const frustum::FinderOptions finder_options = {
+            .trace = trace_options(),
+            .forward_only = frustum::prefer_forward(to.size(), options.specular_order),
+            .max_radius = kRoomToMove * max_radius};
         sources.clear();
         listeners.reset();
-        finder.emplace(geometry.scene_view(executor),
-                       frustum::FinderOptions{.trace = trace_options(),
-                                              .forward_only = frustum::prefer_forward(
-                                                  to.size(), options.specular_order),
-                                              .max_radius = kRoomToMove * max_radius});
+        if (finder) {
+            finder->move_to(geometry.scene_view(executor),
+                            finder_options,
+                            kQueriesPerFrustum * static_cast<double>(frusta),
+                            executor);
+        } else {
+            finder.emplace(geometry.scene_view(executor), finder_options, executor);
+        }
+        finder_is_current = true;
     }
     sources.resize(from.size());
     if (!listeners ||
@@ -515,10 +530,10 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
 
     // Early sound: exact paths.
     state.queries = 0;
-    state.statistics = {};
+    const std::uint64_t frusta = std::exchange(state.statistics, {}).frusta;
     state.needs_facets = state.cannot_do_without_facets(sources, listeners);
     if (state.needs_facets) {
-        state.prepare_finder(sources, listeners, executor);
+        state.prepare_finder(sources, listeners, frusta, executor);
         state.statistics.frusta = state.listeners->frusta();
     }
     std::vector<frustum::PlacedPairs> placed;  // per source
@@ -570,8 +585,14 @@ Warnings Simulator::warnings(Executor& executor) const {
         state_->scene, geometry.scene_view(executor), geometry.kept(), geometry.duplicates());
 }
 
-bvh::UpdateCounts Simulator::update_counts() const noexcept {
-    return state_->geometry.update_counts();
+HierarchyStatistics Simulator::hierarchy_statistics() const noexcept {
+    HierarchyStatistics statistics{.triangle_builds = state_->geometry.hierarchies_built(),
+                                   .updates = state_->geometry.update_statistics()};
+    if (state_->finder) {
+        statistics.facet_builds = state_->finder->hierarchies_built();
+        statistics.updates += state_->finder->updates();
+    }
+    return statistics;
 }
 
 const frustum::TraceStatistics& Simulator::statistics() const noexcept {

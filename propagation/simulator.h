@@ -5,7 +5,7 @@
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
-#include "earshot/bvh/update_policy.h"
+#include "earshot/bvh/update_statistics.h"
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
@@ -15,6 +15,7 @@
 #include "earshot/propagation/scene.h"
 #include "earshot/visibility/visible_sets.h"
 
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -62,6 +63,12 @@ struct GeometrySummary {
     std::size_t facets = 0;
 };
 
+/// How the hierarchies of a scene came about and followed its geometry.
+struct HierarchyStatistics {
+    std::uint64_t triangle_builds = 0, facet_builds = 0;  ///< without rebuilds
+    bvh::UpdateStatistics updates{};
+};
+
 /// Simulates sound between the sources and listeners of one scene, which must outlive it.
 class Simulator {
 public:
@@ -96,8 +103,8 @@ public:
     frustum::SceneView scene_view(Executor& executor = Executor::serial()) const;
     /// The scene as rays see it; valid as long.
     RayScene ray_scene() const noexcept;
-    /// How the hierarchy over the triangles has followed them so far.
-    bvh::UpdateCounts update_counts() const noexcept;
+    /// The hierarchies over the triangles and over their facets since the simulator was made.
+    HierarchyStatistics hierarchy_statistics() const noexcept;
     /// Of the last run, summed over sources.
     const frustum::TraceStatistics& statistics() const noexcept;
 

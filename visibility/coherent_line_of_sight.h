@@ -49,6 +49,11 @@ public:
     /// answers are the same.
     void collect_statistics(bool collect) noexcept { collects_statistics_ = collect; }
 
+    /// How the hierarchy has followed the mesh.
+    const bvh::UpdateStatistics& update_statistics() const noexcept {
+        return tree_.update_statistics();
+    }
+
     /// The work of the last call, if statistics are collected; the same for any executor.
     const LineOfSightStatistics& statistics() const noexcept { return statistics_; }
 

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/bvh/tree.h"
+#include "earshot/base/parallel.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/frustum/scene_view.h"
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace earshot::frustum {
@@ -12,7 +15,11 @@ namespace earshot::frustum {
 /// hierarchy over their boxes, and the tolerances that the search and the verification share.
 class FacetIndex {
 public:
-    explicit FacetIndex(const SceneView& scene);
+    explicit FacetIndex(const SceneView& scene, Executor& executor = Executor::serial());
+
+    /// Of the scene at another instant: the hierarchy of `before` follows the facets if they are
+    /// made of the same triangles, for about `queries` frusta.
+    FacetIndex(const SceneView& scene, FacetIndex&& before, double queries, Executor& executor);
 
     struct LoopRange {
         std::uint32_t begin = 0, end = 0;  ///< into vertices()
@@ -49,7 +56,10 @@ public:
     /// in which the verification projects (path_verifier.cpp), so that search and verification mean
     /// the same polygon.
     std::span<const geometry::Vec3> vertices() const noexcept { return vertices_; }
-    const bvh::Tree& tree() const noexcept { return tree_; }
+    const bvh::Tree& tree() const noexcept { return bvh_.binary_tree(); }
+    /// How many hierarchies there have been, and how they followed the facets.
+    std::uint64_t hierarchies_built() const noexcept { return hierarchies_built_; }
+    const bvh::UpdateStatistics& updates() const noexcept { return updates_; }
     /// The outward-rounded box of a facet.
     const geometry::Aabb& box(geometry::FacetId facet) const noexcept { return boxes_[facet]; }
 
@@ -57,6 +67,9 @@ public:
     double extent() const noexcept { return extent_; }
 
 private:
+    void describe_facets(const SceneView& scene, Executor& executor);
+    void describe_outline(geometry::FacetId facet);
+
     const std::vector<geometry::Facet>* facets_;
     std::span<const std::uint8_t> one_sided_, transmissive_;
     std::span<const double> max_pressure_factor_;
@@ -65,7 +78,10 @@ private:
     std::vector<LoopRange> loops_;
     std::vector<geometry::Vec3> vertices_;
     std::vector<geometry::Aabb> boxes_;
-    bvh::Tree tree_;
+    std::vector<geometry::FacetId> of_triangle_;  // what the facets are made of
+    bvh::DeformableBvh bvh_;                      // over the boxes
+    std::uint64_t hierarchies_built_ = 0;
+    bvh::UpdateStatistics updates_;
     double extent_ = 0.0;
     double tolerance_ = 0.0;
 };

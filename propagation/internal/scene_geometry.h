@@ -50,8 +50,9 @@ public:
     frustum::SceneView scene_view(Executor& executor) const;
     geometry::CleanReport clean_report(Executor& executor) const;
 
-    /// Of the hierarchy over the triangles.
-    bvh::UpdateCounts update_counts() const noexcept;
+    /// How the hierarchy over the triangles has followed them, and how many have been built.
+    bvh::UpdateStatistics update_statistics() const noexcept;
+    std::uint64_t hierarchies_built() const noexcept { return hierarchies_built_; }
 
 private:
     geometry::MeshView mesh() const noexcept { return {positions_, triangles_}; }
@@ -67,7 +68,8 @@ private:
     std::vector<geometry::Triangle> triangles_;  // that take part
     std::vector<std::uint32_t> labels_;          // their materials
     std::optional<bvh::DeformableBvh> bvh_;      // over them
-    bvh::UpdateCounts former_updates_;           // of hierarchies over other triangles
+    bvh::UpdateStatistics former_updates_;       // of hierarchies over other triangles
+    std::uint64_t hierarchies_built_ = 0;
 
     // Made on demand, by const functions that several threads may call.
     mutable std::mutex on_demand_;

@@ -49,8 +49,8 @@ std::size_t count_of(const std::vector<UpdateReport>& reports, UpdateAction acti
 TEST(DeformableBvh, CountsWhatItDoes) {
     const Mesh mesh = test::triangle_soup(1, 600);
     DeformableBvh moving(mesh.view(), {.queries_per_update = 1e6});
-    EXPECT_EQ(moving.update_counts(), UpdateCounts{.builds = 1});
-    UpdateCounts expected{.builds = 1};
+    EXPECT_EQ(moving.update_statistics(), UpdateStatistics{});
+    UpdateStatistics expected;
     for (int frame = 1; frame <= 20; ++frame) {
         const Mesh now = exploded(mesh, 0.05 * frame);
         switch (moving.update(now.view()).action) {
@@ -65,10 +65,8 @@ TEST(DeformableBvh, CountsWhatItDoes) {
                 break;
         }
     }
-    EXPECT_EQ(moving.update_counts(), expected);
+    EXPECT_EQ(moving.update_statistics(), expected);
     EXPECT_GT(expected.repairs + expected.rebuilds, 0U);
-    expected += UpdateCounts{.builds = 1, .refits = 2, .repairs = 3, .rebuilds = 4};
-    EXPECT_EQ(expected.builds, 2U);
 }
 
 TEST(DeformableBvh, AnswersAsBruteForceWhateverItDoes) {

@@ -277,14 +277,19 @@ TEST(Simulator, BuildsOneHierarchyOverTheTrianglesOfAnAnimation) {
     const Scene scene = deforming_scene();
     Simulator simulator(scene, {.specular_order = 2, .rays = 500});
     simulator.run();
-    EXPECT_EQ(simulator.update_counts(), bvh::UpdateCounts{.builds = 1});
+    EXPECT_EQ(simulator.hierarchy_statistics().triangle_builds, 1U);
+    EXPECT_EQ(simulator.hierarchy_statistics().facet_builds, 1U);
+    EXPECT_EQ(simulator.hierarchy_statistics().updates, bvh::UpdateStatistics{});
     for (const double time : {0.25, 0.5, 0.75}) {
         simulator.set_time(time);
         simulator.run();
     }
-    const bvh::UpdateCounts counts = simulator.update_counts();
-    EXPECT_EQ(counts.builds, 1U);
-    EXPECT_EQ(counts.refits + counts.repairs + counts.rebuilds, 3U);
+    // The corner that moves bends three walls, once.
+    const HierarchyStatistics statistics = simulator.hierarchy_statistics();
+    EXPECT_EQ(statistics.triangle_builds, 1U);
+    EXPECT_EQ(statistics.facet_builds, 2U);
+    const bvh::UpdateStatistics& updates = statistics.updates;
+    EXPECT_EQ(updates.refits + updates.repairs + updates.rebuilds, 3U + 2U);
 }
 
 TEST(Simulator, DirectSoundAloneIsThatOfASearchWithReflections) {
