@@ -78,7 +78,7 @@ bool Representatives::find(const NodeRows& nodes,
         if (!choose_pivots(max_pivots)) {
             return false;
         }
-        if (!sample_remainders()) {
+        if (!extend_sample()) {
             break;
         }
     }
@@ -116,14 +116,13 @@ void Representatives::make_vectors(const NodeRows& nodes,
 
 bool Representatives::choose_pivots(std::size_t max_pivots) {
     for (;;) {
+        // The largest remainder of the sample, the first of equals.
         std::size_t farthest = 0;
         double remainder = kMaxRemainder;
-        for (std::size_t group = 0; group < groups(); ++group) {
-            for (std::size_t i = group * kLanes; sampled_[group] && i < (group + 1) * kLanes; ++i) {
-                if (remainders_[i] > remainder) {
-                    remainder = remainders_[i];
-                    farthest = i;
-                }
+        for (std::size_t i = 0; i < remainders_.size(); ++i) {
+            if (remainders_[i] > remainder && sampled_[i / kLanes] != 0) {
+                remainder = remainders_[i];
+                farthest = i;
             }
         }
         if (!(remainder > kMaxRemainder)) {
@@ -154,7 +153,7 @@ void Representatives::add_pivot(std::size_t filter) {
     sample_coefficients_.clear();
     sample_remainders_.clear();
     for (std::size_t group = 0; group < groups(); ++group) {
-        if (sampled_[group]) {
+        if (sampled_[group] != 0) {
             sample_vectors_.push_back(&vectors_[group * kLanes * size_]);
             sample_coefficients_.push_back(coefficients_of(pivot, group));
             sample_remainders_.push_back(&remainders_[group * kLanes]);
@@ -171,7 +170,7 @@ void Representatives::add_pivot(std::size_t filter) {
 
 // Projects everything onto the whole basis. Groups with a filter outside join the sample; whether
 // there are any.
-bool Representatives::sample_remainders() {
+bool Representatives::extend_sample() {
     bool more = false;
     for (std::size_t group = 0; group < groups(); ++group) {
         const std::size_t first = projected_[group];

@@ -17,14 +17,10 @@ namespace {
 // Blocks that are assembled before they are added up, in order: bounds the memory of a step.
 constexpr std::size_t kBlocksPerStep = 16;
 
-/// The size of the transforms in which impulses at any place of a block, their taps and a filter
-/// find room, the block being at least a quarter of it.
-std::size_t transform_size(std::size_t filter_size, std::size_t taps) {
-    std::size_t size = 2 * filter_size;
-    while (size < filter_size + taps + size / 4) {
-        size *= 2;
-    }
-    return size;
+/// None if the one of the tables has the right size.
+std::optional<RealFft> fft_for(const AssemblyTables& tables, std::size_t taps) {
+    const std::size_t size = block_transform_size(tables.filter.fft().size(), taps);
+    return size == tables.block_fft.size() ? std::nullopt : std::optional<RealFft>(size);
 }
 
 void add_block(std::span<const double> sum, std::ptrdiff_t begin, std::span<double> samples) {
@@ -62,11 +58,20 @@ std::size_t checked_response_size(double samples) {
     return std::max(std::size_t{1}, static_cast<std::size_t>(samples));
 }
 
+std::size_t block_transform_size(std::size_t filter_size, std::size_t taps) {
+    std::size_t size = 2 * filter_size;
+    while (size < filter_size + taps + size / 4) {
+        size *= 2;
+    }
+    return size;
+}
+
 AssemblyTables::AssemblyTables(const Bands& bands, double rate)
     : sample_rate(rate),
       filter(bands, rate),
       nodes(filter),
       piece_fft(fft_size_from(filter.fft().size() + kDelayTaps)),
+      block_fft(block_transform_size(filter.fft().size(), kAllpassTaps)),
       delay_spectrum(piece_fft) {}
 
 bool AssemblyTables::silent(const Arrival& arrival) const {
@@ -85,7 +90,8 @@ ResponseAssembly::ResponseAssembly(const AssemblyTables& tables,
     : tables_(tables),
       arrivals_(arrivals),
       impulses_(impulses),
-      fft_(transform_size(tables.filter.fft().size(), impulses.max_taps())),
+      own_fft_(fft_for(tables, impulses.max_taps())),
+      fft_(own_fft_ ? *own_fft_ : tables.block_fft),
       block_samples_((fft_.size() - tables.filter.fft().size() - impulses.max_taps()) / kLanes *
                      kLanes) {}
 

@@ -25,6 +25,10 @@ struct BlockWorkspace {
     FftWorkspace fft;
 };
 
+/// The size of the transforms in which impulses at any place of a block, their taps and a filter
+/// find room, the block being at least a quarter of it.
+std::size_t block_transform_size(std::size_t filter_size, std::size_t taps);
+
 /// What depends on the bands and the sample rate alone.
 struct AssemblyTables {
     AssemblyTables(const Bands& bands, double rate);
@@ -39,6 +43,7 @@ struct AssemblyTables {
     FilterNodes nodes;
     DelayTable delays;
     RealFft piece_fft;  // of a filter and an impulse
+    RealFft block_fft;  // of a block of arrivals whose impulses have up to kAllpassTaps
     DelaySpectrum delay_spectrum;
     mutable WorkspacePool<BlockWorkspace> workspaces;
 };

@@ -60,7 +60,7 @@ private:
                       std::size_t count);
     bool choose_pivots(std::size_t max_pivots);
     void add_pivot(std::size_t filter);
-    bool sample_remainders();
+    bool extend_sample();
     void make_weights(std::size_t count);
 
     std::size_t size_ = 0;  // of a vector

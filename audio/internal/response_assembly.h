@@ -5,6 +5,7 @@
 #include "earshot/audio/internal/block_assembly.h"
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,8 @@ public:
     ResponseAssembly(const AssemblyTables& tables,
                      std::span<const Arrival> arrivals,
                      const ArrivalImpulses& impulses);
+    ResponseAssembly(const ResponseAssembly&) = delete;
+    ResponseAssembly& operator=(const ResponseAssembly&) = delete;
 
     /// `heard`: indices of arrivals, none of them silent. What lies outside the channels, which are
     /// equally long, is left out.
@@ -40,7 +43,8 @@ private:
     const AssemblyTables& tables_;
     std::span<const Arrival> arrivals_;
     const ArrivalImpulses& impulses_;
-    RealFft fft_;  // of a block's sum
+    std::optional<RealFft> own_fft_;  // if that of the tables is too small
+    const RealFft& fft_;              // of a block's sum
     std::size_t block_samples_;
 };
 
