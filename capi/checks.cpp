@@ -101,6 +101,17 @@ void require_in(double value, double lowest, double highest, const char* argumen
     }
 }
 
+void require_count(std::size_t count,
+                   std::size_t lowest,
+                   std::size_t highest,
+                   const char* argument) {
+    if (count < lowest || count > highest) {
+        const std::string range = std::to_string(lowest) + " ... " + std::to_string(highest);
+        fail_argument(
+            argument, "is " + std::to_string(count) + ", not in " + range, "give one of " + range);
+    }
+}
+
 void require_flag(std::int32_t value, const char* argument) {
     require_in(std::int64_t{value}, 0, 1, argument);
 }

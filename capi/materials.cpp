@@ -41,10 +41,7 @@ Material material_of(const es_material* given) {
     const es_material material =
         require_struct(require(given, "material"), es_material{}, sizeof(es_material), "material");
     constexpr std::size_t kMaxFrequencies = 10000;
-    require_in(static_cast<std::int64_t>(std::min(material.frequency_count, 2 * kMaxFrequencies)),
-               0,
-               kMaxFrequencies,
-               "material->frequency_count");
+    require_count(material.frequency_count, 0, kMaxFrequencies, "material->frequency_count");
     require_finite(
         require_array(material.frequencies, material.frequency_count, "material->frequencies"),
         "material->frequencies");

@@ -63,14 +63,8 @@ std::shared_ptr<SceneObject> scene_of(const es_scene_arrays& arrays) {
     const auto vertices = require_points(arrays.vertices, arrays.vertex_count, "arrays->vertices");
     auto triangles = require_triangles(
         arrays.triangles, arrays.triangle_count, arrays.vertex_count, "arrays->triangles");
-    require_in(static_cast<std::int64_t>(std::min(arrays.material_count, 2 * kMaxNames)),
-               0,
-               kMaxNames,
-               "arrays->material_count");
-    require_in(static_cast<std::int64_t>(std::min(arrays.mesh_count, 2 * kMaxNames)),
-               0,
-               kMaxNames,
-               "arrays->mesh_count");
+    require_count(arrays.material_count, 0, kMaxNames, "arrays->material_count");
+    require_count(arrays.mesh_count, 0, kMaxNames, "arrays->mesh_count");
     const std::size_t material_count = std::max<std::size_t>(arrays.material_count, 1);
     const std::size_t mesh_count = std::max<std::size_t>(arrays.mesh_count, 1);
     scene.material_of_triangle = numbers_of(arrays.material_of_triangle,

@@ -21,6 +21,7 @@ using Channels = std::vector<std::vector<double>>;
 
 // Hertz: those of `earshot auralize`, and what the formats of sound files hold.
 constexpr double kMinRate = 1000.0, kMaxRate = 655350.0;
+constexpr double kMaxSample = 1e12;
 constexpr std::size_t kMaxChannels = 1024;
 constexpr std::size_t kMaxInputs = 1U << 16U;
 
@@ -142,15 +143,19 @@ es_status es_sound_create(const double* samples,
                           double sample_rate,
                           es_sound* sound) {
     return call(__func__, [&] {
-        require_in(static_cast<std::int64_t>(std::min(channel_count, 2 * kMaxChannels)),
-                   1,
-                   kMaxChannels,
-                   "channel_count");
+        require_count(channel_count, 1, kMaxChannels, "channel_count");
         require_in(sample_rate, kMinRate, kMaxRate, "sample_rate");
         static_cast<void>(require_array(samples, frame_count, "samples"));
         const auto given = require_array(samples, frame_count * channel_count, "samples");
-        require_finite(given, "samples");
-        require(sound, "sound") = publish(
+        for (std::size_t i = 0; i < given.size(); ++i) {
+            if (!(std::abs(given[i]) <= kMaxSample)) {
+                fail_argument("samples[" + std::to_string(i) + "]",
+                              "is beyond 1e12 or not a number",
+                              "give samples whose full scale is 1");
+            }
+        }
+        require(sound, "sound");
+        *sound = publish(
             std::make_shared<SoundObject>(io::Sound{.sample_rate = sample_rate,
                                                     .channels = static_cast<int>(channel_count),
                                                     .samples = {given.begin(), given.end()}}));

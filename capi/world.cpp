@@ -52,8 +52,10 @@ using namespace earshot;
 using namespace earshot::capi;
 
 es_status es_world_create(es_world* world) {
-    return call(__func__,
-                [&] { require(world, "world") = publish(std::make_shared<WorldObject>()); });
+    return call(__func__, [&] {
+        require(world, "world");
+        *world = publish(std::make_shared<WorldObject>());
+    });
 }
 
 es_status es_world_add_mesh(es_world world,

@@ -54,6 +54,10 @@ void require_in(std::int64_t value,
                 const char* argument);
 /// Finite numbers only.
 void require_in(double value, double lowest, double highest, const char* argument);
+void require_count(std::size_t count,
+                   std::size_t lowest,
+                   std::size_t highest,
+                   const char* argument);
 void require_flag(std::int32_t value, const char* argument);
 void require_finite(std::span<const double> values, const char* argument);
 void require_size(std::size_t given, std::size_t expected, const char* argument);

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+//
+// What the C interface gives is what the program writes, to the byte, and what the library answers.
+
+#include "earshot/bvh/deformable_bvh.h"
+#include "earshot/io/scene_file.h"
+#include "earshot/io/whole_file.h"
+#include "earshot/visibility/line_of_sight.h"
+
+#include <gtest/gtest.h>
+
+#include "earshot.h"
+#include "support/dice.h"
+#include "support/temporary_folder.h"
+#include "support/test_paths.h"
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace earshot {
+namespace {
+
+void expect_ok(es_status status) {
+    ASSERT_EQ(status, ES_OK) << es_error_message();
+}
+
+std::string bytes_of(const std::filesystem::path& file) {
+    return io::read_whole_file(file);
+}
+
+/// A simulation both ways.
+struct SimulatedCase {
+    std::string scene;
+    std::string arguments;
+    es_simulation_options options{};
+};
+
+es_simulation_options defaults() {
+    es_simulation_options options;
+    expect_ok(es_simulation_options_init(&options, sizeof options));
+    options.order = 2;
+    options.rays = 4096;
+    options.rays_error = 0.0;
+    options.histograms = 1;
+    return options;
+}
+
+class Agreement : public testing::Test {
+protected:
+    void expect_same_files(const SimulatedCase& run) {
+        const std::string file = test::source_file(run.scene).string();
+        const std::string command = std::string(EARSHOT_PROGRAM) + " ir " + file + " -o " +
+                                    (folder_ / "program").string() +
+                                    " --quiet --histograms --order 2 --rays 4096 " + run.arguments;
+        ASSERT_EQ(std::system(command.c_str()), 0) << command;
+        es_scene scene = 0;
+        es_result result = 0;
+        expect_ok(es_scene_load(file.c_str(), nullptr, &scene));
+        expect_ok(es_simulate(scene, &run.options, &result));
+        const char* documents[] = {"paths.json", "metrics.json", "histograms.json"};
+        for (std::int32_t document = ES_PATHS_JSON; document <= ES_HISTOGRAMS_JSON; ++document) {
+            const std::filesystem::path mine = folder_ / documents[document];
+            expect_ok(es_result_write(result, document, mine.c_str()));
+            EXPECT_EQ(bytes_of(mine), bytes_of(folder_ / "program" / documents[document]))
+                << run.scene << ", " << documents[document];
+        }
+        expect_same_sounds(run, scene, result);
+        expect_ok(es_release(result));
+        expect_ok(es_release(scene));
+    }
+
+private:
+    void expect_same_sounds(const SimulatedCase& run, es_scene scene, es_result result) {
+        es_result_info info{};
+        info.struct_size = sizeof info;
+        expect_ok(es_result_get_info(result, &info));
+        for (std::size_t source = 0; source < info.sources; ++source) {
+            for (std::size_t listener = 0; listener < info.listeners; ++listener) {
+                const char *from = nullptr, *to = nullptr;
+                es_sound sound = 0;
+                expect_ok(es_scene_item_name(scene, ES_SOURCES, source, &from));
+                expect_ok(es_scene_item_name(scene, ES_LISTENERS, listener, &to));
+                const std::string name = std::string(from) + "__" + to + ".wav";
+                expect_ok(es_result_sound(result, source, listener, &sound));
+                expect_ok(es_sound_write(sound, (folder_ / name).c_str(), nullptr));
+                expect_ok(es_release(sound));
+                EXPECT_EQ(bytes_of(folder_ / name), bytes_of(folder_ / "program" / name))
+                    << run.scene << ", " << name;
+            }
+        }
+    }
+
+    test::TemporaryFolder temporary_;
+    std::filesystem::path folder_ = temporary_.path();
+};
+
+TEST_F(Agreement, MonoResponsesAreThoseOfTheProgram) {
+    expect_same_files({"scenes/lroom.gltf", "", defaults()});
+}
+
+TEST_F(Agreement, BinauralResponsesAreThoseOfTheProgram) {
+    SimulatedCase run = {
+        "scenes/coupled_rooms.gltf", "--format binaural --transmission", defaults()};
+    run.options.format = ES_FORMAT_BINAURAL;
+    run.options.transmission = 1;
+    expect_same_files(run);
+}
+
+TEST_F(Agreement, OptionsMeanWhatTheyMeanToTheProgram) {
+    const double noise[7] = {50.0, 45.0, 40.0, 35.0, 30.0, 25.0, 20.0};
+    SimulatedCase run = {
+        "scenes/door.gltf",
+        "--format ambisonic:2 --time 1.5 --seed 7 --bands third --sample-rate 16000 "
+        "--temperature 5 --humidity 20 --pressure 90 --length 0.4 --max-length 40 "
+        "--min-level -70 --mode sampled --noise 50,45,40,35,30,25,20 --speech-level raised",
+        defaults()};
+    run.options.format = ES_FORMAT_AMBISONIC;
+    run.options.ambisonic_order = 2;
+    run.options.time = 1.5;
+    run.options.seed = 7;
+    run.options.bands = ES_BANDS_THIRD;
+    run.options.sample_rate = 16000.0;
+    run.options.temperature_c = 5.0;
+    run.options.humidity_percent = 20.0;
+    run.options.pressure_kpa = 90.0;
+    run.options.length = 0.4;
+    run.options.max_length = 40.0;
+    run.options.min_level_db = -70.0;
+    run.options.mode = ES_MODE_SAMPLED;
+    run.options.speech = 1;
+    run.options.speech_level_db = 66.0;
+    run.options.noise_db = noise;
+    expect_same_files(run);
+}
+
+TEST(CapiSight, AnswersAreThoseOfTheLibrary) {
+    const std::string file = test::source_file("scenes/concert_hall.gltf").string();
+    const propagation::Scene scene = io::load_scene(file).scene;
+    const std::vector<geometry::Vec3> positions = scene.mesh.positions_at(0.0);
+    const geometry::MeshView mesh{positions, scene.mesh.triangles()};
+    const bvh::DeformableBvh tree(mesh);
+    support::Dice dice(3);
+    std::vector<geometry::Segment> segments(20000);
+    std::vector<double> from, to;
+    for (geometry::Segment& segment : segments) {
+        for (geometry::Vec3* end : {&segment.from, &segment.to}) {
+            *end = {dice.between(-10.0, 10.0), dice.between(0.0, 15.0), dice.between(-40.0, 2.0)};
+            auto& ends = end == &segment.from ? from : to;
+            ends.insert(ends.end(), {end->x, end->y, end->z});
+        }
+    }
+    es_scene room = 0;
+    es_bvh bvh = 0;
+    std::vector<std::uint8_t> visible(segments.size());
+    std::vector<std::uint32_t> triangles(segments.size());
+    std::vector<double> t(segments.size());
+    expect_ok(es_scene_load(file.c_str(), nullptr, &room));
+    expect_ok(es_bvh_create_from_scene(room, 0.0, ES_BUILDER_FAST, 1, &bvh));
+    expect_ok(es_bvh_visible(bvh, from.data(), to.data(), segments.size(), 2, visible.data()));
+    expect_ok(es_bvh_first_blockers(
+        bvh, from.data(), to.data(), segments.size(), 2, triangles.data(), t.data()));
+    EXPECT_EQ(visible, visibility::visible(tree.view(), segments));
+    const auto blockers = visibility::first_blockers(tree.view(), segments);
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        ASSERT_EQ(triangles[i], blockers[i] ? blockers[i]->triangle : ES_NONE) << i;
+        ASSERT_TRUE(!blockers[i] || t[i] == blockers[i]->t) << i;
+    }
+    expect_ok(es_release(bvh));
+    expect_ok(es_release(room));
+}
+
+}  // namespace
+}  // namespace earshot

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: MIT
+// Calls on simulations, results and sounds.
+#include "capi/fuzz_caller.h"
+
+namespace earshot::capi_fuzz {
+namespace {
+
+constexpr es_metric kLastMetric = ES_METRIC_IACC;
+
+es_status kept(Caller& c, es_status status, const std::uint64_t& handle) {
+    if (status == ES_OK) {
+        c.keep(handle);
+    }
+    return status;
+}
+
+/// Options of simulations that take a millisecond.
+es_simulation_options options(Caller& c) {
+    es_simulation_options options;
+    es_simulation_options_init(&options, sizeof options);
+    if (c.chance(0.02)) {
+        options.struct_size = c.count(500);
+        c.wrong = options.struct_size != sizeof options;
+    }
+    options.time = c.number(-1e12, 1e12);
+    options.order = c.chance(0.98) ? c.below(2) : c.choice(3);
+    options.mode = c.choice(2);
+    options.transmission = c.flag();
+    options.max_length = c.number(0.0, 1e9, {0.0, 30.0});
+    options.min_level_db = c.number(-1000.0, 1000.0, {-90.0, -20.0});
+    options.rays = c.chance(0.03) ? 64 : 0;
+    options.rays_error = c.chance(0.9) ? 0.0 : c.number(0.001, 1.0);
+    options.temperature_c = c.number(-50.0, 70.0);
+    options.humidity_percent = c.number(0.0, 100.0);
+    options.pressure_kpa = c.number(10.0, 200.0);
+    options.air_absorption = c.flag();
+    options.bands = c.choice(2);
+    options.format = c.chance(0.9) ? ES_FORMAT_MONO : ES_FORMAT_AMBISONIC;
+    options.ambisonic_order = c.choice(3);
+    options.sample_rate = c.number(1000.0, 768000.0, {4000.0, 8000.0});
+    options.length = c.number(0.0, 3600.0, {0.01, 0.1});
+    options.responses = c.flag();
+    options.metrics = c.chance(0.02) ? 1 : 0;
+    options.histograms = c.flag();
+    options.keep_traces = c.flag();
+    options.speech = c.flag();
+    options.speech_level_db = c.number(-200.0, 200.0);
+    options.threads = c.threads();
+    return options;
+}
+
+es_status simulate(Caller& c) {
+    const es_scene scene = c.handle(ES_KIND_SCENE);
+    const es_simulation_options given = options(c);
+    es_result result = 0;
+    return kept(c, es_simulate(scene, &given, c.out(result)), result);
+}
+
+es_status create_simulator(Caller& c) {
+    const es_scene scene = c.handle(ES_KIND_SCENE);
+    const es_simulation_options given = options(c);
+    es_simulator simulator = 0;
+    return kept(c, es_simulator_create(scene, &given, c.out(simulator)), simulator);
+}
+
+es_status run_simulator(Caller& c) {
+    const es_simulator simulator = c.handle(ES_KIND_SIMULATOR);
+    es_result result = 0;
+    switch (c.below(3)) {
+        case 0: {
+            const double time = c.number(-1e12, 1e12);
+            return kept(c, es_simulator_run(simulator, time, c.out(result)), result);
+        }
+        case 1: {
+            const std::int32_t item = c.choice(2);
+            const double* position = c.points(1, 2.0);
+            return es_simulator_set_position(simulator, item, 0, position);
+        }
+        default: {
+            const std::int32_t item = c.choice(2);
+            const double* point = c.points(1, 2.0, true);
+            return es_simulator_set_look_at(simulator, item, 0, point);
+        }
+    }
+}
+
+es_status init(Caller& c) {
+    es_simulation_options options;
+    const std::size_t size = c.chance(0.5) ? sizeof options : c.count(300);
+    c.wrong = size != sizeof options;
+    return es_simulation_options_init(c.out(options), size);
+}
+
+es_result_info info_of(es_result result) {
+    es_result_info info{};
+    info.struct_size = sizeof info;
+    static_cast<void>(es_result_get_info(result, &info));
+    return info;
+}
+
+/// What is given is not left out by the optimiser.
+void keep_reading(double value) {
+    static volatile double kept_value = 0.0;
+    kept_value = value;
+    static_cast<void>(kept_value);
+}
+
+/// Sums what a view shows, so that the sanitizer sees it read.
+template <typename T>
+double sum(const T* values, std::size_t count) {
+    double total = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+        total += static_cast<double>(values[i]);
+    }
+    return total;
+}
+
+double read(const es_path_arrays& arrays) {
+    double total = sum(arrays.points, 3 * arrays.point_count) +
+                   sum(arrays.triangles, arrays.interaction_count) +
+                   sum(arrays.materials, arrays.interaction_count) +
+                   sum(arrays.pressure, arrays.path_count * arrays.band_count);
+    for (std::size_t i = 0; i < arrays.path_count; ++i) {
+        total += arrays.paths[i].length + sum(arrays.points + 3 * arrays.paths[i].first_point, 6);
+    }
+    return total;
+}
+
+es_status views(Caller& c) {
+    const es_result result = c.handle(ES_KIND_RESULT);
+    const es_result_info info = info_of(result);
+    size_t shape[4] = {};
+    switch (c.below(5)) {
+        case 0: {
+            const float* samples = nullptr;
+            const es_status status = es_result_responses(result, c.out(samples), shape);
+            if (status == ES_OK) {
+                keep_reading(sum(samples, shape[0] * shape[1] * shape[2] * shape[3]));
+            }
+            return status;
+        }
+        case 1: {
+            const uint64_t* lengths = nullptr;
+            const es_status status = es_result_lengths(result, c.out(lengths), shape);
+            if (status == ES_OK) {
+                keep_reading(sum(lengths, shape[0] * shape[1]));
+            }
+            return status;
+        }
+        case 2: {
+            es_path_arrays arrays{};
+            arrays.struct_size = c.chance(0.95) ? sizeof arrays : c.count(200);
+            c.wrong = c.wrong || arrays.struct_size != sizeof arrays;
+            const es_status status = es_result_paths(result, &arrays);
+            if (status == ES_OK) {
+                keep_reading(read(arrays));
+            }
+            return status;
+        }
+        case 3: {
+            es_histogram histogram{};
+            histogram.struct_size = sizeof histogram;
+            const std::size_t source = c.index(info.sources), listener = c.index(info.listeners);
+            const es_status status =
+                es_result_histogram(result, source, listener, c.out(histogram));
+            if (status == ES_OK) {
+                keep_reading(sum(histogram.energy, histogram.bin_count * histogram.band_count));
+            }
+            return status;
+        }
+        default: {
+            es_room room{};
+            room.struct_size = c.chance(0.95) ? sizeof room : c.count(200);
+            c.wrong = c.wrong || room.struct_size != sizeof room;
+            return es_result_room(result, &room);
+        }
+    }
+}
+
+es_status metrics(Caller& c) {
+    const es_result result = c.handle(ES_KIND_RESULT);
+    const es_result_info info = info_of(result);
+    const std::int32_t metric = c.choice(kLastMetric + 1);
+    if (c.below(3) == 0) {
+        c.wrong = metric < 0 || metric > kLastMetric;
+        const char* key = nullptr;
+        return es_metric_get(metric, &key, nullptr, nullptr, nullptr);
+    }
+    const std::int32_t set = c.choice(2);
+    if (c.below(2) == 0) {
+        const std::int32_t form = c.choice(2);
+        const double* values = nullptr;
+        size_t shape[3] = {};
+        const es_status status =
+            es_result_metric(result, metric, set, form, c.out(values), nullptr, shape);
+        const volatile double total =
+            status == ES_OK ? sum(values, shape[0] * shape[1] * shape[2]) : 0.0;
+        static_cast<void>(total);
+        return status;
+    }
+    const std::size_t source = c.index(info.sources), listener = c.index(info.listeners);
+    const char* text = nullptr;
+    return es_result_metric_note(result, metric, set, source, listener, 0, c.out(text));
+}
+
+es_status documents(Caller& c) {
+    const es_result result = c.handle(ES_KIND_RESULT);
+    if (c.below(2) == 0) {
+        es_messages notes = 0;
+        return kept(c, es_result_notes(result, c.out(notes)), notes);
+    }
+    const std::int32_t document = c.choice(3);
+    const char* file = c.text({"fuzz.json", "none/none.json"});
+    return es_result_write(result, document, file);
+}
+
+es_status make_sound(Caller& c) {
+    es_sound sound = 0;
+    if (c.below(3) == 0) {
+        const es_result result = c.handle(ES_KIND_RESULT);
+        const es_result_info info = info_of(result);
+        const std::size_t source = c.index(info.sources), listener = c.index(info.listeners);
+        return kept(c, es_result_sound(result, source, listener, c.out(sound)), sound);
+    }
+    const std::size_t frames = c.count(40), channels = 1 + c.count(1);
+    const double* samples = c.values(frames * channels, -1.0, 1.0);
+    const double rate = c.chance(0.5) ? 8000.0 : c.number(1000.0, 655350.0, {4000.0, 9000.0});
+    std::size_t given = channels;
+    if (c.chance(0.03)) {
+        given = c.chance(0.5) ? 0 : static_cast<std::size_t>(-1);
+        c.wrong = true;
+    }
+    return kept(c, es_sound_create(samples, frames, given, rate, c.out(sound)), sound);
+}
+
+es_status use_sound(Caller& c) {
+    const es_sound sounds[] = {c.handle(ES_KIND_SOUND), c.some(ES_KIND_SOUND)};
+    const std::size_t count = sounds[1] == 0 ? 1 : 1 + c.count(1);
+    es_sound made = 0;
+    if (c.below(2) == 0) {
+        const double gains[] = {c.number(-200.0, 200.0, {-6.0, 6.0}), 0.0};
+        return kept(c, es_sound_mix(sounds, gains, count, 0.0, c.out(made)), made);
+    }
+    const es_sound dry = c.handle(ES_KIND_SOUND);
+    const std::int32_t threads = c.threads();
+    return kept(c, es_auralize(dry, sounds, count, threads, c.out(made)), made);
+}
+
+es_status read_sound(Caller& c) {
+    const es_sound sound = c.handle(ES_KIND_SOUND);
+    const double* samples = nullptr;
+    size_t frames = 0, channels = 0;
+    if (c.below(2) == 0) {
+        const es_status status =
+            es_sound_samples(sound, c.out(samples), c.out(frames), c.out(channels), nullptr);
+        const volatile double total = status == ES_OK ? sum(samples, frames * channels) : 0.0;
+        static_cast<void>(total);
+        return status;
+    }
+    const char* file = c.text({"fuzz.wav", "fuzz.flac", "fuzz.mp3", ""});
+    return es_sound_write(sound, file, nullptr);
+}
+
+es_status read_files(Caller& c) {
+    std::uint64_t handle = 0;
+    const char* file = c.text({"none", "fuzz.wav", "fuzz.json", "/", ""});
+    return c.below(2) == 0 ? kept(c, es_sound_read(file, c.out(handle)), handle)
+                           : kept(c, es_visible_sets_read(file, c.out(handle)), handle);
+}
+
+es_status criterion(Caller& c) {
+    double levels[7];
+    const double number = c.number(15.0, 70.0);
+    return es_noise_criterion(number, c.out(levels[0]));
+}
+
+}  // namespace
+
+const std::vector<WeightedCall>& simulation_calls() {
+    static const std::vector<WeightedCall> calls = {{"simulate", simulate, 4},
+                                                    {"create_simulator", create_simulator, 2},
+                                                    {"run_simulator", run_simulator, 4},
+                                                    {"init", init, 3},
+                                                    {"views", views, 40},
+                                                    {"metrics", metrics, 20},
+                                                    {"documents", documents, 4},
+                                                    {"make_sound", make_sound, 10},
+                                                    {"use_sound", use_sound, 10},
+                                                    {"read_sound", read_sound, 8},
+                                                    {"read_files", read_files, 3},
+                                                    {"criterion", criterion, 2}};
+    return calls;
+}
+
+}  // namespace earshot::capi_fuzz
