@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""Sound propagation and geometric queries in scenes that move and deform.
+
+>>> import earshot as es
+>>> room = es.shoebox((5, 2.7, 4), absorption=0.3)
+>>> _ = room.add_source("talker", (1, 1.5, 1))
+>>> _ = room.add_listener("seat", (4, 1.2, 3))
+>>> result = es.simulate(room, rays=0, order=2, length=0.1)
+>>> result
+<Result: 1 sources x 1 listeners, 1 x 4800 samples at 48000 Hz, 25 paths>
+
+Metres, seconds, hertz; right-handed axes with +Y up. Arrays are numpy's, doubles unless said
+otherwise; (n, 3) are n points. Results depend on the scene and the options alone, not on threads or
+the processor.
+"""
+
+from ._errors import (
+    ArgumentError,
+    Cancelled,
+    Error,
+    MissingPackage,
+    OutOfMemory,
+    OutOfRange,
+    UnknownName,
+)
+from ._library import NONE, Message, Messages, lib, text
+from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
+from .materials import LibraryMaterial, Material, band_centres, library
+from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
+from .result import PATH_TYPE, Histogram, Path, Paths, Response, Result, Room
+from .scene import Names, Scene, extrude, load, shoebox
+from .simulation import Simulator, simulate
+from .sound import Sound, auralize, mix
+from .visible_sets import VisibleSets
+from .world import CONTACT_TYPE, Contact, Contacts, Depth, Distance, Element, MeshInWorld, World
+
+__version__ = text(lib.es_version_text())
+
+__all__ = [
+    "CONTACT_TYPE",
+    "NONE",
+    "PATH_TYPE",
+    "ArgumentError",
+    "Blockers",
+    "Bvh",
+    "Cancelled",
+    "ClosestPoints",
+    "Contact",
+    "Contacts",
+    "Depth",
+    "Distance",
+    "Element",
+    "Error",
+    "Histogram",
+    "Hits",
+    "LibraryMaterial",
+    "Material",
+    "MeshInWorld",
+    "Message",
+    "Messages",
+    "MissingPackage",
+    "Names",
+    "OutOfMemory",
+    "OutOfRange",
+    "Path",
+    "Paths",
+    "Response",
+    "Result",
+    "Room",
+    "Scene",
+    "Sight",
+    "Simulator",
+    "Sound",
+    "UnknownName",
+    "VisibleSets",
+    "World",
+    "auralize",
+    "band_centres",
+    "extrude",
+    "library",
+    "load",
+    "mix",
+    "plot_decay",
+    "plot_echogram",
+    "plot_metric",
+    "plot_response",
+    "plot_scene",
+    "shoebox",
+    "simulate",
+]

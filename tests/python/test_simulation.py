@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: MIT
+import itertools
+import json
+
+import numpy as np
+import pytest
+
+import earshot as es
+
+
+def test_image_sources_of_a_box(room):
+    """Delays and amplitudes of the order 2 images, by Allen and Berkley's lattice."""
+    result = es.simulate(room, order=2, rays=0, air_absorption=False, responses=False,
+                         metrics=False)
+    room.assign({"*": es.Material(0.3, scattering=0.0)})
+    mirror = es.simulate(room, order=2, rays=0, air_absorption=False, responses=False,
+                         metrics=False)
+    size, source, seat = np.array([5, 2.7, 4]), np.array([1, 1.5, 1]), np.array([4, 1.2, 3])
+    expected = []
+    for cell in itertools.product(range(-2, 3), repeat=3):
+        for flip in itertools.product((0, 1), repeat=3):
+            n, q = np.array(cell), np.array(flip)
+            order = np.abs(2 * n - q).sum()
+            if order <= 2:
+                distance = np.linalg.norm((1 - 2 * q) * source + 2 * n * size - seat)
+                expected.append((distance, 0.7 ** (order / 2) / distance))
+    expected = np.array(sorted(expected))
+    for found, factor in ((mirror, 1.0), (result, 0.9)):
+        paths = found.paths["talker", "seat"]
+        np.testing.assert_allclose(paths.length, expected[:, 0], rtol=1e-12)
+        np.testing.assert_allclose(paths.delay, paths.length / found.speed_of_sound, rtol=1e-12)
+        np.testing.assert_allclose(paths.pressure[:, 4],
+                                   expected[:, 1] * factor ** (paths.order / 2), rtol=1e-9)
+
+
+def test_files_are_the_programs(tmp_path, scenes, program):
+    for name, more, options in [
+        ("classroom.gltf", ["--order", 2, "--rays", 2000, "--length", 0.4, "--histograms"],
+         {"order": 2, "rays": 2000, "length": 0.4, "histograms": True}),
+        ("concert_hall.gltf",
+         ["--order", 1, "--rays", 500, "--length", 0.2, "--format", "ambisonic:1", "--seed", 7,
+          "--noise", "NC-30", "--speech-level", "raised", "--sample-rate", 16000],
+         {"order": 1, "rays": 500, "length": 0.2, "format": "ambisonic:1", "seed": 7,
+          "noise": "NC-30", "speech": "raised", "sample_rate": 16000}),
+    ]:
+        ours, theirs = tmp_path / "ours" / name, tmp_path / "theirs" / name
+        program("ir", scenes / name, "-o", theirs, *more)
+        result = es.simulate(es.load(scenes / name), **options)
+        result.write(ours)
+        if options.get("histograms"):
+            result.write_json(ours / "histograms.json", "histograms")
+        names = sorted(path.name for path in theirs.iterdir())
+        assert sorted(path.name for path in ours.iterdir()) == names
+        for file in names:
+            assert (ours / file).read_bytes() == (theirs / file).read_bytes(), file
+
+
+def test_arrays_say_what_the_files_say(tmp_path, scenes):
+    result = es.simulate(es.load(scenes / "classroom.gltf"), order=2, rays=20000)
+    assert np.isfinite(result.sti).all() and np.isfinite(result.c50).all()
+    result.write(tmp_path)
+    told = json.loads((tmp_path / "paths.json").read_text())["pairs"]
+    for pair in told:
+        paths = result.paths[pair["source"], pair["listener"]]
+        assert len(paths) == len(pair["paths"])
+        for path, expected in zip(paths, pair["paths"]):
+            assert (path.kind, path.order) == (expected["kind"], expected["order"])
+            assert path.delay == expected["delay"] and path.length == expected["length"]
+            assert path.points.tolist() == expected["points"]
+            assert path.triangles.tolist() == expected["triangles"]
+            assert list(path.materials) == expected["materials"]
+            assert path.pressure.tolist() == expected["pressure"]
+            assert path.departure.tolist() == expected["departure"]
+            assert path.arrival.tolist() == expected["arrival"]
+    told = json.loads((tmp_path / "metrics.json").read_text())
+
+    def numbers(values):
+        return np.array([np.nan if value is None else value for value in values])
+
+    np.testing.assert_array_equal(result.bands, told["bands_hz"])
+    assert result.room.volume == told["room"]["volume"]
+    np.testing.assert_array_equal(result.room.eyring, told["room"]["eyring"])
+    for pair in told["pairs"]:
+        metrics = result[pair["source"], pair["listener"]].metrics
+        for name in ("edt", "t20", "t30", "c50", "c80", "d50", "ts", "g"):
+            np.testing.assert_array_equal(metrics[name], numbers(pair[name]))
+        np.testing.assert_array_equal(metrics["sti"], numbers([pair["sti"]])[0])
+        for name, value in pair["single"].items():
+            if name in metrics:
+                np.testing.assert_array_equal(metrics[name], numbers([value])[0])
+        errors = result.standard_errors
+        at = (result.sources.index(pair["source"]), result.listeners.index(pair["listener"]))
+        np.testing.assert_array_equal(errors["t30"][at], numbers(pair["standard_error"]["t30"]))
+        response = result.response_metrics
+        np.testing.assert_array_equal(response["edt"][at], numbers(pair["response"]["edt"]))
+    notes = [(pair["source"], pair["listener"], note) for pair in told["pairs"]
+             for note in pair["notes"] if "band_hz" in note and note["metric"] == "t30"]
+    for source, listener, note in notes[:3]:
+        band = list(result.bands).index(note["band_hz"])
+        assert note["text"] in result.why("t30", source, listener, band)
+
+
+def test_many_listeners_make_one_block_without_a_copy(room):
+    room.clear_listeners()
+    room.add_listeners(room.grid(height=1.2, step=0.9)[:27])
+    count = len(room.listeners)
+    result = es.simulate(room, order=1, rays=0, length=0.1, sample_rate=16000,
+                         format="ambisonic:1")
+    ir = result.ir
+    assert ir.shape == (1, count, 4, 1600) and ir.dtype == np.float32
+    assert ir.flags.c_contiguous and not ir.flags.owndata and not ir.flags.writeable
+    assert np.shares_memory(ir, result.ir) and np.shares_memory(ir, result["talker", 3].ir)
+    assert result.sti.shape == (1, count) and result.metrics["t30"].shape == (1, count, 10)
+    assert repr(result).startswith(f"<Result: 1 sources x {count} listeners, 4 x 1600 samples")
+
+
+def test_pairs_are_found_by_name_and_index(room):
+    result = es.simulate(room, order=1, rays=0, length=0.1)
+    response = result["talker", "desk"]
+    assert (response.source, response.listener) == ("talker", "desk")
+    np.testing.assert_array_equal(response.ir[0], result.ir[0, 1, 0])
+    assert [(r.source, r.listener) for r in result] == [("talker", "seat"), ("talker", "desk")]
+    assert len(result.paths["talker", "seat"]) + len(result.paths[0, -1]) == len(result.paths)
+    assert result.paths[2:4][0].points.tolist() == result.paths[2].points.tolist()
+    result = es.simulate(room, order=2, rays=2000)
+    assert result["talker", "desk"].sti == result.sti[0, 1] == result.metrics["sti"][0, 1] > 0.5
+    with pytest.raises(es.UnknownName, match="there are seat, desk"):
+        result["talker", "dask"]
+    with pytest.raises(IndexError):
+        result.paths[len(result.paths)]
+    table = result.table(["t30_mid", "sti"]).splitlines()
+    assert table[0].split() == ["t30_mid", "sti"] and table[1].startswith("talker to seat ")
+    with pytest.raises(es.ArgumentError, match="'t31'"):
+        result.table(["t31"])
+
+
+def test_results_do_not_depend_on_threads(room):
+    options = {"order": 3, "rays": 3000, "length": 0.3}
+    one, two = (es.simulate(room, threads=threads, **options) for threads in (1, 2))
+    assert one.ir.tobytes() == two.ir.tobytes()
+    assert one.paths.table.tobytes() == two.paths.table.tobytes()
+
+
+def test_simulator_follows_what_moves(room, scenes):
+    options = {"order": 2, "rays": 200, "length": 0.2}
+    simulator = es.Simulator(room, keep_traces=True, **options)
+    for z in (1.0, 1.5):
+        simulator.move_source("talker", (1.0, 1.5, z))
+        room.move_source("talker", (1.0, 1.5, z))
+        assert simulator.run().ir.tobytes() == es.simulate(room, **options).ir.tobytes()
+    door = es.load(scenes / "door.gltf")
+    simulator = es.Simulator(door, **options)
+    for time in (0.0, 0.5):
+        expected = es.simulate(door, time=time, **options)
+        found = simulator.run(time)
+        assert found.ir.tobytes() == expected.ir.tobytes() and found.time == time
+
+
+def test_options_are_checked(room):
+    for options, told in [
+        ({"format": "stereo"}, "format"), ({"format": "ambisonic"}, "format"),
+        ({"format": "ambisonic:9"}, "ambisonic"), ({"rays": "many"}, "rays"), ({"rays": -1}, "rays"),
+        ({"rays": 1.5}, "rays"), ({"order": 99}, "order"), ({"bands": "third "}, "bands"),
+        ({"noise": "NR-30"}, "noise"), ({"noise": [1, 2]}, "noise"), ({"speech": "soft"}, "speech"),
+        ({"sample_rate": 0}, "sample_rate"), ({"seed": -1}, "seed"),
+        ({"temperature": float("nan")}, "temperature"), ({"mode": "all"}, "mode"),
+        ({"progress": 3}, "progress"),
+    ]:
+        with pytest.raises(es.ArgumentError) as caught:
+            es.simulate(room, **options)
+        assert told in str(caught.value), options
+    with pytest.raises(TypeError, match="ordre"):
+        es.simulate(room, ordre=3)
+    with pytest.raises(es.Error, match="no source"):
+        room.clear_sources()
+        es.simulate(room)
+
+
+def test_histograms_are_kept_where_asked_for(room):
+    result = es.simulate(room, order=1, rays=1000, histograms=True, length=0.3)
+    histogram = result.histogram("talker", "seat")
+    assert histogram.energy.shape == histogram.error.shape and histogram.energy.shape[1] == 10
+    assert histogram.rays == 1000 and (histogram.energy >= 0).all()
+    with pytest.raises(es.Error, match="histograms=True"):
+        es.simulate(room, order=1, rays=1000, length=0.1).histogram(0, 0)
+    without = es.simulate(room, order=1, rays=0, metrics=False)
+    assert without.metrics == {} and without.room is None
+    with pytest.raises(es.Error, match="metrics=True"):
+        without.sti
+
+
+def test_third_octaves(room):
+    result = es.simulate(room, order=1, rays=0, length=0.1, bands="third")
+    assert len(result.bands) == 31 and result.metrics["edt"].shape == (1, 2, 31)
+    np.testing.assert_array_equal(result.bands, es.band_centres("third"))
+
+
+def test_frame_has_a_row_per_pair(room):
+    pandas = pytest.importorskip("pandas")
+    frame = es.simulate(room, order=1, rays=500).frame(["t30_mid", "sti"])
+    assert isinstance(frame, pandas.DataFrame) and list(frame.columns) == ["t30_mid", "sti"]
+    assert list(frame.index) == [("talker", "seat"), ("talker", "desk")]

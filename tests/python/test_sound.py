@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+import numpy as np
+import pytest
+
+import earshot as es
+
+
+def test_auralization_is_convolution(room):
+    response = es.simulate(room, order=2, rays=0, length=0.1)["talker", "seat"]
+    dry = np.random.default_rng(1).uniform(-0.5, 0.5, 5000)
+    wet = es.auralize((dry, 48000), response)
+    assert wet.sample_rate == 48000 and wet.samples.shape[1] == 1
+    expected = np.convolve(dry, response.ir[0].astype(float))
+    np.testing.assert_allclose(wet.samples[: len(expected), 0], expected, atol=1e-9)
+
+
+def test_files_are_the_programs(tmp_path, room, program):
+    result = es.simulate(room, order=2, rays=500, length=0.2, sample_rate=16000)
+    result.write(tmp_path)
+    dry = es.Sound(np.random.default_rng(2).uniform(-0.5, 0.5, (3000, 1)), 44100)
+    dry.write(tmp_path / "dry.wav")
+    program("auralize", tmp_path / "dry.wav", tmp_path / "talker__seat.wav",
+            tmp_path / "talker__desk.wav", "-o", tmp_path / "theirs.wav")
+    wet = es.auralize(tmp_path / "dry.wav",
+                      [tmp_path / "talker__seat.wav", tmp_path / "talker__desk.wav"])
+    wet.write(tmp_path / "ours.wav")
+    assert (tmp_path / "ours.wav").read_bytes() == (tmp_path / "theirs.wav").read_bytes()
+
+
+def test_sounds_are_written_and_read(tmp_path):
+    samples = np.random.default_rng(3).uniform(-1, 1, (800, 2)).astype(np.float32)
+    sound = es.Sound(samples, 8000)
+    assert "2 channels, 0.100 s at 8000 Hz" in repr(sound) and sound.duration == 0.1
+    assert sound.write(tmp_path / "a.wav") == 0
+    np.testing.assert_array_equal(es.Sound.read(tmp_path / "a.wav").samples, samples)
+    assert es.Sound(samples * 2, 8000).write(tmp_path / "a.flac") > 0
+    both = es.mix([sound, sound], [0.0, -np.inf] if False else [0.0, -20.0])
+    np.testing.assert_allclose(both.samples, samples * 1.1, atol=1e-12)
+    with pytest.raises(es.ArgumentError, match="gains_db: has 1 entries; give 2"):
+        es.mix([sound, sound], [1.0])
+    for wrong in (np.zeros((2, 2, 2)), "abc", np.full(3, np.nan)):
+        with pytest.raises(es.ArgumentError):
+            es.Sound(wrong, 8000)
+    with pytest.raises(es.Error):
+        es.Sound.read(tmp_path / "none.wav")
