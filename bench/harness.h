@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace bench {
@@ -51,6 +52,17 @@ Times min_times_of(int repeats, Work&& work) {
 inline double median(std::vector<double> values) {
     std::sort(values.begin(), values.end());
     return values.empty() ? 0.0 : values[values.size() / 2];
+}
+
+/// The median over several runs, in seconds of all threads together, after one that warms up.
+template <typename Work>
+double median_processor_time(int repeats, Work&& work) {
+    work();
+    std::vector<double> times;
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        times.push_back(times_of(work).processor);
+    }
+    return median(std::move(times));
 }
 
 /// What main() does: `run` returns the exit status; an Error is printed as one line and is 1.

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace {
@@ -51,6 +52,7 @@ struct Job {
     int microphones = 1;
     bool has_bands = false;  // else all frequencies alike
     int repeats = 5;
+    bool measures_paths = true;
 };
 
 void measure(const Job& job) {
@@ -78,13 +80,14 @@ void measure(const Job& job) {
             sum += assembler.assemble(pair.arrivals).samples[1000];
         }
     };
-    const double paths = bench::min_times_of(job.repeats, [&] { find(true); }).processor;
-    const double images = bench::min_times_of(job.repeats, [&] { find(false); }).processor;
-    const double assembly = bench::min_times_of(job.repeats, assemble).processor;
-    const double all = bench::min_times_of(job.repeats, [&] {
-                           find(false);
-                           assemble();
-                       }).processor;
+    const double paths =
+        job.measures_paths ? bench::median_processor_time(job.repeats, [&] { find(true); }) : 0.0;
+    const double images = bench::median_processor_time(job.repeats, [&] { find(false); });
+    const double assembly = bench::median_processor_time(job.repeats, assemble);
+    const double all = bench::median_processor_time(job.repeats, [&] {
+        find(false);
+        assemble();
+    });
     std::printf("%s %d %d %zu %.3f %.3f %.3f %.3f\n",
                 job.has_bands ? "bands" : "flat",
                 job.order,
@@ -101,8 +104,20 @@ void measure(const Job& job) {
 }
 
 int run(int argc, char** argv) {
+    if (argc != 1 && argc != 2 && argc != 5) {
+        std::fprintf(stderr, "usage: bench_shoebox [REPEATS [flat|bands ORDER MICROPHONES]]\n");
+        return 2;
+    }
     const int repeats = argc > 1 ? std::atoi(argv[1]) : 5;
     std::puts("walls order microphones images ms_with_paths ms_images ms_assembly ms_in_all");
+    if (argc == 5) {
+        measure({.order = std::atoi(argv[3]),
+                 .microphones = std::atoi(argv[4]),
+                 .has_bands = std::string_view(argv[2]) == "bands",
+                 .repeats = repeats,
+                 .measures_paths = false});
+        return 0;
+    }
     for (const bool has_bands : {false, true}) {
         for (const int microphones : {1, 8}) {
             for (const int order : {10, 17, 30}) {

@@ -21,14 +21,9 @@ using geometry::Vec3;
 
 namespace {
 
-/// The coordinate that alone varies along a coordinate axis; -1: of any other direction.
-int component_of(const Vec3& direction) noexcept {
-    for (int k = 0; k < 3; ++k) {
-        if (direction[(k + 1) % 3] == 0.0 && direction[(k + 2) % 3] == 0.0) {
-            return k;
-        }
-    }
-    return -1;
+/// The coordinate that varies along a coordinate axis.
+int component_of(const Vec3& axis) noexcept {
+    return axis.x != 0.0 ? 0 : axis.y != 0.0 ? 1 : 2;
 }
 
 /// Whether start + t way is within `distance` of a whole number, for one of the t.
@@ -47,15 +42,6 @@ bool comes_close_to_whole(double start,
 }
 
 }  // namespace
-
-bool BoxArrivals::suits(const BoxLattice& lattice) noexcept {
-    const auto& walls = lattice.room_.walls;
-    return std::all_of(walls.begin(), walls.end(), [&](const auto& pair) {
-        return std::all_of(pair.begin(), pair.end(), [&](FacetId wall) {
-            return component_of(lattice.scene_.facets.facets[wall].plane.normal) >= 0;
-        });
-    });
-}
 
 BoxArrivals::BoxArrivals(const BoxLattice& lattice, const Vec3& source, const Vec3& listener)
     : lattice_(lattice),
@@ -80,7 +66,7 @@ BoxArrivals::BoxArrivals(const BoxLattice& lattice, const Vec3& source, const Ve
 void BoxArrivals::make_coordinates(std::size_t axis) {
     const auto& facets = lattice_.scene_.facets.facets;
     const auto [low, high] = lattice_.room_.walls[axis];
-    const int k = component_of(facets[low].plane.normal);
+    const int k = component_of(lattice_.room_.axes[axis]);
     component_[axis] = k;
     std::vector<double>& coordinate = coordinate_[axis];
     coordinate.resize(columns_);

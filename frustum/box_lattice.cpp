@@ -22,8 +22,10 @@ using geometry::Vec3;
 
 namespace {
 
-/// Orders of one image's walls that are verified one by one.
-constexpr std::size_t kMaxOrders = 64;
+/// Orders of one image's walls that are verified one by one: where the walls are coordinate planes,
+/// and where the images of different orders differ by rounding. The latter lets up to eight edges
+/// or three corners be passed by one path, which takes an order of 12 to exceed.
+constexpr std::size_t kMaxOrders = 8, kMaxTurnedOrders = 256;
 /// Rounding of mirroring and intersecting, per reflection and metre: PathVerifier allows 2^-42 for
 /// sixteen.
 constexpr double kRoundingPerReflection = 0x1p-48;
@@ -136,7 +138,7 @@ bool BoxLattice::Search::visit(const Cell& the_cell) {
     }
     find_crossings();
     make_sequence();
-    return construct() || verify_every_order();
+    return construct() || decide_at_edges();
 }
 
 // Merges the crossings of the three axes, which are evenly spaced.
@@ -280,35 +282,73 @@ void BoxLattice::Search::verify(std::vector<SpecularPath>& found) {
     }
 }
 
-// False: there are too many.
-bool BoxLattice::Search::verify_every_order() {
-    const auto uncertain = clusters();
+std::span<Crossing> BoxLattice::Search::crossings_of(const Cluster& cluster) {
+    return std::span(crossings).subspan(cluster.first, cluster.second - cluster.first);
+}
+
+// False: the pair must be left to frusta.
+bool BoxLattice::Search::decide_at_edges() {
+    const std::vector<Cluster> uncertain = clusters();
     const auto by_axis = [](const Crossing& a, const Crossing& b) { return a.axis < b.axis; };
-    const auto range = [&](const Cluster& cluster) {
-        return std::pair(crossings.begin() + static_cast<std::ptrdiff_t>(cluster.first),
-                         crossings.begin() + static_cast<std::ptrdiff_t>(cluster.second));
-    };
-    for (const auto& cluster : uncertain) {
-        const auto [begin, end] = range(cluster);
-        std::sort(begin, end, by_axis);
+    const auto ideal = crossings;
+    for (const Cluster& cluster : uncertain) {
+        std::ranges::sort(crossings_of(cluster), by_axis);
     }
     // Like an odometer, whose digits are the orders of the clusters.
     const auto next_order = [&] {
-        return std::any_of(uncertain.begin(), uncertain.end(), [&](const auto& cluster) {
-            const auto [begin, end] = range(cluster);
-            return std::next_permutation(begin, end, by_axis);
+        return std::ranges::any_of(uncertain, [&](const Cluster& cluster) {
+            const auto range = crossings_of(cluster);
+            return std::next_permutation(range.begin(), range.end(), by_axis);
         });
     };
     std::vector<SpecularPath> found;
     std::size_t tried = 0;
     do {
-        if (++tried > kMaxOrders) {
+        if (++tried > kMaxTurnedOrders) {
             return false;
+        }
+        if (room.is_straight() && tried > kMaxOrders) {
+            crossings = ideal;
+            return take_lowest_order(uncertain);
         }
         verify(found);
     } while (next_order());
     sort_and_deduplicate(found, lattice.scene_.facets, lattice.verifier_->extent());
     std::move(found.begin(), found.end(), std::back_inserter(result.paths));
+    return true;
+}
+
+// Where several edges are passed exactly, every combination of orders makes the same path, and the
+// one of the lowest triangle list is the one that reflects at each edge from the lower triangle
+// first. False: the pair must be left to frusta.
+bool BoxLattice::Search::take_lowest_order(std::span<const Cluster> uncertain) {
+    std::vector<SpecularPath> found;
+    verify(found);
+    if (found.empty() || found.front().triangles.size() != order) {
+        return false;
+    }
+    std::vector<TriangleId> lowest = found.front().triangles;
+    for (const Cluster& cluster : uncertain) {
+        // Crossings count from the listener, triangles from the source.
+        const auto range = crossings_of(cluster);
+        std::vector<std::pair<TriangleId, Crossing>> keyed;
+        for (std::size_t i = 0; i < range.size(); ++i) {
+            for (std::size_t k = 0; k < i; ++k) {
+                if (range[k].axis == range[i].axis) {
+                    return false;
+                }
+            }
+            keyed.emplace_back(lowest[order - 1 - (cluster.first + i)], range[i]);
+        }
+        std::ranges::sort(keyed, std::ranges::greater{}, &std::pair<TriangleId, Crossing>::first);
+        for (std::size_t i = 0; i < range.size(); ++i) {
+            lowest[order - 1 - (cluster.first + i)] = keyed[i].first;
+            range[i] = keyed[i].second;
+        }
+    }
+    verify(found);
+    const auto path = std::ranges::min_element(found, {}, &SpecularPath::triangles);
+    result.paths.push_back(std::move(*path));
     return true;
 }
 

@@ -133,6 +133,13 @@ bool measure(BoxRoom& room, const Facet& facet, std::size_t axis, bool is_high) 
 
 }  // namespace
 
+bool BoxRoom::is_straight() const noexcept {
+    return tilt == 0.0 && std::all_of(axes.begin(), axes.end(), [](const Vec3& axis) {
+               return (axis.x != 0.0 ? 1 : 0) + (axis.y != 0.0 ? 1 : 0) + (axis.z != 0.0 ? 1 : 0) ==
+                      1;
+           });
+}
+
 std::array<double, 3> BoxRoom::local(const Vec3& point) const noexcept {
     return {glm::dot(axes[0], point) - low[0],
             glm::dot(axes[1], point) - low[1],

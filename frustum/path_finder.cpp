@@ -225,8 +225,7 @@ double PathFinder::max_radius() const noexcept {
 
 std::optional<PathArrivals> PathFinder::find_arrivals(const Vec3& source,
                                                       const Vec3& listener) const {
-    if (!state_->is_in_box(source) || !state_->is_in_box(listener) ||
-        !BoxArrivals::suits(*state_->box)) {
+    if (!state_->is_in_box(source) || !state_->is_in_box(listener) || !state_->box->is_straight()) {
         return std::nullopt;
     }
     auto arrivals = std::make_unique<BoxArrivals>(*state_->box, source, listener);

@@ -6,9 +6,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 
 namespace earshot::propagation {
 namespace {
+
+/// Arrivals whose pressures are computed together.
+constexpr std::size_t kBlock = 256;
 
 /// Whether all walls reflect alike, so that only the number of reflections counts.
 bool are_alike(std::span<const audio::Spectrum> reflection) {
@@ -42,28 +46,33 @@ std::vector<audio::Arrival> describe_arrivals(frustum::PathArrivals& paths,
     for (std::size_t i = 0; i < model.reflection.size(); ++i) {
         std::copy_n(model.reflection[i].begin(), model.bands, &walls[i * stride]);
     }
-    std::vector<double> pressures(lengths.size() * stride);
-    pressures_of_arrivals(
-        {.stride = stride,
-         .lengths = lengths,
-         .rates = model.air_absorption ? model.air.rates() : std::span<const double>(),
-         .walls = walls,
-         .orders = orders,
-         .sequences = sequences},
-        pressures);
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < lengths.size(); ++i) {
-        const double* pressure = &pressures[i * stride];
-        const bool is_wanted =
-            lengths[i] > 0.0 && std::any_of(pressure, pressure + model.bands, [&](double p) {
-                return p >= model.min_pressure;
-            });
-        if (is_wanted) {
-            if (kept != i) {
-                arrivals[kept] = arrivals[i];
+    std::vector<double> pressures(kBlock * stride);
+    std::size_t kept = 0, reflections = 0;
+    for (std::size_t first = 0; first < lengths.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, lengths.size() - first);
+        const auto block_orders = std::span(orders).subspan(first, count);
+        pressures_of_arrivals(
+            {.stride = stride,
+             .lengths = lengths.subspan(first, count),
+             .rates = model.air_absorption ? model.air.rates() : std::span<const double>(),
+             .walls = walls,
+             .orders = block_orders,
+             .sequences = std::span(sequences).subspan(name_facets ? reflections : 0)},
+            pressures);
+        reflections = std::accumulate(block_orders.begin(), block_orders.end(), reflections);
+        for (std::size_t i = first; i < first + count; ++i) {
+            const double* pressure = &pressures[(i - first) * stride];
+            const bool is_wanted =
+                lengths[i] > 0.0 && std::any_of(pressure, pressure + model.bands, [&](double p) {
+                    return p >= model.min_pressure;
+                });
+            if (is_wanted) {
+                if (kept != i) {
+                    arrivals[kept] = arrivals[i];
+                }
+                std::copy_n(pressure, model.bands, arrivals[kept].pressure.begin());
+                ++kept;
             }
-            std::copy_n(pressure, model.bands, arrivals[kept].pressure.begin());
-            ++kept;
         }
     }
     arrivals.resize(kept);

@@ -16,10 +16,7 @@ namespace earshot::frustum {
 /// short table per axis, and whether a line passes an edge is a question of two axes.
 class BoxArrivals {
 public:
-    /// Whether the walls of a room are coordinate planes, to the bit.
-    static bool suits(const BoxLattice& lattice) noexcept;
-
-    /// Preconditions: suits(lattice), and the points are contained in it.
+    /// Preconditions: the room is straight, and the points are contained in the lattice.
     BoxArrivals(const BoxLattice& lattice,
                 const geometry::Vec3& source,
                 const geometry::Vec3& listener);

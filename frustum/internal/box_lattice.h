@@ -31,6 +31,9 @@ public:
     /// errors could put its images on the wrong side of one.
     bool contains(const geometry::Vec3& point) const noexcept;
 
+    /// BoxRoom::is_straight().
+    bool is_straight() const noexcept { return room_.is_straight(); }
+
     /// Every path from a source to a listener, in no order. Nothing if it must be left to frusta:
     /// too many orders are possible. Precondition: both are contained.
     struct Paths {

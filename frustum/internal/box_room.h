@@ -21,6 +21,9 @@ struct BoxRoom {
     double error = 0.0;  ///< metres: how far walls, their corners and triangles lie off the ideal
 
     double size(std::size_t axis) const noexcept { return high[axis] - low[axis]; }
+    /// Whether all walls are coordinate planes, to the bit: there, mirroring changes one coordinate
+    /// and no other.
+    bool is_straight() const noexcept;
     /// Coordinates along the axes, from the low walls on.
     std::array<double, 3> local(const geometry::Vec3& point) const noexcept;
 };

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -62,7 +63,9 @@ private:
     void make_images();
     bool may_be_at_edge(const Crossing& a, const Crossing& b) const;
     std::vector<Cluster> clusters() const;
-    bool verify_every_order();
+    std::span<Crossing> crossings_of(const Cluster& cluster);
+    bool decide_at_edges();
+    bool take_lowest_order(std::span<const Cluster> uncertain);
     void verify(std::vector<SpecularPath>& found);
 };
 

@@ -128,6 +128,27 @@ TEST(BoxLattice, DecidesEdgesAndCornersAsFrustaDo) {
     }
 }
 
+// Four edges and more in one path, up to three corners: many combinations of orders.
+TEST(SlowBoxLattice, DecidesManyEdgesInOnePathAsFrustaDo) {
+    for (const bool is_turned : {false, true}) {
+        Dice dice(23);
+        BoxShape shape;
+        shape.size = {8.0, 3.5, 6.0};
+        shape.corner = {1.0, -2.0, 0.5};
+        shape.turn = is_turned ? random_turn(dice) : glm::dmat3(1.0);
+        shape.cuts = {{{0.3}, {}, {0.6}}};
+        const MeshedScene scene(box_mesh(shape, dice));
+        for (const Vec3& source : {Vec3(0.5), Vec3(0.25, 0.75, 0.5)}) {
+            for (const Vec3& listener : {Vec3(0.5), Vec3(0.25, 0.5, 0.5), Vec3(0.3, 0.5, 0.7)}) {
+                expect_equal(scene.scene_view(),
+                             point_in(shape, source),
+                             {point_in(shape, listener)},
+                             {.max_order = is_turned ? 7 : 9});
+            }
+        }
+    }
+}
+
 // The line from an image passes an edge of the lattice by less than rounding, by less than the
 // tolerance of files, and by more.
 TEST(BoxLattice, DecidesNearEdgesAsFrustaDo) {
