@@ -13,8 +13,8 @@
 
 namespace earshot::frustum {
 
-/// The triangles of one facet, looked up by position: a grid over the plane's two lesser axes,
-/// whose cells hold the triangles that they may touch.
+/// The triangles of one facet, looked up by position: a grid over the two axes along which the
+/// plane extends most, whose cells hold the triangles that they may touch.
 class WallTriangles {
 public:
     WallTriangles(const SceneView& scene, geometry::FacetId facet);
