@@ -1,6 +1,6 @@
 # Install and export: an outside project says find_package(earshot) and links earshot::bvh, or
-# earshot::earshot for everything; others ask pkg-config for `earshot`. Include this last, when every
-# module has been declared.
+# earshot::earshot for everything, or in C earshot::capi; others ask pkg-config for `earshot` or
+# `earshot-c`. Include this last, when every module has been declared.
 include(CMakePackageConfigHelpers)
 get_property(modules GLOBAL PROPERTY EARSHOT_MODULES)
 
@@ -56,5 +56,7 @@ else()
   string(REGEX REPLACE "/$" "" up "${up}")
   set(EARSHOT_PC_PREFIX "\${pcfiledir}/${up}")
 endif()
-configure_file(${PROJECT_SOURCE_DIR}/cmake/earshot.pc.in ${PROJECT_BINARY_DIR}/earshot.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/earshot.pc DESTINATION ${pkgconfig_dir})
+foreach(file IN ITEMS earshot.pc earshot-c.pc)
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/${file}.in ${PROJECT_BINARY_DIR}/${file} @ONLY)
+  install(FILES ${PROJECT_BINARY_DIR}/${file} DESTINATION ${pkgconfig_dir})
+endforeach()

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "earshot.h"
-
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -15,9 +14,7 @@ static void must(es_status status) {
 // Prints where the work is; anything but 0 would stop it.
 static int32_t show(void* user_data, const char* stage, uint64_t done, uint64_t total) {
     (void)user_data;
-    if (done == total) {
-        fprintf(stderr, "%s is done\n", stage);
-    }
+    fprintf(stderr, "\r%-12s%3.0f %%", stage, 100.0 * (double)done / (double)total);
     return 0;
 }
 
@@ -32,6 +29,7 @@ int main(void) {
     must(es_scene_assign_library(room, "*", "plaster-on-brick", NULL));
     must(es_scene_assign_library(room, "floor", "carpet-thin", NULL));
     must(es_scene_assign_library(room, "ceiling", "acoustic-tile-suspended", NULL));
+    must(es_scene_assign_library(room, "[es]*", "acoustic-plaster-25mm", NULL));  // east, south
     must(es_scene_add(room, ES_SOURCES, teacher, NULL, 1, NULL));
     must(es_scene_add(room, ES_LISTENERS, seats, names, 3, NULL));
 
@@ -40,6 +38,8 @@ int main(void) {
     options.progress = show;
     es_result result = 0;
     must(es_simulate(room, &options, &result));
+
+    fputc('\n', stderr);
 
     // (sources, listeners, channels, samples), one block, there until the result is released.
     const float* samples = NULL;
@@ -53,11 +53,8 @@ int main(void) {
     must(es_result_metric(
         result, ES_METRIC_STI, ES_EXPECTED, ES_SINGLE_NUMBER, &sti, NULL, of_metric));
     for (size_t seat = 0; seat < of_metric[1]; ++seat) {
-        printf("%s: T30 %.2f s, STI %.2f, %zu samples\n",
-               names[seat],
-               t30[seat],
-               sti[seat],
-               shape[3]);
+        printf(
+            "%s: T30 %.2f s, STI %.2f, %zu samples\n", names[seat], t30[seat], sti[seat], shape[3]);
     }
 
     // The geometry answers other questions, too: is the back seat in sight of the teacher?
