@@ -63,8 +63,8 @@ double longest_edge(const Corners& p) noexcept {
 
 /// Exact for axis-aligned triangles: a component of 0 stays 0 (never -0), the other becomes 1, and
 /// the offset is the coordinate.
-Plane plane_of(const Corners& corners) noexcept {
-    Vec3 normal = area_normal(corners);
+Plane plane_of(const Corners& corners, const Vec3& area_normal) noexcept {
+    Vec3 normal = area_normal;
     Vec3 size = glm::abs(normal);
     if (size == Vec3(0.0)) {
         // Thinner than rounding: all planes through its line are as good as each other.
@@ -85,25 +85,30 @@ Plane plane_of(const Corners& corners) noexcept {
 /// deviations cannot lead away from it.
 class Membership {
 public:
-    Membership(const Corners& seed, double tolerance)
-        : plane_(plane_of(seed)), origin_(seed[0]), tolerance_(tolerance) {
+    /// `normal`: the seed's area_normal().
+    Membership(const Corners& seed, const Vec3& normal, double tolerance)
+        : plane_(plane_of(seed, normal)), origin_(seed[0]), tolerance_(tolerance) {
         // Moving the seed's vertices by their rounding tilts its plane by at most tolerance / h, h
         // its smallest height. A seed so thin that the tilt is no longer small has a plane only
         // near itself.
         constexpr double kSteepest = 0x1p-12;
-        const Vec3 normal = area_normal(seed);
         const double height = std::sqrt(glm::dot(normal, normal)) / longest_edge(seed);
         tilt_ = tolerance <= kSteepest * height ? tolerance / height : 0.0;
     }
 
     const Plane& plane() const noexcept { return plane_; }
 
+    /// Whether a triangle with that corner may be included.
+    bool admits(const Vec3& corner) const noexcept {
+        return is_near(corner, plane_.distance(corner));
+    }
+
     /// Slivers have no normal to speak of, so all tests are on distances of vertices.
     bool includes(const Corners& p) const noexcept {
         const std::array<double, 3> distance{
             plane_.distance(p[0]), plane_.distance(p[1]), plane_.distance(p[2])};
         for (std::size_t i = 0; i < 3; ++i) {
-            if (std::abs(distance[i]) > allowed(p[i] - origin_)) {
+            if (!is_near(p[i], distance[i])) {
                 return false;
             }
             // Far out, where the tilt allows more, small steps are still steps.
@@ -118,6 +123,9 @@ public:
     }
 
 private:
+    bool is_near(const Vec3& corner, double distance) const noexcept {
+        return !(std::abs(distance) > allowed(corner - origin_));
+    }
     double allowed(const Vec3& offset) const noexcept {
         return tolerance_ + tilt_ * std::sqrt(glm::dot(offset, offset));
     }
@@ -128,13 +136,22 @@ private:
     double tilt_ = 0.0;
 };
 
+std::vector<Vec3> area_normals(const MeshView& mesh, Executor& executor) {
+    constexpr std::size_t kGrain = 4096;
+    std::vector<Vec3> normals(mesh.triangles.size());
+    executor.for_each(normals.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            normals[t] = area_normal(sorted_corners(mesh, static_cast<TriangleId>(t)));
+        }
+    });
+    return normals;
+}
+
 /// Triangles from the largest to the smallest, the lowest index first among equals.
-std::vector<TriangleId> by_descending_area(const MeshView& mesh) {
-    std::vector<std::pair<double, TriangleId>> keyed(mesh.triangles.size());
+std::vector<TriangleId> by_descending_area(std::span<const Vec3> normals) {
+    std::vector<std::pair<double, TriangleId>> keyed(normals.size());
     for (std::size_t t = 0; t < keyed.size(); ++t) {
-        const auto id = static_cast<TriangleId>(t);
-        const Vec3 normal = area_normal(sorted_corners(mesh, id));
-        keyed[t] = {-glm::dot(normal, normal), id};
+        keyed[t] = {-glm::dot(normals[t], normals[t]), static_cast<TriangleId>(t)};
     }
     std::sort(keyed.begin(), keyed.end());
     std::vector<TriangleId> order(keyed.size());
@@ -152,15 +169,17 @@ struct Groups {
 Groups grow_groups(const MeshView& mesh,
                    std::span<const HalfEdgeId> twins,
                    std::span<const std::uint32_t> labels,
-                   double tolerance) {
+                   double tolerance,
+                   Executor& executor) {
+    const std::vector<Vec3> normals = area_normals(mesh, executor);
     Groups groups;
     groups.of_triangle.assign(mesh.triangles.size(), kNoFacet);
     std::vector<TriangleId> stack;
-    for (const TriangleId seed : by_descending_area(mesh)) {
+    for (const TriangleId seed : by_descending_area(normals)) {
         if (groups.of_triangle[seed] != kNoFacet) {
             continue;
         }
-        const Membership membership(sorted_corners(mesh, seed), tolerance);
+        const Membership membership(sorted_corners(mesh, seed), normals[seed], tolerance);
         const auto facet = static_cast<FacetId>(groups.planes.size());
         groups.planes.push_back(membership.plane());
         groups.of_triangle[seed] = facet;
@@ -172,8 +191,11 @@ Groups grow_groups(const MeshView& mesh,
                 if (twins[h] == kNoHalfEdge) {
                     continue;
                 }
+                // The corner off the shared edge refuses most.
                 const TriangleId next = triangle_of(twins[h]);
+                const VertexId far = mesh.triangles[next][(twins[h] % 3 + 2) % 3];
                 if (groups.of_triangle[next] == kNoFacet && labels[next] == labels[seed] &&
+                    membership.admits(mesh.positions[far]) &&
                     membership.includes(sorted_corners(mesh, next))) {
                     groups.of_triangle[next] = facet;
                     stack.push_back(next);
@@ -190,12 +212,17 @@ Facets numbered(const Groups& groups) {
     result.facets.resize(groups.planes.size());
     result.of_triangle.resize(groups.of_triangle.size());
     std::vector<FacetId> number(groups.planes.size(), kNoFacet);
+    std::vector<std::uint32_t> sizes(groups.planes.size(), 0);
+    for (const FacetId group : groups.of_triangle) {
+        ++sizes[group];
+    }
     FacetId count = 0;
     for (std::size_t t = 0; t < groups.of_triangle.size(); ++t) {
         const FacetId group = groups.of_triangle[t];
         if (number[group] == kNoFacet) {
             number[group] = count++;
             result.facets[number[group]].plane = groups.planes[group];
+            result.facets[number[group]].triangles.reserve(sizes[group]);
         }
         result.of_triangle[t] = number[group];
         result.facets[number[group]].triangles.push_back(static_cast<TriangleId>(t));
@@ -250,25 +277,40 @@ Facets find_facets(const MeshView& mesh,
                    std::span<const VertexId> weld,
                    std::span<const std::uint32_t> labels,
                    Executor& executor) {
+    return FacetFinder(mesh, weld, labels).find(mesh, executor);
+}
+
+FacetFinder::FacetFinder(const MeshView& mesh,
+                         std::span<const VertexId> weld,
+                         std::span<const std::uint32_t> labels)
+    : welded_(mesh.triangles.size()), labels_(labels.begin(), labels.end()) {
     EARSHOT_ASSERT(weld.size() == mesh.positions.size());
     EARSHOT_ASSERT(labels.size() == mesh.triangles.size());
-    (void)executor;
-    std::vector<Triangle> welded(mesh.triangles.size());
     std::transform(
-        mesh.triangles.begin(), mesh.triangles.end(), welded.begin(), [&](const Triangle& t) {
+        mesh.triangles.begin(), mesh.triangles.end(), welded_.begin(), [&](const Triangle& t) {
             return Triangle{weld[t[0]], weld[t[1]], weld[t[2]]};
         });
-    const double tolerance = coplanar_tolerance(mesh);
-    const std::vector<HalfEdgeId> twins =
-        twins_of(EdgeTable(welded, mesh.positions.size()), welded);
+    twins_ = twins_of(EdgeTable(welded_, mesh.positions.size()), welded_);
+}
 
-    Facets result = numbered(grow_groups(mesh, twins, labels, tolerance));
+Facets FacetFinder::find(const MeshView& mesh, Executor& executor) const {
+    EARSHOT_ASSERT(mesh.triangles.size() == welded_.size());
+    const double tolerance = coplanar_tolerance(mesh);
+    Facets result = numbered(grow_groups(mesh, twins_, labels_, tolerance, executor));
     result.tolerance = tolerance;
-    BorderWalk walk(welded, twins, result.of_triangle, mesh.positions.size());
-    for (Facet& facet : result.facets) {
-        facet.deviation = deviation_of(facet, mesh);
-        find_loops(facet, walk, mesh.positions, tolerance);
-    }
+    // Few pieces, as each has a walk with marks for the whole mesh.
+    constexpr std::size_t kMaxPieces = 16;
+    constexpr std::size_t kMinGrain = 512;
+    const std::size_t count = result.facets.size();
+    const std::size_t grain = std::max(kMinGrain, chunk_count(count, kMaxPieces));
+    executor.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+        BorderWalk walk(welded_, twins_, result.of_triangle, mesh.positions.size());
+        for (std::size_t i = begin; i < end; ++i) {
+            Facet& facet = result.facets[i];
+            facet.deviation = deviation_of(facet, mesh);
+            find_loops(facet, walk, mesh.positions, tolerance);
+        }
+    });
     return result;
 }
 

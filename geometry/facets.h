@@ -3,7 +3,9 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/geometry/mesh.h"
+#include "earshot/geometry/topology.h"
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -57,5 +59,24 @@ Facets find_facets(const MeshView& mesh,
                    std::span<const VertexId> weld,
                    std::span<const std::uint32_t> labels,
                    Executor& executor = Executor::serial());
+
+/// find_facets() for a mesh that moves: what its vertices' positions do not change is found once.
+class FacetFinder {
+public:
+    FacetFinder() = default;
+    /// Preconditions as for find_facets().
+    FacetFinder(const MeshView& mesh,
+                std::span<const VertexId> weld,
+                std::span<const std::uint32_t> labels);
+
+    /// The facets of the mesh in its pose now. Preconditions: the triangles that it was made for,
+    /// whose vertices are welded as then.
+    Facets find(const MeshView& mesh, Executor& executor = Executor::serial()) const;
+
+private:
+    std::vector<Triangle> welded_;
+    std::vector<HalfEdgeId> twins_;
+    std::vector<std::uint32_t> labels_;
+};
 
 }  // namespace earshot::geometry

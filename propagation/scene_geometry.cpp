@@ -20,6 +20,9 @@ bool SceneGeometry::move(double time, double queries, Executor& executor) {
     has_facets_ = false;
     report_.reset();
     bool same_triangles = clean_.update({positions_, scene_.mesh.triangles()}, executor);
+    if (!same_triangles) {
+        facet_finder_.reset();
+    }
     if (kept().empty()) {
         throw Error(scene_.name,
                     "no triangle with an area is left after clean-up",
@@ -63,7 +66,10 @@ RayScene SceneGeometry::ray_scene() const noexcept {
 const geometry::Facets& SceneGeometry::facets(Executor& executor) const {
     const std::scoped_lock lock(on_demand_);
     if (!has_facets_) {
-        facets_ = geometry::find_facets(mesh(), clean_.clean().weld, labels_, executor);
+        if (!facet_finder_) {
+            facet_finder_.emplace(mesh(), clean_.clean().weld, labels_);
+        }
+        facets_ = facet_finder_->find(mesh(), executor);
         describe_facets();
         has_facets_ = true;
     }

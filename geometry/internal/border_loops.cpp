@@ -103,7 +103,24 @@ void remove_straight_corners(const std::vector<Vec3>& polygon,
 
 }  // namespace
 
+namespace {
+
+/// Without negative zeros, from the smallest vertex on.
+Loop normalised(Loop loop) {
+    for (Vec3& vertex : loop) {
+        vertex += 0.0;  // -0 becomes 0
+    }
+    std::rotate(
+        loop.begin(), std::min_element(loop.begin(), loop.end(), lexicographic_less), loop.end());
+    return loop;
+}
+
+}  // namespace
+
 Loop corners_of(const std::vector<Vec3>& polygon, double tolerance) {
+    if (polygon.size() == 3) {
+        return normalised(polygon);
+    }
     // The farthest vertex from any point is a corner of the convex hull. The smallest vertex and
     // the ones found from it are the same wherever the loop began.
     const Vec3 smallest = *std::min_element(polygon.begin(), polygon.end(), lexicographic_less);
@@ -123,11 +140,9 @@ Loop corners_of(const std::vector<Vec3>& polygon, double tolerance) {
     Loop loop;
     loop.reserve(corners.size());
     for (const std::size_t corner : corners) {
-        loop.push_back(polygon[corner % polygon.size()] + 0.0);  // -0 becomes 0
+        loop.push_back(polygon[corner % polygon.size()]);
     }
-    std::rotate(
-        loop.begin(), std::min_element(loop.begin(), loop.end(), lexicographic_less), loop.end());
-    return loop;
+    return normalised(std::move(loop));
 }
 
 BorderWalk::BorderWalk(std::span<const Triangle> triangles,

@@ -74,6 +74,7 @@ private:
     // Made on demand, by const functions that several threads may call.
     mutable std::mutex on_demand_;
     mutable bool has_facets_ = false;
+    mutable std::optional<geometry::FacetFinder> facet_finder_;  // of these triangles
     mutable geometry::Facets facets_;
     mutable std::vector<std::uint8_t> one_sided_, transmissive_;  // per facet
     mutable std::vector<double> max_pressure_factor_;             // likewise

@@ -244,6 +244,39 @@ TEST(Facets, OfNothingAreNone) {
     EXPECT_TRUE(find_facets({}, {}, {}).facets.empty());
 }
 
+TEST(FacetFinder, FollowsADeformingMeshAsIfEachPoseWereTheFirst) {
+    Mesh mesh = box_mesh(Vec3(4.0, 2.0, 3.0), 6);
+    const std::vector<VertexId> weld = clean(mesh.view()).weld;
+    std::vector<std::uint32_t> labels(mesh.triangles.size(), 0);
+    std::fill(labels.begin(), labels.begin() + 40, 1);
+    const FacetFinder finder(mesh.view(), weld, labels);
+    Executor two(2), eight(8);
+    std::set<std::size_t> counts;
+    for (int frame = 0; frame < 8; ++frame) {
+        Mesh moved = mesh;
+        for (Vec3& position : moved.positions) {
+            // A wall that bulges, more from frame to frame, and lies flat again in every third.
+            const double depth = position.x > 3.9 && frame % 3 != 0 ? 0.02 * frame : 0.0;
+            position.x += depth * position.y * (2.0 - position.y) * position.z;
+        }
+        const Facets expected = find_facets(moved.view(), weld, labels);
+        for (Executor* executor : {&two, &eight, &Executor::serial()}) {
+            const Facets found = finder.find(moved.view(), *executor);
+            ASSERT_EQ(found.of_triangle, expected.of_triangle) << frame;
+            ASSERT_EQ(found.tolerance, expected.tolerance);
+            for (std::size_t i = 0; i < expected.facets.size(); ++i) {
+                EXPECT_EQ(found.facets[i].plane.normal, expected.facets[i].plane.normal);
+                EXPECT_EQ(found.facets[i].plane.offset, expected.facets[i].plane.offset);
+                EXPECT_EQ(found.facets[i].deviation, expected.facets[i].deviation);
+                EXPECT_EQ(found.facets[i].triangles, expected.facets[i].triangles);
+                EXPECT_EQ(found.facets[i].loops, expected.facets[i].loops);
+            }
+        }
+        counts.insert(expected.facets.size());
+    }
+    EXPECT_GT(counts.size(), 1U);
+}
+
 TEST(Plane, MirrorsExactlyAcrossCoordinatePlanes) {
     const Plane wall{Vec3(-1.0, 0.0, 0.0), -7.3};  // x = 7.3, seen from smaller x
     EXPECT_EQ(wall.distance(Vec3(7.3, 5.0, 1.0)), 0.0);
