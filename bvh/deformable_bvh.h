@@ -3,12 +3,14 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/mesh_bvh.h"
+#include "earshot/bvh/partial_refit.h"
 #include "earshot/bvh/update_policy.h"
 #include "earshot/bvh/update_statistics.h"
 #include "earshot/bvh/wide_tree.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -49,6 +51,12 @@ public:
     /// Follows the mesh. Precondition: the hierarchy was built over a mesh of these triangles.
     UpdateReport update(const geometry::MeshView& mesh, Executor& executor = Executor::serial());
 
+    /// The same where only triangles in these ranges, which do not overlap, have moved since the
+    /// last update: a refit costs what has moved, and reads a byte per node. See moved_flags().
+    UpdateReport update(const geometry::MeshView& mesh,
+                        std::span<const TriangleRange> moved,
+                        Executor& executor = Executor::serial());
+
     /// Follows the boxes. Precondition: the hierarchy was built over as many boxes.
     UpdateReport update(std::span<const geometry::Aabb> boxes,
                         Executor& executor = Executor::serial());
@@ -77,6 +85,9 @@ private:
     void set_policy(std::size_t primitives, double sah_cost);
     template <typename Act>
     UpdateReport choose(double sah_cost_after_refit, Act&& act);
+    void refit_wide(const geometry::MeshView& mesh,
+                    std::span<const TriangleRange> moved,
+                    Executor& executor);
     Tree changed_tree(UpdateAction action,
                       std::span<const geometry::Aabb> boxes,
                       Executor& executor);
@@ -85,6 +96,7 @@ private:
     UpdateOptions options_;
     Tree tree_;  // of a mesh: refitted only when it is repaired
     WideTree wide_;
+    std::optional<PartialRefit> partial_refit_;  // of the wide tree, once it was wanted
     geometry::MeshView mesh_;
     UpdateStatistics statistics_;
     UpdatePolicy policy_;

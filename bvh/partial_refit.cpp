@@ -13,6 +13,41 @@ enum DirtyFlag : std::uint8_t { kChildMoved = 1, kLeafMoved = 2 };
 
 }  // namespace
 
+std::vector<std::uint8_t> moved_flags(const geometry::MeshView& mesh,
+                                      std::span<const geometry::Vec3> before,
+                                      Executor& executor) {
+    const std::span<const geometry::Vec3> now = mesh.positions;
+    const std::span<const geometry::Triangle> triangles = mesh.triangles;
+    EARSHOT_ASSERT(before.size() == now.size());
+    constexpr std::size_t kGrain = 16384;
+    std::vector<std::uint8_t> has_moved(now.size()), flags(triangles.size());
+    executor.for_each(now.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            has_moved[i] = before[i] != now[i] ? 1 : 0;
+        }
+    });
+    executor.for_each(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto& [a, b, c] = triangles[i];
+            flags[i] = static_cast<std::uint8_t>(has_moved[a] | has_moved[b] | has_moved[c]);
+        }
+    });
+    return flags;
+}
+
+std::vector<TriangleRange> ranges_of(std::span<const std::uint8_t> flags) {
+    std::vector<TriangleRange> ranges;
+    for (auto at = flags.begin();;) {
+        const auto begin = std::find_if(at, flags.end(), [](auto flag) { return flag != 0; });
+        if (begin == flags.end()) {
+            return ranges;
+        }
+        at = std::find(begin, flags.end(), 0);
+        ranges.push_back({static_cast<std::uint32_t>(begin - flags.begin()),
+                          static_cast<std::uint32_t>(at - flags.begin())});
+    }
+}
+
 PartialRefit::PartialRefit(const WideTree& tree)
     : node_of_triangle_(tree.triangle_count()),
       parents_(tree.nodes().size()),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/parallel.h"
 #include "earshot/bvh/wide_tree.h"
 
 #include <cstdint>
@@ -13,6 +14,22 @@ namespace earshot::bvh {
 struct TriangleRange {
     std::uint32_t begin = 0, end = 0;
 };
+
+/// A flag per triangle: whether a vertex of it is elsewhere than before. Precondition: there were
+/// as many vertices.
+std::vector<std::uint8_t> moved_flags(const geometry::MeshView& mesh,
+                                      std::span<const geometry::Vec3> before,
+                                      Executor& executor = Executor::serial());
+
+/// The ranges of flags that are set, ascending and as long as can be.
+std::vector<TriangleRange> ranges_of(std::span<const std::uint8_t> flags);
+
+/// The ranges of the triangles of which a vertex is elsewhere than before.
+inline std::vector<TriangleRange> moved_triangles(const geometry::MeshView& mesh,
+                                                  std::span<const geometry::Vec3> before,
+                                                  Executor& executor = Executor::serial()) {
+    return ranges_of(moved_flags(mesh, before, executor));
+}
 
 /// Links from the triangles of a wide tree to its nodes and to their parents, for refits whose cost
 /// follows what has moved. Valid as long as the topology does not change.

@@ -22,6 +22,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace earshot::cli {
@@ -113,8 +114,10 @@ private:
         const visibility::ExclusionMask excluded = ignore_.mask_for(scene);
         std::optional<bvh::DeformableBvh> tree;
         std::optional<visibility::CoherentLineOfSight> coherent;
+        std::vector<Vec3> positions;
         for (std::size_t frame = 0; frame < times.size(); ++frame) {
-            const std::vector<Vec3> positions = scene.mesh.positions_at(times[frame]);
+            const std::vector<Vec3> before =
+                std::exchange(positions, scene.mesh.positions_at(times[frame]));
             const geometry::MeshView mesh{positions, scene.mesh.triangles()};
             io::LineOfSightCsv csv;
             const auto take = [&](auto row) {
@@ -137,7 +140,7 @@ private:
                 }
             } else {
                 if (tree) {
-                    tree->update(mesh, executor);
+                    tree->update(mesh, bvh::moved_triangles(mesh, before, executor), executor);
                 } else {
                     tree.emplace(mesh, update, executor);
                 }

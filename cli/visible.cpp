@@ -17,6 +17,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace earshot::cli {
@@ -111,12 +112,14 @@ private:
         std::optional<bvh::DeformableBvh> tree;
         std::uint64_t rays = 0;  // of the last instant, and of its picture
         Progress* const inner = times.size() == 1 ? &progress : nullptr;
+        std::vector<Vec3> positions;
         for (std::size_t frame = 0; frame < times.size(); ++frame) {
-            const std::vector<Vec3> positions = scene.mesh.positions_at(times[frame]);
+            const std::vector<Vec3> before =
+                std::exchange(positions, scene.mesh.positions_at(times[frame]));
             const MeshView mesh{positions, scene.mesh.triangles()};
             if (tree) {
                 tree->expect_queries(static_cast<double>(rays));
-                tree->update(mesh, executor);
+                tree->update(mesh, bvh::moved_triangles(mesh, before, executor), executor);
             } else {
                 tree.emplace(mesh, bvh::UpdateOptions{}, executor);
             }

@@ -49,7 +49,8 @@ bool SceneGeometry::set_triangles() {
 void SceneGeometry::update_bvh(bool same_triangles, double queries, Executor& executor) {
     if (same_triangles) {
         bvh_->expect_queries(queries);
-        bvh_->update(mesh(), executor);
+        // The positions before the swap in move().
+        bvh_->update(mesh(), bvh::moved_triangles(mesh(), moved_, executor), executor);
         return;
     }
     if (bvh_) {

@@ -12,7 +12,6 @@ namespace earshot::visibility {
 
 using geometry::MeshView;
 using geometry::Segment;
-using geometry::Triangle;
 using geometry::TriangleId;
 using geometry::Vec3;
 
@@ -48,21 +47,15 @@ CoherentLineOfSight::CoherentLineOfSight(const MeshView& mesh,
       moved_(mesh.triangles.size()) {}
 
 void CoherentLineOfSight::update(const MeshView& mesh, Executor& executor) {
-    const std::vector<std::uint8_t> is_moved = moved_points(positions_, mesh.positions);
-    executor.for_each(mesh.triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const Triangle& triangle = mesh.triangles[i];
-            moved_[i] = static_cast<std::uint8_t>(is_moved[triangle[0]] | is_moved[triangle[1]] |
-                                                  is_moved[triangle[2]]);
-        }
-    });
-    if (std::find(is_moved.begin(), is_moved.end(), 1) != is_moved.end()) {
-        tree_.update(mesh, executor);
+    moved_ = bvh::moved_flags(mesh, positions_, executor);
+    const std::vector<bvh::TriangleRange> ranges = bvh::ranges_of(moved_);
+    if (!ranges.empty()) {
+        tree_.update(mesh, ranges, executor);
         positions_.assign(mesh.positions.begin(), mesh.positions.end());
     }
     moved_box_ = {};
-    for (std::size_t i = 0; i < moved_.size(); ++i) {
-        if (moved_[i] != 0) {
+    for (const bvh::TriangleRange& range : ranges) {
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
             const auto [a, b, c] = geometry::corners(mesh, i);
             moved_box_.include(geometry::triangle_box(a, b, c));
         }

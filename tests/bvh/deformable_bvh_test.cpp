@@ -107,6 +107,35 @@ TEST(DeformableBvh, DecidesTheSameForAnyNumberOfThreads) {
     }
 }
 
+TEST(DeformableBvh, DecidesAndAnswersTheSameToldWhatHasMoved) {
+    const Mesh mesh = test::triangle_soup(4, 2000);
+    DeformableBvh told(mesh.view()), not_told(mesh.view());
+    Mesh now = mesh;
+    std::size_t changes = 0;
+    for (int frame = 1; frame <= 30; ++frame) {
+        const std::vector<Vec3> before = now.positions;
+        // Mostly some triangles, so that partial refits and full ones take turns.
+        const std::size_t moving = frame % 7 == 0 ? mesh.triangles.size() : 150;
+        for (std::size_t i = 0; i < moving; ++i) {
+            for (const geometry::VertexId vertex : mesh.triangles[i]) {
+                now.positions[vertex] += 0.1 * test::random_point(78, i);
+            }
+        }
+        const UpdateReport report = told.update(now.view(), moved_triangles(now.view(), before));
+        const UpdateReport expected = not_told.update(now.view());
+        EXPECT_EQ(report.action, expected.action) << frame;
+        EXPECT_EQ(report.sah_cost_after_refit, expected.sah_cost_after_refit) << frame;
+        EXPECT_EQ(report.sah_cost, expected.sah_cost) << frame;
+        EXPECT_EQ(told.version(), not_told.version());
+        changes += report.action == UpdateAction::refit ? 0 : 1;
+    }
+    EXPECT_GT(changes, 0U);
+    for (std::uint64_t i = 0; i < 200; ++i) {
+        const Ray ray{2.0 * test::random_point(5, i), test::random_point(6, i)};
+        EXPECT_EQ(told.view().closest_hit(ray), brute_force::closest_hit(now.view(), ray));
+    }
+}
+
 TEST(DeformableBvh, LeavesARestingMeshAlone) {
     const Mesh mesh = test::triangle_soup(6, 500);
     DeformableBvh moving(mesh.view(), {.queries_per_update = 1e9});

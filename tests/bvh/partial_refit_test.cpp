@@ -60,5 +60,35 @@ TEST(PartialRefit, HoldsSmallAndEmptyTrees) {
     }
 }
 
+TEST(MovedTriangles, AreThoseOfWhichAVertexIsElsewhere) {
+    // Triangle i has the vertices i, i + 1 and i + 2.
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < 40000; ++i) {
+        mesh.positions.push_back(test::random_point(5, i));
+        if (i >= 2) {
+            mesh.triangles.push_back({i - 2, i - 1, i});
+        }
+    }
+    const std::vector<geometry::Vec3> before = mesh.positions;
+    const auto ranges = [&] {
+        Executor executor(2);
+        std::vector<std::array<std::uint32_t, 2>> result;
+        for (const TriangleRange& range : moved_triangles(mesh.view(), before, executor)) {
+            result.push_back({range.begin, range.end});
+        }
+        return result;
+    };
+    using Ranges = std::vector<std::array<std::uint32_t, 2>>;
+    EXPECT_EQ(ranges(), Ranges{});
+    mesh.positions[0].x += 1.0;
+    mesh.positions[10].y += 1e-300;  // is rounded away
+    mesh.positions[20].z += 1.0;
+    mesh.positions[21].z += 1.0;
+    mesh.positions[39999].z += 1.0;
+    EXPECT_EQ(ranges(), (Ranges{{0, 1}, {18, 22}, {39997, 39998}}));
+    mesh.triangles.clear();
+    EXPECT_EQ(ranges(), Ranges{});
+}
+
 }  // namespace
 }  // namespace earshot::bvh
