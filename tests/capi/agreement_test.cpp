@@ -108,6 +108,22 @@ TEST_F(Agreement, BinauralResponsesAreThoseOfTheProgram) {
     expect_same_files(run);
 }
 
+// The module that reads SOFA files is loaded for it.
+TEST_F(Agreement, AnHrirSetOfAFileIsThatOfTheProgram) {
+    const char* file = "/usr/share/libmysofa/MIT_KEMAR_normal_pinna.sofa";
+    if (!std::filesystem::exists(file)) {
+        GTEST_SKIP() << file << " is not there (package libmysofa1)";
+    }
+    SimulatedCase run = {
+        "scenes/shoebox.gltf", std::string("--format binaural --hrtf ") + file, defaults()};
+    run.options.format = ES_FORMAT_BINAURAL;
+    run.options.hrtf_file = file;
+    expect_same_files(run);
+    run.arguments += " --hrtf-raw";
+    run.options.hrtf_raw = 1;
+    expect_same_files(run);
+}
+
 TEST_F(Agreement, OptionsMeanWhatTheyMeanToTheProgram) {
     const double noise[7] = {50.0, 45.0, 40.0, 35.0, 30.0, 25.0, 20.0};
     SimulatedCase run = {

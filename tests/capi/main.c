@@ -122,6 +122,7 @@ int main(int argc, char** argv) {
                   {"worlds", test_worlds},
                   {"world_errors", test_world_errors},
                   {"visible_sets", test_visible_sets},
+                  {"without_module", test_without_module},
                   {"threads", test_threads}};
     if (argc != 3) {
         fprintf(stderr, "usage: %s GROUP PROJECT_FOLDER\n", argv[0]);

@@ -326,3 +326,19 @@ void test_simulation_options(void) {
     CHECK_FAILS(ES_ERROR_FAILED, "no source", es_simulator_create(scene, NULL, &result));
     CHECK_OK(es_release(scene));
 }
+
+/// Run with a library that stands alone: only the reading of SOFA files fails.
+void test_without_module(void) {
+    es_scene scene = make_room(0.5);
+    es_simulation_options options = early_options(1);
+    es_result result = 0;
+    options.metrics = 0;
+    CHECK_OK(es_simulate(scene, &options, &result));
+    CHECK_OK(es_release(result));
+    options.format = ES_FORMAT_BINAURAL;
+    options.hrtf_file = "any.sofa";
+    CHECK_FAILS(
+        ES_ERROR_FAILED, "libearshot-sofa.so beside", es_simulate(scene, &options, &result));
+    CHECK_TEXT(es_error_subject(), "any.sofa");
+    CHECK_OK(es_release(scene));
+}
