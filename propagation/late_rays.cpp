@@ -189,8 +189,15 @@ double late_length(const RayScene& scene,
     few.rays = std::min<std::size_t>(options.rays, 512);
     few.max_error = 0.0;
     few.bin = kMaxLength;
-    for (few.length = kMinLength; few.length < kMaxLength; few.length *= 1.5) {
-        const EnergyBalance balance = trace_late_rays(scene, source, {}, few, executor).balance;
+    few.length = kMinLength;
+    check(few);
+    // One tracer for all lengths, which refers to the options.
+    RayTracer tracer(scene, source, {}, few, executor);
+    for (; few.length < kMaxLength; few.length *= 1.5) {
+        tracer.set_length();
+        Experiment experiment(tracer, 0, few);
+        experiment.run(executor, nullptr);
+        const EnergyBalance balance = experiment.result().balance;
         double left = 0.0;
         for (std::size_t band = 0; band < options.bands.count(); ++band) {
             left = std::max(left, balance.remaining[band] / balance.emitted[band]);

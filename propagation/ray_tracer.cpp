@@ -91,9 +91,6 @@ RayTracer::RayTracer(const RayScene& scene,
       source_(source),
       options_(options),
       bands_(options.bands.count()),
-      max_distance_(speed_of_sound(options.air) * options.length),
-      bins_per_metre_(1.0 / (speed_of_sound(options.air) * options.bin)),
-      bins_(static_cast<std::size_t>(std::ceil(options.length / options.bin))),
       self_intersection_offset_(kSelfIntersectionOffset * (scene.bvh.max_abs_coordinate() +
                                                            glm::length(source.pose.position))) {
     describe_surfaces();
@@ -101,6 +98,13 @@ RayTracer::RayTracer(const RayScene& scene,
     rectangular_room_ = find_rectangular_room();
     scattered_radius_ = scattered_radius();
     describe_receivers(listeners, executor);
+    set_length();
+}
+
+void RayTracer::set_length() {
+    max_distance_ = speed_of_sound(options_.air) * options_.length;
+    bins_per_metre_ = 1.0 / (speed_of_sound(options_.air) * options_.bin);
+    bins_ = static_cast<std::size_t>(std::ceil(options_.length / options_.bin));
     limit_roulette();
 }
 
@@ -203,6 +207,7 @@ void RayTracer::limit_roulette() {
     // spread of the results as it is.
     constexpr double kShareOfMeanDecay = 0.1;
     roulette_steps_per_metre_ = kSteps / max_distance_;
+    roulette_thresholds_.clear();
     for (std::size_t step = 0; step <= kSteps; ++step) {
         const double time = options_.length * static_cast<double>(step) / kSteps;
         const double decayed =

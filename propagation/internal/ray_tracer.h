@@ -94,6 +94,9 @@ public:
               const RayOptions& options,
               Executor& executor);
 
+    /// Follows a change of the options' length or decay time; what is known of the scene stays.
+    void set_length();
+
     std::size_t bins() const noexcept { return bins_; }
     std::size_t direction_intervals() const noexcept;
 
@@ -160,9 +163,9 @@ private:
     const RaySource& source_;
     const RayOptions& options_;
     std::size_t bands_;
-    double max_distance_;  // metres that sound travels until the histogram ends
-    double bins_per_metre_;
-    std::size_t bins_;
+    double max_distance_ = 0.0;  // metres that sound travels until the histogram ends
+    double bins_per_metre_ = 0.0;
+    std::size_t bins_ = 0;
     double self_intersection_offset_;
     Surfaces surfaces_;
     Surfaces reversed_surfaces_;                      // for rays against the direction of sound
