@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace earshot::collision {
@@ -90,11 +91,16 @@ public:
         subfront.clear();
         subfront.reserve(before.size());
         std::vector<BvttNode> stack;
+        std::size_t news = 0;  // one beyond the last entry that was newly culled
         for (const FrontEntry& entry : before) {
             const BvttNode node = entry.node();
             if (is_culled(node)) {
                 subfront.emplace_back(node, true, !entry.is_culled());
-                move_up(subfront, retry_parents);
+                news = entry.is_culled() ? news : subfront.size();
+                if ((retry_parents || news + kMaxChildren > subfront.size()) &&
+                    move_up(subfront, retry_parents)) {
+                    news = subfront.size();
+                }
             } else {
                 stack.push_back(node);
                 descend(stack, subfront);
@@ -112,6 +118,8 @@ public:
     }
 
 private:
+    static constexpr std::size_t kMaxChildren = std::tuple_size_v<decltype(BvttChildren::nodes)>;
+
     /// Visits what is below a node that is not culled, the only one on the stack.
     void descend(std::vector<BvttNode>& stack, std::vector<FrontEntry>& subfront) {
         while (!stack.empty()) {
@@ -136,19 +144,13 @@ private:
     }
 
     /// Lauterbach 2010, section 6.2.3: where all children of a node are culled and so is the node,
-    /// it takes their place, and then its parent may be next.
-    void move_up(std::vector<FrontEntry>& subfront, bool retry_parents) {
-        const auto may_have_news = [&] {
-            const std::size_t count = std::min<std::size_t>(subfront.size(), 3);
-            return std::any_of(subfront.end() - static_cast<std::ptrdiff_t>(count),
-                               subfront.end(),
-                               [](const FrontEntry& entry) { return entry.is_newly_culled(); });
-        };
-        while (retry_parents || may_have_news()) {
+    /// it takes their place, and then its parent may be next. Returns whether the front moved.
+    bool move_up(std::vector<FrontEntry>& subfront, bool retry_parents) {
+        for (bool has_moved = false;; has_moved = true) {
             const BvttParent parent = parent_of_last(subfront, parents_);
             if (parent.children == 0 || !(parent.any_newly_culled || retry_parents) ||
                 !is_culled(parent.node)) {
-                return;
+                return has_moved;
             }
             subfront.resize(subfront.size() - parent.children);
             subfront.emplace_back(parent.node, true, true);

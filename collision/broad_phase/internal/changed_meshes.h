@@ -55,8 +55,10 @@ void for_each_index(std::span<const IndexRange> ranges,
         auto at = static_cast<std::size_t>(std::upper_bound(ends.begin(), ends.end(), from) -
                                            ends.begin());
         for (std::size_t i = from; i < to; ++at) {
-            for (; i < std::min(to, ends[at]); ++i) {
-                visit(ranges[at].end - static_cast<std::uint32_t>(ends[at] - i));
+            const std::size_t stop = std::min(to, ends[at]);
+            auto index = ranges[at].end - static_cast<std::uint32_t>(ends[at] - i);
+            for (; i < stop; ++i, ++index) {
+                visit(index);
             }
         }
     });
