@@ -63,15 +63,15 @@ void expect_near_reference(const std::vector<Arrival>& arrivals) {
 
 // The bound that docs/algorithms/audio.md states, against arrivals that are filtered one by one.
 TEST(ResponseAssembly, OfARoomOfOneMaterialIsTheSumOfItsArrivals) {
-    expect_near_reference(box_arrivals(8, wall_factors(true)));
+    expect_near_reference(box_arrivals(7, wall_factors(true)));
 }
 
 TEST(ResponseAssembly, OfARoomOfSixMaterialsIsTheSumOfItsArrivals) {
-    expect_near_reference(box_arrivals(8, wall_factors(false)));
+    expect_near_reference(box_arrivals(7, wall_factors(false)));
 }
 
 TEST(ResponseAssembly, OfUnrelatedSpectraIsTheSumOfItsArrivals) {
-    for (const std::size_t count : {1U, 5U, 40U, 200U, 800U}) {
+    for (const std::size_t count : {1U, 5U, 40U, 400U}) {
         SCOPED_TRACE(count);
         expect_near_reference(wild_arrivals(count, count));
     }
@@ -163,7 +163,7 @@ HrirSet some_head() {
 
 TEST(ResponseAssembly, AtTwoEarsIsTheSumOfArrivalsThroughTheirResponses) {
     const HrirInterpolator hrirs(some_head());
-    for (const int order : {1, 5}) {
+    for (const int order : {1, 4}) {
         auto arrivals = box_arrivals(order, wall_factors(true));
         arrivals[2].is_inverted = true;
         const auto ears = render_binaural(assembler(), arrivals, hrirs);

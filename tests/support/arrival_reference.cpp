@@ -24,25 +24,31 @@ std::vector<Complex> roots_of_unity(std::size_t size) {
     return roots;
 }
 
-// Cooley and Tukey's recursion; the exponent is positive, or negative with conjugate values.
+// Cooley and Tukey's transform in place, of a power of two; the exponent is positive.
 void transform(std::vector<Complex>& values, const std::vector<Complex>& roots) {
     const std::size_t size = values.size();
-    if (size == 1) {
-        return;
+    for (std::size_t k = 1, reversed = 0; k < size; ++k) {
+        std::size_t bit = size / 2;
+        for (; (reversed & bit) != 0; bit /= 2) {
+            reversed ^= bit;
+        }
+        reversed ^= bit;
+        if (k < reversed) {
+            std::swap(values[k], values[reversed]);
+        }
     }
-    std::vector<Complex> even(size / 2), odd(size / 2);
-    for (std::size_t k = 0; k < size / 2; ++k) {
-        even[k] = values[2 * k];
-        odd[k] = values[2 * k + 1];
-    }
-    transform(even, roots);
-    transform(odd, roots);
-    for (std::size_t k = 0; k < size / 2; ++k) {
-        const Complex root = roots[k * (roots.size() / size)];
-        const Complex turned = {root.real() * odd[k].real() - root.imag() * odd[k].imag(),
-                                root.real() * odd[k].imag() + root.imag() * odd[k].real()};
-        values[k] = even[k] + turned;
-        values[k + size / 2] = even[k] - turned;
+    for (std::size_t half = 1; half < size; half *= 2) {
+        for (std::size_t begin = 0; begin < size; begin += 2 * half) {
+            for (std::size_t k = 0; k < half; ++k) {
+                const Complex root = roots[k * (size / (2 * half))];
+                const Complex even = values[begin + k];
+                const Complex odd = values[begin + k + half];
+                const Complex turned = {root.real() * odd.real() - root.imag() * odd.imag(),
+                                        root.real() * odd.imag() + root.imag() * odd.real()};
+                values[begin + k] = even + turned;
+                values[begin + k + half] = even - turned;
+            }
+        }
     }
 }
 
