@@ -209,8 +209,11 @@ es_status es_bvh_occluded(es_bvh bvh,
         require_threads(threads, "threads");
         const auto out = require_array(occluded, count, "occluded");
         Executor executor(threads);
-        const auto segments = segments_of(from, to, count, executor);
-        object->tree.view().occluded(segments, out, executor);
+        std::vector<std::uint8_t> found(count);  // handed over when all ends were found right
+        for_segments(from, to, count, [&](std::span<const geometry::Segment> some, std::size_t i) {
+            object->tree.view().occluded(some, std::span(found).subspan(i, some.size()), executor);
+        });
+        std::copy(found.begin(), found.end(), out.begin());
     });
 }
 

@@ -136,13 +136,19 @@ void require_size(std::size_t given, std::size_t expected, const char* argument)
 
 std::span<const geometry::Vec3> require_points(const double* points,
                                                std::size_t count,
-                                               const char* argument) {
+                                               const char* argument,
+                                               std::size_t first) {
     static_assert(sizeof(geometry::Vec3) == 3 * sizeof(double) &&
                   std::is_standard_layout_v<geometry::Vec3>);
     require_array(reinterpret_cast<const geometry::Vec3*>(points), count, argument);
+    // Without a branch per number: most calls are right.
+    bool are_right = true;
     for (std::size_t i = 0; i < 3 * count; ++i) {
+        are_right &= std::abs(points[i]) <= kMaxCoordinate;
+    }
+    for (std::size_t i = 0; !are_right && i < 3 * count; ++i) {
         if (!(std::abs(points[i]) <= kMaxCoordinate)) {
-            fail_argument(std::string(argument) + "[" + std::to_string(i / 3) + "]",
+            fail_argument(std::string(argument) + "[" + std::to_string(first + i / 3) + "]",
                           "has a coordinate of " + text_of(points[i]),
                           "give finite coordinates of at most 1e12 m");
         }

@@ -10,28 +10,6 @@
 #include <algorithm>
 #include <limits>
 
-namespace earshot::capi {
-
-std::vector<geometry::Segment> segments_of(const double* from,
-                                           const double* to,
-                                           std::size_t count,
-                                           Executor& executor) {
-    require_array(from, 3 * require_array(from, count, "from").size(), "from");
-    require_array(to, 3 * require_array(to, count, "to").size(), "to");
-    std::vector<geometry::Segment> segments(count);
-    constexpr std::size_t kGrain = 4096;
-    executor.for_each(count, kGrain, [&](std::size_t begin, std::size_t end) {
-        const auto begins = require_points(from + 3 * begin, end - begin, "from");
-        const auto ends = require_points(to + 3 * begin, end - begin, "to");
-        for (std::size_t i = begin; i < end; ++i) {
-            segments[i] = {begins[i - begin], ends[i - begin]};
-        }
-    });
-    return segments;
-}
-
-}  // namespace earshot::capi
-
 using namespace earshot;
 using namespace earshot::capi;
 
@@ -58,9 +36,13 @@ es_status es_bvh_visible(es_bvh bvh,
         require_threads(threads, "threads");
         const auto out = require_array(visible, count, "visible");
         Executor executor(threads);
-        const auto segments = segments_of(from, to, count, executor);
-        const auto found =
-            visibility::visible(object->tree.view(), segments, object->excluded, executor);
+        std::vector<std::uint8_t> found;  // handed over when all ends were found right
+        found.reserve(count);
+        for_segments(from, to, count, [&](std::span<const geometry::Segment> some, std::size_t) {
+            const auto part =
+                visibility::visible(object->tree.view(), some, object->excluded, executor);
+            found.insert(found.end(), part.begin(), part.end());
+        });
         std::copy(found.begin(), found.end(), out.begin());
     });
 }
@@ -77,9 +59,12 @@ es_status es_bvh_first_blockers(es_bvh bvh,
         require_threads(threads, "threads");
         require_array(triangles, count, "triangles");
         Executor executor(threads);
-        const auto segments = segments_of(from, to, count, executor);
-        const auto found =
-            visibility::first_blockers(object->tree.view(), segments, object->excluded, executor);
+        std::vector<std::optional<visibility::Blocker>> found;
+        for_segments(from, to, count, [&](std::span<const geometry::Segment> some, std::size_t) {
+            const auto part =
+                visibility::first_blockers(object->tree.view(), some, object->excluded, executor);
+            found.insert(found.end(), part.begin(), part.end());
+        });
         for (std::size_t i = 0; i < count; ++i) {
             triangles[i] = found[i] ? found[i]->triangle : ES_NONE;
             if (t != nullptr) {

@@ -65,10 +65,12 @@ void require_size(std::size_t given, std::size_t expected, const char* argument)
 /// Metres; coordinates beyond this are taken for mistakes, as the readers of files do.
 inline constexpr double kMaxCoordinate = 1e12;
 
-/// Points of (count, 3) coordinates that are finite and at most kMaxCoordinate.
+/// Points of (count, 3) coordinates that are finite and at most kMaxCoordinate; `first` is the
+/// number of the first of them to the caller.
 std::span<const geometry::Vec3> require_points(const double* points,
                                                std::size_t count,
-                                               const char* argument);
+                                               const char* argument,
+                                               std::size_t first = 0);
 geometry::Vec3 require_point(const double* point, const char* argument);
 
 /// Triangles of vertices that there are.
