@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// bench_bvh_update [MESH]: what it costs to keep a hierarchy over a mesh that deforms, and to ask
-// it, for four policies: refit only, rebuild always, the 40 % rule of Lauterbach 2010, and
-// DeformableBvh.
+// bench_bvh_update [MESH [RAYS]]: what it costs to keep a hierarchy over a mesh that deforms, and
+// to query it, for four policies: refit only, rebuild always, the 40 % rule of Lauterbach 2010, and
+// DeformableBvh; and what reinsertion gains in the mesh at rest. Without a mesh: in a city through
+// which boxes drift. Processor times, so that other programs disturb less.
 
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
 #include "earshot/bvh/deformable_bvh.h"
 #include "earshot/bvh/partial_refit.h"
+#include "earshot/bvh/quality.h"
+#include "earshot/bvh/reinsertion.h"
 #include "earshot/bvh/wide_batch.h"
 #include "earshot/io/scene_file.h"
 
@@ -16,6 +19,7 @@
 
 #include "harness.h"
 #include "structures/area_ratio_rule.h"
+#include "support/drifting_city.h"
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -39,8 +43,6 @@ using earshot::geometry::Mesh;
 using earshot::geometry::MeshView;
 using earshot::geometry::Ray;
 using earshot::geometry::Vec3;
-
-constexpr int kFrames = 30;
 
 struct Box {
     Vec3 lower{1e300}, upper{-1e300};
@@ -67,6 +69,11 @@ Mesh unshared(const Mesh& mesh) {
         result.triangles.push_back({first, first + 1, first + 2});
     }
     return result;
+}
+
+template <typename Work>
+double processor_seconds_of(Work&& work) {
+    return bench::times_of(work).processor;
 }
 
 using Motion = std::function<Mesh(double)>;  // of time, 0 to 1
@@ -125,6 +132,7 @@ struct Policy {
     std::function<void(const MeshView&)> update;
     std::function<const WideTree&()> tree;
     double update_seconds = 0.0, ray_seconds = 0.0, worst_rate = 1e300;
+    double last_cost = 0.0;  // sah_cost() in the last frame
     std::vector<std::optional<Hit>> hits{};
 };
 
@@ -132,7 +140,7 @@ WideTree built(const MeshView& mesh) {
     return WideTree::build(Tree::build(earshot::bvh::triangle_boxes(mesh)), mesh);
 }
 
-void follow(const char* name, const Motion& motion, std::size_t ray_count) {
+void follow(const char* name, const Motion& motion, int frames, std::size_t ray_count) {
     const Mesh rest = motion(0.0);
     WideTree refitted = built(rest.view());
     WideTree rebuilt = refitted;
@@ -168,15 +176,16 @@ void follow(const char* name, const Motion& motion, std::size_t ray_count) {
              rebuilds += action == earshot::bvh::UpdateAction::rebuild ? 1 : 0;
          },
          [&]() -> const WideTree& { return moving.tree(); }}};
-    for (int frame = 1; frame <= kFrames; ++frame) {
-        const Mesh mesh = motion(static_cast<double>(frame) / kFrames);
+    for (int frame = 1; frame <= frames; ++frame) {
+        const Mesh mesh = motion(static_cast<double>(frame) / frames);
         const auto rays = random_rays(mesh, static_cast<std::uint64_t>(frame), ray_count);
         double fresh = 0.0;
         for (Policy& policy : policies) {
             policy.hits.resize(ray_count);
-            policy.update_seconds += bench::seconds_of([&] { policy.update(mesh.view()); });
-            const double asked = bench::seconds_of(
+            policy.update_seconds += processor_seconds_of([&] { policy.update(mesh.view()); });
+            const double asked = processor_seconds_of(
                 [&] { earshot::bvh::closest_hits(policy.tree(), mesh.view(), rays, policy.hits); });
+            policy.last_cost = earshot::bvh::sah_cost(policy.tree());
             policy.ray_seconds += asked;
             fresh = fresh == 0.0 ? asked : fresh;
             policy.worst_rate = std::min(policy.worst_rate, fresh / asked);
@@ -186,16 +195,17 @@ void follow(const char* name, const Motion& motion, std::size_t ray_count) {
         }
     }
     for (const Policy& policy : policies) {
-        std::printf("| %s | %s | %.2f | %.1f | %.1f | %.2f | %.2f |\n",
+        std::printf("| %s | %s | %.2f | %.1f | %.1f | %.2f | %.2f | %.2f |\n",
                     name,
                     policy.name,
-                    1e3 * policy.update_seconds / kFrames,
-                    1e3 * policy.ray_seconds / kFrames,
-                    1e3 * (policy.update_seconds + policy.ray_seconds) / kFrames,
+                    1e3 * policy.update_seconds / frames,
+                    1e3 * policy.ray_seconds / frames,
+                    1e3 * (policy.update_seconds + policy.ray_seconds) / frames,
                     policies.front().ray_seconds / policy.ray_seconds,
-                    policy.worst_rate);
+                    policy.worst_rate,
+                    policy.last_cost / policies.front().last_cost);
     }
-    std::printf("| | 40 %% rule: %d rebuilds; update: %d repairs, %d rebuilds | | | | | |\n",
+    std::printf("| | 40 %% rule: %d rebuilds; update: %d repairs, %d rebuilds | | | | | | |\n",
                 rule_rebuilds,
                 repairs,
                 rebuilds);
@@ -233,39 +243,124 @@ void move_one_of_a_hundred(const Mesh& part) {
                 100.0 * partial / full);
 }
 
+/// Nodes of the binary tree that a random segment visits until it is known to be free or not.
+double visits_per_segment(const Tree& tree, const Mesh& mesh) {
+    constexpr std::uint64_t kSegments = 20000;
+    const Box box = box_of(mesh);
+    const auto point = [&](std::uint64_t stream, std::uint64_t i) {
+        return box.lower + (box.upper - box.lower) * Vec3(random(1, stream, i),
+                                                          random(1, stream + 1, i),
+                                                          random(1, stream + 2, i));
+    };
+    std::uint64_t visits = 0;
+    for (std::uint64_t i = 0; i < kSegments; ++i) {
+        const Vec3 from = point(0, i), way = point(3, i) - from;
+        std::vector<std::uint32_t> stack = {0};
+        while (!stack.empty()) {
+            const earshot::bvh::Node& node = tree.nodes()[stack.back()];
+            stack.pop_back();
+            double enter = 0.0, leave = 1.0;
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto k = static_cast<std::size_t>(axis);
+                const double a = (static_cast<double>(node.box.lower[k]) - from[axis]) / way[axis];
+                const double b = (static_cast<double>(node.box.upper[k]) - from[axis]) / way[axis];
+                enter = std::max(enter, std::min(a, b));
+                leave = std::min(leave, std::max(a, b));
+            }
+            if (enter <= leave) {
+                ++visits;
+                if (!node.is_leaf()) {
+                    stack.push_back(node.first + 1);
+                    stack.push_back(node.first);
+                }
+            }
+        }
+    }
+    return static_cast<double>(visits) / kSegments;
+}
+
+/// What reinsertion gains in a new tree.
+void reinsert(const Mesh& mesh) {
+    Tree tree = Tree::build(earshot::bvh::triangle_boxes(mesh.view()));
+    const double visits = visits_per_segment(tree, mesh);
+    earshot::bvh::ReinsertionReport report;
+    const double seconds =
+        processor_seconds_of([&] { report = earshot::bvh::optimise_by_reinsertion(tree); });
+    std::printf(
+        "Reinsertion: SAH cost %.2f to %.2f, nodes on a random segment %.2f to %.2f, "
+        "%zu reinsertions in %.1f ms\n\n",
+        report.sah_cost_before,
+        report.sah_cost_after,
+        visits,
+        visits_per_segment(tree, mesh),
+        report.reinsertions,
+        1e3 * seconds);
+}
+
+void print_heading(const char* name, std::size_t triangles, int frames, std::size_t rays) {
+    std::printf("%s: %zu triangles, %d frames, %zu random rays a frame, one thread\n\n",
+                name,
+                triangles,
+                frames,
+                rays);
+}
+
+void print_columns() {
+    std::printf(
+        "| motion | policy | update, ms | rays, ms | sum, ms | trace rate | worst frame | cost in "
+        "the end |\n"
+        "| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
+}
+
 void measure(const char* file, std::size_t rays) {
+    constexpr int kFrames = 30;
     const auto scene = earshot::io::load_scene(file, {});
     const auto& source = scene.scene.mesh;
     const Mesh mesh = {source.positions_at(0.0),
                        {source.triangles().begin(), source.triangles().end()}};
-    std::printf("%s: %zu triangles, %d frames, %zu random rays a frame, one thread\n\n",
-                file,
-                mesh.triangles.size(),
-                kFrames,
-                rays);
-    std::printf(
-        "| motion | policy | update, ms | rays, ms | sum, ms | trace rate | worst frame |\n"
-        "| --- | --- | ---: | ---: | ---: | ---: | ---: |\n");
+    print_heading(file, mesh.triangles.size(), kFrames, rays);
+    reinsert(mesh);
+    if (rays == 0) {
+        return;
+    }
+    print_columns();
     if (source.duration() > 0.0) {
         follow(
             "its animation",
             [&](double time) {
                 return Mesh{source.positions_at(time * source.duration()), mesh.triangles};
             },
+            kFrames,
             rays);
     }
-    follow("wave", wave(mesh), rays);
-    follow("parts drift", drift(mesh, 12.0), rays);
-    follow("every triangle drifts", drift(mesh, 0.0), rays);
+    follow("wave", wave(mesh), kFrames, rays);
+    follow("parts drift", drift(mesh, 12.0), kFrames, rays);
+    follow("every triangle drifts", drift(mesh, 0.0), kFrames, rays);
     move_one_of_a_hundred(mesh);
 }
 
+void measure_city(std::size_t rays) {
+    constexpr int kSteps = 100;
+    const earshot::test::DriftingCity city;
+    const Mesh rest = city.at(0.0);
+    print_heading("Drifting city", rest.triangles.size(), kSteps, rays);
+    reinsert(rest);
+    print_columns();
+    follow(
+        "boxes drift", [&](double time) { return city.at(kSteps * time); }, kSteps, rays);
+}
+
 int run(int argc, char** argv) {
-    if (argc < 2 || argc > 3) {
-        std::fprintf(stderr, "usage: bench_bvh_update MESH [RAYS]\n");
+    constexpr std::size_t kDefaultRays = 100000;
+    if (argc > 3) {
+        std::fprintf(stderr, "usage: bench_bvh_update [MESH [RAYS]]\n");
         return 2;
     }
-    measure(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : 100000);
+    if (argc == 1) {
+        measure_city(kDefaultRays);
+    } else {
+        measure(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : kDefaultRays);
+    }
     return 0;
 }
 

@@ -31,8 +31,10 @@ struct UpdateOptions {
 /// The one keeper of hierarchies that deform: of a mesh, whose rays are traced in its tree(), or of
 /// boxes that move, such as swept triangles, facets or instances, in a binary_tree(). An
 /// UpdatePolicy chooses between refit, repair and rebuild; what a repair or rebuild does not make
-/// cheaper stays as it is. Answers do not depend on what it
-/// decides, and what it decides depends on the primitives and options alone.
+/// cheaper stays as it is. From the first of them on, either the first topology is in use or it is
+/// kept, so that motion which comes back to where it began costs no more than refits alone; a
+/// kept topology takes as much memory as a Tree. Answers do not depend on what is decided, and what
+/// is decided depends on the primitives and options alone.
 class DeformableBvh {
 public:
     /// Over no boxes.
@@ -82,23 +84,50 @@ public:
     std::uint64_t version() const noexcept { return version_; }
 
 private:
-    void set_policy(std::size_t primitives, double sah_cost);
-    template <typename Act>
-    UpdateReport choose(double sah_cost_after_refit, Act&& act);
+    /// A tree, and of a mesh its wide tree.
+    struct Topology {
+        Tree tree;
+        WideTree wide;
+        double sah_cost = 0.0;
+    };
+
+    struct Prices;
+
     void refit_wide(const geometry::MeshView& mesh,
                     std::span<const TriangleRange> moved,
                     Executor& executor);
-    Tree changed_tree(UpdateAction action,
+    void set_policy(const Prices& prices, std::size_t primitives);
+    // Below, `mesh` is null for boxes.
+    Topology topology_of(Tree tree, const geometry::MeshView* mesh, Executor& executor) const;
+    std::optional<Tree> repaired(std::span<const geometry::Aabb> boxes, Executor& executor);
+    Tree build(std::span<const geometry::Aabb> boxes, Executor& executor) const;
+    double look_up_kept(const geometry::MeshView* mesh,
+                        std::span<const geometry::Aabb> boxes,
+                        Executor& executor) const;
+    void adopt(Topology&& topology);
+    void replace(Topology&& topology, const geometry::MeshView* mesh);
+    void restore_kept(const geometry::MeshView* mesh,
                       std::span<const geometry::Aabb> boxes,
                       Executor& executor);
-    Tree build(std::span<const geometry::Aabb> boxes, Executor& executor) const;
+    void keep_current(const geometry::MeshView* mesh);
+    void change_topology(UpdateReport& report,
+                         double kept_cost,
+                         const geometry::MeshView* mesh,
+                         std::span<const geometry::Aabb> boxes,
+                         Executor& executor);
+    UpdateReport take_action(const geometry::MeshView* mesh,
+                             std::span<const geometry::Aabb> boxes,
+                             Executor& executor);
 
     UpdateOptions options_;
-    Tree tree_;  // of a mesh: refitted only when it is repaired
+    Tree tree_;  // of a mesh: with the boxes that the wide tree was collapsed for
     WideTree wide_;
     std::optional<PartialRefit> partial_refit_;  // of the wide tree, once it was wanted
     geometry::MeshView mesh_;
     UpdateStatistics statistics_;
+    Tree kept_;                              // the other topology, if there is one, likewise
+    std::vector<std::uint32_t> kept_slots_;  // of a mesh: nodes in the slots of its wide tree
+    bool is_first_topology_ = true;          // that of tree_
     UpdatePolicy policy_;
     double sah_cost_ = 0.0;
     std::uint64_t version_ = 1;

@@ -8,7 +8,10 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace earshot::geometry {
 namespace {
@@ -104,12 +107,33 @@ SlabTest::SlabTest(const Vec3& origin, const Vec3& direction, double max_abs_coo
     }
 }
 
+namespace {
+
+/// round_down(), without branches that depend on the last bits of a coordinate: every second would
+/// be mispredicted.
+float round_down_branchless(double value) noexcept {
+    constexpr double kLargest = static_cast<double>(std::numeric_limits<float>::max());
+    if (!(std::abs(value) < kLargest)) {
+        return round_down(value);
+    }
+    const auto nearest = static_cast<float>(value);
+    const auto bits = std::bit_cast<std::int32_t>(nearest);
+    // The next float below: of positive ones the bits count up, of negative ones down, and 0 has
+    // the least negative one below it.
+    constexpr std::int32_t kLeastNegative = std::numeric_limits<std::int32_t>::min() + 1;
+    const std::int32_t below = bits > 0 ? bits - 1 : nearest == 0.0F ? kLeastNegative : bits + 1;
+    const std::int32_t is_above = static_cast<double>(nearest) > value ? -1 : 0;
+    return std::bit_cast<float>((bits & ~is_above) | (below & is_above));
+}
+
+}  // namespace
+
 Aabb triangle_box(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
     Aabb box;
     for (int axis = 0; axis < 3; ++axis) {
         const auto k = static_cast<std::size_t>(axis);
-        box.lower[k] = round_down(std::min({a[axis], b[axis], c[axis]}));
-        box.upper[k] = round_up(std::max({a[axis], b[axis], c[axis]}));
+        box.lower[k] = round_down_branchless(std::min(std::min(a[axis], b[axis]), c[axis]));
+        box.upper[k] = -round_down_branchless(-std::max(std::max(a[axis], b[axis]), c[axis]));
     }
     return box;
 }

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/deformable_bvh.h"
 
+#include "earshot/base/random.h"
 #include "earshot/bvh/brute_force.h"
+#include "earshot/bvh/quality.h"
 #include "earshot/bvh/wide_ray.h"
 
 #include <gtest/gtest.h>
 
+#include "support/drifting_city.h"
 #include "support/meshes.h"
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace earshot::bvh {
@@ -134,6 +138,83 @@ TEST(DeformableBvh, DecidesAndAnswersTheSameToldWhatHasMoved) {
         const Ray ray{2.0 * test::random_point(5, i), test::random_point(6, i)};
         EXPECT_EQ(told.view().closest_hit(ray), brute_force::closest_hit(now.view(), ray));
     }
+}
+
+/// Six limbs of small triangles that swing about pivots close to each other, each with its own
+/// phase. What is built where limbs cross is bad where they are apart.
+Mesh swinging_limbs(double time) {
+    constexpr double kTurn = 6.283185307179586;
+    Mesh mesh;
+    for (std::uint64_t limb = 0; limb < 6; ++limb) {
+        const double phase = kTurn * random(6, 0, limb);
+        const double angle = 0.6 * (std::sin(kTurn * time + phase) - std::sin(phase));
+        const double c = std::cos(angle), s = std::sin(angle);
+        for (std::uint64_t i = 0; i < 400; ++i) {
+            const auto first = static_cast<geometry::VertexId>(mesh.positions.size());
+            for (std::uint64_t k = 0; k < 3; ++k) {
+                const Vec3 p = Vec3(0.0, -random(7, limb, i), 0.0) +
+                               0.06 * test::random_point(100 + limb, 3 * i + k);
+                mesh.positions.push_back(0.4 * test::random_point(5, limb) +
+                                         Vec3(c * p.x - s * p.y, s * p.x + c * p.y, p.z));
+            }
+            mesh.triangles.push_back({first, first + 1, first + 2});
+        }
+    }
+    return mesh;
+}
+
+// What is built for poses far from the first must not be kept where the first tree is better.
+TEST(DeformableBvh, IsNeverWorseThanRefitsAloneOnCyclicMotion) {
+    for (const double rays : {1e5, 1e6, 1e7}) {
+        DeformableBvh moving(swinging_limbs(0.0).view(), {.queries_per_update = rays});
+        WideTree refitted = moving.tree();
+        std::size_t restored = 0;
+        for (int frame = 1; frame <= 120; ++frame) {
+            const Mesh now = swinging_limbs(frame / 40.0);
+            const UpdateReport report = moving.update(now.view());
+            refitted.refit(now.view());
+            EXPECT_LE(report.sah_cost, 1.03 * sah_cost(refitted))
+                << rays << " rays, frame " << frame;
+            EXPECT_EQ(report.sah_cost, sah_cost(moving.tree()));
+            restored += report.is_restored ? 1 : 0;
+        }
+        EXPECT_GT(restored, 0U) << rays << " rays";
+    }
+}
+
+TEST(DeformableBvh, RestoresTheTreeOfBoxesWhenAPoseComesBack) {
+    const Mesh mesh = test::triangle_soup(10, 2000);
+    DeformableBvh moving(triangle_boxes(mesh.view()), {.queries_per_update = 1e6});
+    Tree refitted = moving.binary_tree();
+    for (int frame = 1; frame <= 60; ++frame) {
+        const auto boxes =
+            triangle_boxes(exploded(mesh, 0.25 * (1.0 - std::cos(0.21 * frame))).view());
+        const UpdateReport report = moving.update(boxes);
+        refitted.refit(boxes);
+        EXPECT_LE(report.sah_cost, 1.03 * sah_cost(refitted)) << "frame " << frame;
+        EXPECT_EQ(report.sah_cost, sah_cost(moving.binary_tree()));
+    }
+}
+
+// Of 100 steps, refits alone cost twice as much as a new tree in the end. A repair takes as long as
+// 7 refits, a rebuild as 10 (docs/algorithms/bvh-deformation.md).
+TEST(DeformableBvh, HoldsADriftingCityAtTheCostOfNewTrees) {
+    const test::DriftingCity city;
+    DeformableBvh moving(city.at(0.0).view(), {.queries_per_update = 1e5});
+    WideTree refitted = moving.tree();
+    Mesh now;
+    for (int step = 1; step <= 100; ++step) {
+        now = city.at(step);
+        moving.update(now.view());
+        refitted.refit(now.view());
+    }
+    const double fresh =
+        sah_cost(WideTree::build(Tree::build(triangle_boxes(now.view())), now.view()));
+    EXPECT_GT(sah_cost(refitted), 2.0 * fresh);
+    EXPECT_LE(sah_cost(moving.tree()), 1.1 * fresh);
+    const UpdateStatistics& counts = moving.update_statistics();
+    EXPECT_GT(counts.repairs, 0U);
+    EXPECT_LE(100 + 6 * counts.repairs + 9 * counts.rebuilds, 3 * 100);
 }
 
 TEST(DeformableBvh, LeavesARestingMeshAlone) {

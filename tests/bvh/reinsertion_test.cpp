@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/drifting_city.h"
 #include "support/meshes.h"
 #include "support/tree_walker.h"
 #include <algorithm>
@@ -215,6 +216,25 @@ TEST(Reinsertion, ImprovesATreeThatIsAsBadAsCanBe) {
     const double before = sah_cost(tree);
     optimise_by_reinsertion(tree, {.max_iterations = 30, .batch_size_ratio = 0.2});
     EXPECT_LT(sah_cost(tree), 0.7 * before);
+}
+
+// One batch of 1 % after each step of refits, which alone let the cost grow to 2.5 times that of a
+// new tree, built by trying all splits.
+TEST(Reinsertion, HoldsADriftingCityAtTheCostOfANewTree) {
+    const test::DriftingCity city;
+    Tree repaired = Tree::build(triangle_boxes(city.at(0.0).view()), {.max_leaf_size = 1});
+    Tree refitted = repaired;
+    std::vector<Aabb> boxes;
+    for (int step = 1; step <= 100; ++step) {
+        boxes = triangle_boxes(city.at(step).view());
+        refitted.refit(boxes);
+        repaired.refit(boxes);
+        optimise_by_reinsertion(repaired, {.max_iterations = 1, .batch_size_ratio = 0.01});
+    }
+    const double fresh =
+        sah_cost(Tree::build(boxes, {.builder = Builder::sweep_sah, .max_leaf_size = 1}));
+    EXPECT_GT(sah_cost(refitted), 2.5 * fresh);
+    EXPECT_LE(sah_cost(repaired), 1.05 * fresh);
 }
 
 TEST(Reinsertion, IsTheSameForAnyNumberOfThreads) {

@@ -54,6 +54,21 @@ TEST(Bvh, JsonCountsTheHierarchy) {
     EXPECT_FALSE(report.contains("frames"));
 }
 
+TEST(Bvh, UpdatedTreesOfWalksAreNeverWorseThanRefittedOnes) {
+    for (const char* model : {"robot.glb", "CesiumMan.glb"}) {
+        const std::filesystem::path path = test::shared_file("models") / model;
+        if (!std::filesystem::exists(path)) {
+            GTEST_SKIP() << "third-party mesh absent: " << path;
+        }
+        const Json report = json_of({path.string(), "--frames", "0:4:0.04"});
+        for (const Json& frame : report.at("frames")) {
+            EXPECT_LE(frame.at("update_steps").get<double>(),
+                      1.03 * frame.at("refit_steps").get<double>())
+                << model << " at " << frame.at("time");
+        }
+    }
+}
+
 TEST(Bvh, FramesFollowTheAnimation) {
     const Json report = json_of({kScenes + "door.gltf", "--frames", "0:1:0.5"});
     ASSERT_EQ(report.at("frames").size(), 3U);
