@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+import queue
 import sys
 import threading
 from typing import Any, Callable, Union
@@ -53,6 +55,49 @@ class _Bars:
             self._bar = None
 
 
+class _Worker:
+    """A thread that makes the main thread's calls. It stays: the library keeps memory and filters
+    for each thread, which a new one would have to make anew."""
+
+    def __init__(self) -> None:
+        self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        threading.Thread(target=self._run, name="earshot", daemon=True).start()
+
+    def _run(self) -> None:
+        while True:
+            self._tasks.get()()
+
+    def start(self, work: Callable[[], None]) -> threading.Event:
+        """Begins the work, which throws nothing; the event tells its end."""
+        done = threading.Event()
+
+        def task() -> None:
+            work()
+            done.set()
+
+        self._tasks.put(task)
+        return done
+
+
+_worker: _Worker | None = None
+
+
+def _forget_worker() -> None:
+    """Threads do not survive a fork."""
+    global _worker
+    _worker = None
+
+
+os.register_at_fork(after_in_child=_forget_worker)
+
+
+def _start(work: Callable[[], None]) -> threading.Event:
+    global _worker
+    if _worker is None:
+        _worker = _Worker()
+    return _worker.start(work)
+
+
 def _listener(progress: Progress) -> Any:
     if progress is None or progress is False:
         return None
@@ -100,13 +145,12 @@ def run_long(call: Callable[[Any], Any], progress: Progress) -> Any:
 
     try:
         if in_main:
-            thread = threading.Thread(target=work, name="earshot")
-            thread.start()
+            done = _start(work)
             try:
-                thread.join()
+                done.wait()
             except BaseException:
                 stopped.set()
-                thread.join()
+                done.wait()
                 raise
         else:
             work()
