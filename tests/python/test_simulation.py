@@ -102,8 +102,8 @@ def test_arrays_say_what_the_files_say(tmp_path, scenes):
 
 def test_many_listeners_make_one_block_without_a_copy(room):
     room.clear_listeners()
-    room.add_listeners(room.grid(height=1.2, step=0.9)[:27])
-    count = len(room.listeners)
+    count = 27
+    room.add_listeners(room.grid(height=1.2, step=0.6)[:count])
     result = es.simulate(room, order=1, rays=0, length=0.1, sample_rate=16000,
                          format="ambisonic:1")
     ir = result.ir
