@@ -304,7 +304,7 @@ es_status change_directivity(Caller& c) {
     }
     const double frequencies[] = {500.0, 1000.0}, azimuths[] = {0.0, 120.0, 240.0},
                  elevations[] = {0.0};
-    const double* levels = c.values(6, -20.0, 0.0);
+    const double* levels = c.values(6, -20.0, 0.0, false, 1e308);
     const std::size_t count = c.chance(0.95) ? 1 : 0;
     c.wrong = c.wrong || count == 0;
     return es_scene_set_directivity_table(
