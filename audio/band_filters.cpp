@@ -9,7 +9,8 @@ namespace earshot::audio {
 
 namespace {
 
-/// The low-pass prototype's frequency is scale * (ratio - 1 / ratio), -1 and 1 at the band edges.
+/// The low-pass prototype's frequency is (ratio - 1 / ratio) / width for a ratio of frequency and
+/// centre: -1 and 1 at the band edges.
 double prototype_width(const Bands& bands, std::size_t band) {
     const double edge = bands.upper_edge_hz(band) / bands.exact_hz()[band];
     return edge - 1.0 / edge;

@@ -17,8 +17,8 @@ namespace earshot::audio::HWY_NAMESPACE {
 // becomes y[q + s (r p + j)], p < b, q < s, of radix r, stride s and b blocks. Every number is the
 // result of the same operations at any width; lanes only tell which are computed together.
 
-/// Four numbers or a register's.
-using UpToFour = Lanes < double, Doubles::kCount<4 ? Doubles::kCount : 4>;
+/// As many numbers as a register holds, four at most.
+using UpToFour = Lanes<double, (Doubles::kCount < 4 ? Doubles::kCount : 4)>;
 using One = Lanes<double, 1>;
 
 /// An array of pairs to read.
@@ -131,8 +131,7 @@ void run(const FftPass& pass, Source in, Sink out) {
     }
 }
 
-/// All passes from `first` on to the last but `left`; the array that then holds the numbers and the
-/// other one.
+/// Runs all passes from `first` on but the last `left`. Afterwards at.first holds the numbers.
 void run_between(const FftPlan& plan, std::size_t first, std::size_t left, FftBuffers& at) {
     for (std::size_t i = first; i + left < plan.passes.size(); ++i) {
         run(plan.passes[i], Split{at.first.re, at.first.im}, Split{at.second.re, at.second.im});

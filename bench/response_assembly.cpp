@@ -36,23 +36,15 @@ std::vector<Arrival> independent(std::vector<Arrival> arrivals) {
     return arrivals;
 }
 
-template <typename Work>
-double median_seconds(int repeats, Work&& work) {
-    std::vector<double> seconds;
-    for (int repeat = 0; repeat < repeats; ++repeat) {
-        seconds.push_back(bench::times_of(work).processor);
-    }
-    return bench::median(seconds);
-}
-
 void measure(const char* name, const std::vector<Arrival>& arrivals, int repeats, bool compare) {
     const audio::Bands& bands = audio::Bands::octaves();
     const audio::Assembler assembler(bands, kSampleRate);
     const double count = static_cast<double>(arrivals.size());
     audio::ImpulseResponse mono;
-    const double seconds = median_seconds(repeats, [&] { mono = assembler.assemble(arrivals); });
+    const double seconds =
+        bench::median_processor_time(repeats, [&] { mono = assembler.assemble(arrivals); });
     std::vector<audio::ImpulseResponse> channels;
-    const double of_channels = median_seconds(
+    const double of_channels = bench::median_processor_time(
         repeats, [&] { channels = audio::encode_ambisonic(assembler, arrivals, 1); });
     Digest digest;
     for (const double sample : mono.samples) {

@@ -54,7 +54,7 @@ public:
     UpdateReport update(const geometry::MeshView& mesh, Executor& executor = Executor::serial());
 
     /// The same where only triangles in these ranges, which do not overlap, have moved since the
-    /// last update: a refit costs what has moved, and reads a byte per node. See moved_flags().
+    /// last update: a refit costs what has moved, and reads a byte per node. See moved_triangles().
     UpdateReport update(const geometry::MeshView& mesh,
                         std::span<const TriangleRange> moved,
                         Executor& executor = Executor::serial());

@@ -21,7 +21,7 @@ std::string command_words(const CommandEntry& command) {
     return joined(words, " ");
 }
 
-// The patterns "earshot ir --order" of all options whose values are of a kind.
+// The patterns "earshot ir --order" | "earshot ir -n" of an option, one per spelling.
 std::string patterns(const CommandEntry& command, const OptionEntry& option) {
     std::string text;
     for (const std::string& name : option.names) {

@@ -18,7 +18,6 @@ namespace earshot::collision {
 
 using geometry::Triangle;
 using geometry::Vec3;
-using geometry::VertexId;
 
 void World::State::note_update(std::uint32_t mesh, bool has_moved) {
     instant.note_update(mesh, has_moved);

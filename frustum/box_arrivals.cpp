@@ -4,8 +4,6 @@
 #include "earshot/base/assert.h"
 #include "earshot/frustum/internal/reflection_point.h"
 
-#include <glm/geometric.hpp>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -16,7 +14,6 @@
 namespace earshot::frustum {
 
 using geometry::FacetId;
-using geometry::Plane;
 using geometry::Vec3;
 
 namespace {
@@ -26,15 +23,15 @@ int component_of(const Vec3& axis) noexcept {
     return axis.x != 0.0 ? 0 : axis.y != 0.0 ? 1 : 2;
 }
 
-/// Whether start + t way is within `distance` of a whole number, for one of the t.
+/// Whether start + t slope is within `distance` of a whole number, for one of the t.
 bool comes_close_to_whole(double start,
-                          double way,
+                          double slope,
                           std::span<const double> all_t,
                           double distance) noexcept {
     constexpr double kRound = 0x1.8p52;  // adding it rounds numbers below 2^51 to whole ones
     bool is_close = false;
     for (const double t : all_t) {
-        const double position = start + t * way;
+        const double position = start + t * slope;
         const double whole = (position + kRound) - kRound;
         is_close |= std::abs(position - whole) <= distance;
     }
@@ -113,8 +110,8 @@ void BoxArrivals::find_edges(std::size_t a, std::size_t b) {
         const int left = max_order_ - reflections;
         for (int j = -left; j <= left && i != 0; ++j) {
             const double start = search_.local_listener[b] / size;
-            const double way = search_.image(b, j) / size - start;
-            if (comes_close_to_whole(start, way, crossings, border)) {
+            const double slope = search_.image(b, j) / size - start;
+            if (comes_close_to_whole(start, slope, crossings, border)) {
                 const std::size_t row = column(a < b ? i : j), cell = column(a < b ? j : i);
                 marks[row * columns_ + cell] = 1;
             }
@@ -185,8 +182,8 @@ void BoxArrivals::add(const Cell& cell, double squared) {
                                 static_cast<std::int8_t>(cell[2])}});
 }
 
-// By length: the upper 33 bits of a positive number digit by digit from the lowest, in a time that
-// grows with the count alone; then what agrees in these.
+// By length: a radix sort by the upper 33 bits of the positive numbers, whose time grows with the
+// count alone; then an insertion sort, which moves only images that agree in these bits.
 void BoxArrivals::sort_by_length() {
     constexpr std::size_t kDigits = std::size_t{1} << 11U;
     std::vector<Image> sorted(images_.size());
@@ -288,7 +285,7 @@ PathArrival BoxArrivals::at(std::size_t i, bool name_facets) {
     return arrival;
 }
 
-// In the wall whose plane the line from the listener crosses first.
+// The reflection in the wall whose plane the line from the listener crosses first.
 Vec3 BoxArrivals::last_reflection(const Image& image) const {
     Vec3 behind(0.0);
     std::size_t last = 0;

@@ -15,16 +15,15 @@
 
 namespace earshot::frustum {
 
-using geometry::FacetId;
-using geometry::Plane;
 using geometry::TriangleId;
 using geometry::Vec3;
 
 namespace {
 
-/// Orders of one image's walls that are verified one by one: where the walls are coordinate planes,
-/// and where the images of different orders differ by rounding. The latter lets up to eight edges
-/// or three corners be passed by one path, which takes an order of 12 to exceed.
+/// The most orders of one image's walls that are verified one by one, in a room whose walls are
+/// coordinate planes, and in one where the images of different orders differ by rounding. The
+/// latter lets up to eight edges or three corners be passed by one path, which takes an order of 12
+/// to exceed.
 constexpr std::size_t kMaxOrders = 8, kMaxTurnedOrders = 256;
 /// Rounding of mirroring and intersecting, per reflection and metre: PathVerifier allows 2^-42 for
 /// sixteen.

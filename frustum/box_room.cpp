@@ -14,9 +14,10 @@ using geometry::Vec3;
 
 namespace {
 
-/// What rounding in files does to a room is far below; what is not a box is far above.
+/// Largest BoxRoom::tilt. What rounding in files does to a box is far below this, and what a room
+/// that is no box has is far above.
 constexpr double kMaxTilt = 0x1p-14;
-/// Of the largest coordinate.
+/// Largest BoxRoom::error, as a share of the largest coordinate; chosen likewise.
 constexpr double kMaxError = 0x1p-16;
 /// Thinner boxes, as a share of the largest coordinate, are left to frusta.
 constexpr double kMinSize = 0x1p-7;

@@ -26,6 +26,7 @@ bool are_alike(std::span<const audio::Spectrum> reflection) {
 std::vector<audio::Arrival> describe_arrivals(frustum::PathArrivals& paths,
                                               const geometry::Vec3& listener,
                                               const ArrivalModel& model) {
+    // Delays, directions and the walls of every path.
     const std::span<const double> lengths = paths.lengths();
     const bool name_facets = !are_alike(model.reflection);
     std::vector<audio::Arrival> arrivals(lengths.size());
@@ -40,7 +41,7 @@ std::vector<audio::Arrival> describe_arrivals(frustum::PathArrivals& paths,
             sequences.push_back(static_cast<std::uint8_t>(facet));
         }
     }
-    // The operations of Simulator::State::describe(), in its order.
+    // Pressures, by the operations of Simulator::State::describe() in its order, a block at a time.
     const std::size_t stride = model.air.stride();
     std::vector<double> walls(model.reflection.size() * stride);
     for (std::size_t i = 0; i < model.reflection.size(); ++i) {
@@ -60,6 +61,7 @@ std::vector<audio::Arrival> describe_arrivals(frustum::PathArrivals& paths,
              .sequences = std::span(sequences).subspan(name_facets ? reflections : 0)},
             pressures);
         reflections = std::accumulate(block_orders.begin(), block_orders.end(), reflections);
+        // Keep what is loud enough in some band.
         for (std::size_t i = first; i < first + count; ++i) {
             const double* pressure = &pressures[(i - first) * stride];
             const bool is_wanted =

@@ -14,7 +14,6 @@
 namespace earshot::propagation {
 
 using geometry::Hit;
-using geometry::MeshView;
 using geometry::Ray;
 using geometry::TriangleId;
 using geometry::Vec3;

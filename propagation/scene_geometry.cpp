@@ -3,9 +3,29 @@
 
 #include "earshot/base/error.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <utility>
 
 namespace earshot::propagation {
+
+std::vector<FacetMaterial> facet_materials(const Scene& scene,
+                                           const audio::Bands& bands,
+                                           bool transmission) {
+    const auto loudest = [&](const audio::Spectrum& pressure) {
+        return *std::max_element(pressure.begin(),
+                                 pressure.begin() + static_cast<std::ptrdiff_t>(bands.count()));
+    };
+    std::vector<FacetMaterial> materials;
+    for (const Material& material : scene.materials) {
+        const double through = transmission ? loudest(transmitted_pressure(material, bands)) : 0.0;
+        materials.push_back({.one_sided = material.one_sided,
+                             .transmissive = through > 0.0,
+                             .max_pressure_factor =
+                                 std::max(loudest(reflected_pressure(material, bands)), through)});
+    }
+    return materials;
+}
 
 SceneGeometry::SceneGeometry(const Scene& scene, std::vector<FacetMaterial> materials)
     : scene_(scene), materials_(std::move(materials)) {}

@@ -40,24 +40,6 @@ bool is_silent(const audio::EnergyHistogram& histogram) {
         });
 }
 
-std::vector<FacetMaterial> facet_materials(const Scene& scene, const Options& options) {
-    const auto loudest = [&](const audio::Spectrum& pressure) {
-        return *std::max_element(
-            pressure.begin(),
-            pressure.begin() + static_cast<std::ptrdiff_t>(options.bands.count()));
-    };
-    std::vector<FacetMaterial> materials;
-    for (const Material& material : scene.materials) {
-        const double through =
-            options.transmission ? loudest(transmitted_pressure(material, options.bands)) : 0.0;
-        materials.push_back({.one_sided = material.one_sided,
-                             .transmissive = through > 0.0,
-                             .max_pressure_factor = std::max(
-                                 loudest(reflected_pressure(material, options.bands)), through)});
-    }
-    return materials;
-}
-
 }  // namespace
 
 struct Simulator::State {
@@ -67,7 +49,8 @@ struct Simulator::State {
           speed_of_sound(propagation::speed_of_sound(the_options.air)),
           min_pressure(math::pow10(the_options.min_level_db / 20.0)),
           air(the_options.air, the_options.bands),
-          geometry(the_scene, facet_materials(the_scene, the_options)) {
+          geometry(the_scene,
+                   facet_materials(the_scene, the_options.bands, the_options.transmission)) {
         for (const Material& material : scene.materials) {
             reflection.push_back(reflected_pressure(material, options.bands));
             transmission.push_back(transmitted_pressure(material, options.bands));
@@ -111,7 +94,7 @@ struct Simulator::State {
 
     void move_geometry(Executor& executor);
     void check_visible_sets() const;
-    bool cannot_do_without_facets(std::span<const Vec3> from, std::span<const Vec3> to) const;
+    bool requires_facets(std::span<const Vec3> from, std::span<const Vec3> to) const;
     frustum::TraceOptions trace_options() const;
     void add_paths(std::size_t source,
                    const RaySource& sender,
@@ -264,9 +247,8 @@ void Simulator::set_time(double time, Executor& executor) {
     state_->time = time;
 }
 
-// Direct sound alone, which nothing transmits, between points in the air.
-bool Simulator::State::cannot_do_without_facets(std::span<const Vec3> from,
-                                                std::span<const Vec3> to) const {
+// Direct sound alone, which nothing transmits, between points in the air needs no facets.
+bool Simulator::State::requires_facets(std::span<const Vec3> from, std::span<const Vec3> to) const {
     const bvh::MeshBvh bvh = geometry.bvh();
     const double tolerance = geometry::coplanar_tolerance(bvh.mesh());
     const auto is_on_surface = [&](const Vec3& point) {
@@ -423,9 +405,10 @@ void Simulator::State::add_paths(std::size_t source,
         lengths.push_back(specular.length);
     }
     const std::vector<double> air_pressures = air.pressures(lengths);
-    for (std::size_t i = 0; i < traced.paths.size(); ++i) {
-        const frustum::SpecularPath& specular = traced.paths[i];
-        Path path = describe(specular, &air_pressures[i * air.stride()]);
+    const double* of_air = air_pressures.data();
+    for (const frustum::SpecularPath& specular : traced.paths) {
+        Path path = describe(specular, of_air);
+        of_air += air.stride();
         radiate(sender, path);
         if (placed.is_moved) {
             path.points.front() = position;
@@ -437,7 +420,7 @@ void Simulator::State::add_paths(std::size_t source,
     }
 }
 
-// In a box, without their paths. False: that does not do for every pair.
+// The arrivals of the pairs in a box, without their paths. False: some pair needs its paths.
 bool Simulator::State::add_arrivals(const RaySource& sender,
                                     const frustum::PlacedPairs& placed,
                                     std::span<PairResult> pairs,
@@ -505,6 +488,7 @@ void Simulator::State::add_late_sound(const RaySource& sender,
 std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     State& state = *state_;
     state.check_visible_sets();
+    // Where sources and listeners are, and a result for each pair of them.
     std::vector<RaySource> senders;
     std::vector<Vec3> sources, listeners;
     for (const Emitter& emitter : state.scene.sources) {
@@ -531,7 +515,7 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     // Early sound: exact paths.
     state.queries = 0;
     const std::uint64_t frusta = std::exchange(state.statistics, {}).frusta;
-    state.needs_facets = state.cannot_do_without_facets(sources, listeners);
+    state.needs_facets = state.requires_facets(sources, listeners);
     if (state.needs_facets) {
         state.prepare_finder(sources, listeners, frusta, executor);
         state.statistics.frusta = state.listeners->frusta();

@@ -15,7 +15,6 @@
 namespace earshot::visibility {
 
 using geometry::TriangleId;
-using geometry::Vec3;
 
 namespace {
 

@@ -15,7 +15,7 @@ namespace earshot::visibility {
 /// triangles are treated as absent, and so are triangles without area. The sets depend on the
 /// arguments alone, unless sampling is interrupted. Throws Error if the sets would take more than 4
 /// GiB while they grow (a bit for every cell and object), or if no distribution is allowed.
-/// Precondition: objects are of its triangles.
+/// Precondition: objects are of the triangles of the hierarchy's mesh.
 GlobalPvs sample_cells(const bvh::MeshBvh& bvh,
                        const Objects& objects,
                        const ViewCells& cells,

@@ -16,7 +16,6 @@ namespace earshot::visibility {
 
 using geometry::Hit;
 using geometry::Ray;
-using geometry::TriangleId;
 using geometry::Vec3;
 
 namespace {

@@ -57,7 +57,7 @@ private:
     double time_between(const DecayRange& range) const noexcept;
     double slope(const DecayRange& range) const noexcept;
 
-    // Energy from each sample after the onset on.
+    // Energy from each sample on, of the onset and those behind it.
     std::span<const double> remaining() const noexcept {
         return std::span(integral_).subspan(onset_);
     }

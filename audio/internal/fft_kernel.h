@@ -11,7 +11,7 @@ struct FftPass {
     std::size_t radix = 0;             ///< 2, 3, 4, 5 or 8
     std::size_t blocks = 0;            ///< groups of butterflies, each with its own twiddle factors
     std::size_t stride = 0;            ///< butterflies of a group
-    const double* twiddles = nullptr;  ///< see make_twiddles(); none in the last pass
+    const double* twiddles = nullptr;  ///< see append_twiddles(); none in the last
 };
 
 /// A transform of real signals of 2 * size samples by a complex one of `size` numbers: even samples

@@ -118,7 +118,7 @@ HWY_INLINE Doubles polynomial(Doubles x, const double (&c)[N]) {
     return sum;
 }
 
-/// exp(hi + lo), where lo is to hi as its rounding.
+/// exp(x + lo), where lo is to x as its rounding.
 HWY_INLINE Doubles exp_of_sum(Doubles x, Doubles lo) {
     constexpr double kCoefficients[] = {1.66666666666666019037e-01,
                                         -2.77777777770155933842e-03,

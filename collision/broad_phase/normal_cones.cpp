@@ -4,7 +4,6 @@
 #include "earshot/collision/broad_phase/internal/contour.h"
 #include "earshot/geometry/vector.h"
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>

@@ -33,7 +33,7 @@ struct MovingScene {
     std::vector<double> deviation;             ///< by vertex, bound from its chord, metres
     std::uint32_t meshes_on_screws = 0;
 
-    /// By mesh, grows whenever it moves otherwise than in the step before.
+    /// By mesh: a number that grows whenever it moves otherwise than in the step before.
     std::vector<std::uint64_t> revisions;
 
     std::uint64_t layout = 0;              ///< grows with every mesh that is added or removed

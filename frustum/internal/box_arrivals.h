@@ -27,7 +27,7 @@ public:
     PathArrival at(std::size_t i, bool name_facets);
 
 private:
-    /// A path. Of most the cell is known alone; those near edges were constructed.
+    /// A path. Most are known by their cell alone; those near edges have been constructed.
     struct Image {
         double length = 0.0;
         std::int32_t order = 0;
@@ -44,6 +44,7 @@ private:
     void sort_equals(std::size_t begin, std::size_t end);
     bool passes_edge(const Cell& cell) const noexcept;
     geometry::Vec3 last_reflection(const Image& image) const;
+    /// Place in the tables of the images that an axis mirrors `number` times, as in a Cell.
     std::size_t column(int number) const noexcept {
         return static_cast<std::size_t>(number + max_order_);
     }

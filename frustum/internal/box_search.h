@@ -12,7 +12,7 @@
 namespace earshot::frustum {
 
 inline constexpr std::size_t kMaxLatticeOrder = 64;  ///< of TraceOptions
-/// Safety on all bounds of errors.
+/// Factor of safety by which all bounds of errors are multiplied.
 inline constexpr double kLatticeSafety = 4.0;
 
 /// Numbers along the axes of a BoxRoom.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/bands.h"
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/deformable_bvh.h"
 #include "earshot/frustum/scene_view.h"
@@ -23,6 +24,11 @@ struct FacetMaterial {
     bool transmissive = false;
     double max_pressure_factor = 1.0;  ///< see frustum::SceneView
 };
+
+/// Of each material of the scene. Without `transmission` nothing is transmissive.
+std::vector<FacetMaterial> facet_materials(const Scene& scene,
+                                           const audio::Bands& bands,
+                                           bool transmission);
 
 /// The geometry of a scene at one instant: the triangles that take part, with the hierarchy over
 /// them and their facets. From one instant to the next it keeps what did not change, and follows

@@ -91,15 +91,15 @@ public:
         subfront.clear();
         subfront.reserve(before.size());
         std::vector<BvttNode> stack;
-        std::size_t news = 0;  // one beyond the last entry that was newly culled
+        std::size_t newly_culled_end = 0;  // one beyond the last entry that was newly culled
         for (const FrontEntry& entry : before) {
             const BvttNode node = entry.node();
             if (is_culled(node)) {
                 subfront.emplace_back(node, true, !entry.is_culled());
-                news = entry.is_culled() ? news : subfront.size();
-                if ((retry_parents || news + kMaxChildren > subfront.size()) &&
+                newly_culled_end = entry.is_culled() ? newly_culled_end : subfront.size();
+                if ((retry_parents || newly_culled_end + kMaxChildren > subfront.size()) &&
                     move_up(subfront, retry_parents)) {
-                    news = subfront.size();
+                    newly_culled_end = subfront.size();
                 }
             } else {
                 stack.push_back(node);

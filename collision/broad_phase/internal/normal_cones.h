@@ -26,7 +26,7 @@ public:
     /// Finds the contours of the nodes of a new tree.
     void build(const MovingScene& scene, const SweptBvh& swept_bvh);
 
-    /// Follows the step: the normals of triangles.
+    /// Follows the step: the normals of meshes that do not move as in the last one.
     void update(const MovingScene& scene, const SweptBvh& swept_bvh, Executor& executor);
 
     /// True only if no two elements of the node's triangles that share no vertex are in contact.
