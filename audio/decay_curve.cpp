@@ -140,11 +140,10 @@ double DecayCurve::slope(const DecayRange& range) const noexcept {
     if (end < begin + 2) {
         return 0.0;
     }
-    constexpr double kNeperDb = 4.342944819032518;  // a factor of e of energy in decibels
     const auto count = static_cast<double>(end - begin);
     const double time_squared = count * (count * count - 1.0) / 12.0;
-    return kNeperDb * log_covariance(remaining().subspan(begin, end - begin)) / time_squared *
-           sample_rate_;
+    return kDbPerLogEnergy * log_covariance(remaining().subspan(begin, end - begin)) /
+           time_squared * sample_rate_;
 }
 
 DecayCurve::Reading DecayCurve::read(const DecayRange& range,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/audio/internal/decay_kernel.h"
 #include "earshot/audio/internal/metrics_reader.h"
 #include "earshot/base/math.h"
 
@@ -18,7 +19,6 @@ constexpr double kMaxCentreChange = 0.005;  // seconds
 // Of the energy of an octave, missing where it matters to modulation: half of 0.03 of the index.
 constexpr double kMaxSpeechShare = 0.05;
 
-constexpr double kOneNeperDb = 4.342944819032518;  // a relative deviation of energy in decibels
 constexpr double kStandardErrors = 2.5;  // that have to fit into a just-noticeable difference
 // A line through a range of the curve follows its lower end.
 constexpr double kLineGain = 1.4;
@@ -38,7 +38,7 @@ public:
     double level_db(double energy, double time) const {
         const double cells = std::max(0.0, end_ - time) * bandwidth_hz_;
         const double share = cell_energy_ / energy;
-        return kOneNeperDb * std::sqrt(2.0 * share + cells * share * share);
+        return kDbPerLogEnergy * std::sqrt(2.0 * share + cells * share * share);
     }
 
     /// Of a clarity, decibels.
@@ -128,7 +128,7 @@ void MetricsReader::limit_to_noise(const DecayCurve& curve,
             // D = 1 / (1 + 10^(-C / 10)).
             limit(kind,
                   *(out.*value) * (1.0 - *(out.*value)) * error.clarity_db(kSpeechLimit) /
-                      kOneNeperDb);
+                      kDbPerLogEnergy);
         } else if (value == &BandMetrics::centre_time) {
             limit(kind, error.centre_time(*(out.*value)));
         } else {

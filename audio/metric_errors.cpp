@@ -145,10 +145,9 @@ public:
         for (const Point& point : points_) {
             level_db_.push_back(remaining_at(point) / all);
         }
-        constexpr double kNeperDb = 4.342944819032518;  // a factor of e of energy in decibels
         natural_logs(level_db_, level_db_);
         for (double& level : level_db_) {
-            level *= kNeperDb;
+            level *= kDbPerLogEnergy;
         }
         const LineTime line_time(points_, level_db_);
         const double after_50_ms = remaining_at(after_speech_limit_);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/internal/noise_floor.h"
 
+#include "earshot/audio/internal/decay_kernel.h"
 #include "earshot/base/math.h"
 
 #include <algorithm>
@@ -70,8 +71,7 @@ DecayLine fit_line(const std::vector<double>& blocks, std::size_t begin, std::si
 /// The decibels by which the means of the last two quarters may differ if both are of noise: two
 /// standard deviations of their difference besides 1 dB.
 double steady_limit_db(double bandwidth_hz, double quarter) {
-    constexpr double kOneNeperDb = 4.342944819032518;  // a relative deviation of energy in decibels
-    return 1.0 + 2.0 * kOneNeperDb * std::sqrt(2.0 / (bandwidth_hz * quarter));
+    return 1.0 + 2.0 * kDbPerLogEnergy * std::sqrt(2.0 / (bandwidth_hz * quarter));
 }
 
 /// The search in blocks of one size.

@@ -5,6 +5,9 @@
 
 namespace earshot::audio {
 
+/// 10 / ln(10): decibels per unit of the natural logarithm of an energy.
+inline constexpr double kDbPerLogEnergy = 4.342944819032518;
+
 /// Sum of energies, and of their products with n - origin.
 struct EnergyMoments {
     double energy = 0.0;
