@@ -39,11 +39,16 @@ bool SceneGeometry::move(double time, double queries, Executor& executor) {
     positions_.swap(moved_);
     has_facets_ = false;
     report_.reset();
-    bool same_triangles = clean_.update({positions_, scene_.mesh.triangles()}, executor);
+    bool same_triangles = clean_.update(mesh_of_scene(), executor);
     if (!same_triangles) {
         facet_finder_.reset();
     }
     if (kept().empty()) {
+        // The instant before stands, with all that is known of it.
+        positions_.swap(moved_);
+        if (bvh_) {
+            clean_.update(mesh_of_scene(), executor);
+        }
         throw Error(scene_.name,
                     "no triangle with an area is left after clean-up",
                     "export the scene with triangles");
@@ -51,6 +56,10 @@ bool SceneGeometry::move(double time, double queries, Executor& executor) {
     same_triangles = same_triangles || !set_triangles();
     update_bvh(same_triangles, queries, executor);
     return true;
+}
+
+geometry::MeshView SceneGeometry::mesh_of_scene() const noexcept {
+    return {positions_, scene_.mesh.triangles()};
 }
 
 bool SceneGeometry::set_triangles() {

@@ -92,7 +92,7 @@ struct Simulator::State {
                                Executor& executor,
                                Progress* progress);
 
-    void move_geometry(Executor& executor);
+    void move_geometry(double to, Executor& executor);
     void check_visible_sets() const;
     bool requires_facets(std::span<const Vec3> from, std::span<const Vec3> to) const;
     frustum::TraceOptions trace_options() const;
@@ -120,8 +120,8 @@ struct Simulator::State {
                       Executor& executor);
 };
 
-void Simulator::State::move_geometry(Executor& executor) {
-    if (geometry.move(time, static_cast<double>(queries), executor)) {
+void Simulator::State::move_geometry(double to, Executor& executor) {
+    if (geometry.move(to, static_cast<double>(queries), executor)) {
         finder_is_current = false;
         sources.clear();
         listeners.reset();
@@ -232,7 +232,7 @@ Simulator::Simulator(const Scene& scene, const Options& options, Executor& execu
         validate(material);
     }
     state_ = std::make_unique<State>(scene, options);
-    state_->move_geometry(executor);
+    state_->move_geometry(state_->time, executor);
 }
 
 Simulator::~Simulator() = default;
@@ -241,8 +241,7 @@ Simulator& Simulator::operator=(Simulator&&) noexcept = default;
 
 void Simulator::set_time(double time, Executor& executor) {
     if (time != state_->time && state_->scene.mesh.duration() > 0.0) {
-        state_->time = time;
-        state_->move_geometry(executor);
+        state_->move_geometry(time, executor);
     }
     state_->time = time;
 }

@@ -82,7 +82,8 @@ public:
     Simulator& operator=(Simulator&&) noexcept;
 
     /// Moves the geometry, sources and listeners to `time` (seconds). Results never depend on the
-    /// times visited before.
+    /// times visited before. Throws Error if no triangle with an area is left then; the time before
+    /// stays.
     void set_time(double time, Executor& executor = Executor::serial());
 
     /// Every pair, ordered by source, then listener. A pair at the same point has no direct path

@@ -39,7 +39,8 @@ public:
     SceneGeometry(const Scene& scene, std::vector<FacetMaterial> materials);
 
     /// Moves everything to where it is at `time`, for about `queries` queries. False: it is where
-    /// it was. Throws Error if no triangle is left after clean-up. Invalidates views.
+    /// it was. Invalidates views. Throws Error if no triangle is left after clean-up; it then stays
+    /// where it was.
     bool move(double time, double queries, Executor& executor);
 
     const std::vector<geometry::Vec3>& positions() const noexcept { return positions_; }
@@ -62,7 +63,8 @@ public:
 
 private:
     geometry::MeshView mesh() const noexcept { return {positions_, triangles_}; }
-    bool set_triangles();  // whether they are others than before
+    geometry::MeshView mesh_of_scene() const noexcept;  // before clean-up
+    bool set_triangles();                               // whether they are others than before
     void update_bvh(bool same_triangles, double queries, Executor& executor);
     void describe_facets() const;
 

@@ -26,9 +26,10 @@ from ._errors import (
 from ._library import NONE, Message, Messages, lib, text
 from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
 from .materials import LibraryMaterial, Material, band_centres, library
+from .names import Names
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
 from .result import PATH_TYPE, Histogram, Path, Paths, Response, Result, Room
-from .scene import Names, Scene, extrude, load, shoebox
+from .scene import Scene, extrude, load, shoebox
 from .simulation import Simulator, simulate
 from .sound import Sound, auralize, mix
 from .visible_sets import VisibleSets

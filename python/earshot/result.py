@@ -27,7 +27,7 @@ from ._library import (
     text,
     view,
 )
-from .scene import Names
+from .names import Names
 from .sound import Sound
 
 PATH_KINDS = ("direct", "specular", "transmitted")

@@ -251,6 +251,41 @@ TEST(Simulator, TimesMayBeVisitedInAnyOrder) {
     EXPECT_EQ(paths_at(0.0), 1U);
 }
 
+TEST(Simulator, AnInstantWithoutTrianglesIsRefusedEveryTimeAndLeavesTheOneBefore) {
+    // A wall that shrinks to a point at 1 s, and is somewhere else at 2 s.
+    geometry::Node node;
+    node.scale = {.interpolation = geometry::Interpolation::linear,
+                  .times = {0.0, 1.0, 2.0},
+                  .values = {1, 1, 1, 0, 0, 0, 1, 1, 1}};
+    node.translation = {.interpolation = geometry::Interpolation::linear,
+                        .times = {0.0, 1.0, 2.0},
+                        .values = {0, 0, 0, 0, 0, 0, 0, 20, 0}};
+    geometry::Part part;
+    part.node = 0;
+    part.positions = {{0, -5, -5}, {0, 5, -5}, {0, 5, 5}, {0, -5, 5}};
+    Scene scene;
+    scene.mesh = geometry::AnimatedMesh({node}, {}, {part}, {{0, 1, 2}, {0, 2, 3}});
+    scene.materials.resize(1);
+    scene.material_of_triangle = {0, 0};
+    scene.sources = {{.name = "s", .node = -1, .position = {-3, 0, 0}}};
+    scene.listeners = {{.name = "l", .node = -1, .position = {3, 1, 0}},
+                       {.name = "m", .node = -1, .position = {-3, 1, 0}}};
+    Simulator simulator(scene, {.specular_order = 1});
+    const auto paths_of = [&](std::size_t pair) { return simulator.run()[pair].paths.size(); };
+    ASSERT_EQ(paths_of(0), 0U);
+    ASSERT_EQ(paths_of(1), 2U);
+    for (int i = 0; i < 2; ++i) {
+        EXPECT_THROW(simulator.set_time(1.0), Error);
+        EXPECT_EQ(paths_of(0), 0U);
+        EXPECT_EQ(paths_of(1), 2U);
+    }
+    simulator.set_time(2.0);
+    EXPECT_EQ(paths_of(0), 1U);
+    EXPECT_EQ(paths_of(1), 1U);
+    simulator.set_time(0.0);
+    EXPECT_EQ(paths_of(0), 0U);
+}
+
 /// The box with a corner that moves, and a screen that comes between source and listener.
 Scene deforming_scene() {
     Scene scene = box_scene();
