@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Time of a response of a shoe-box by its image lattice: images, assembly and the whole job.
 #include "earshot/audio/impulse_response.h"
+#include "earshot/propagation/room_shapes.h"
 #include "earshot/propagation/simulator.h"
 
 #include <glm/vec3.hpp>
 
 #include "harness.h"
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -18,27 +20,10 @@ using earshot::geometry::Vec3;
 using earshot::propagation::Scene;
 
 Scene shoebox(const Vec3& size, int microphones) {
-    earshot::geometry::Mesh mesh;
-    for (int i = 0; i < 8; ++i) {
-        mesh.positions.emplace_back(
-            (i & 1) != 0 ? size.x : 0.0, (i & 2) != 0 ? size.y : 0.0, (i & 4) != 0 ? size.z : 0.0);
-    }
-    mesh.triangles = {{0, 4, 5},
-                      {0, 5, 1},
-                      {2, 3, 7},
-                      {2, 7, 6},
-                      {0, 1, 3},
-                      {0, 3, 2},
-                      {4, 6, 7},
-                      {4, 7, 5},
-                      {0, 2, 6},
-                      {0, 6, 4},
-                      {1, 5, 7},
-                      {1, 7, 3}};
-    Scene scene;
-    scene.name = "shoebox";
-    scene.material_of_triangle.assign(mesh.triangles.size(), 0);
-    scene.mesh = earshot::geometry::AnimatedMesh::fixed(std::move(mesh));
+    Scene scene = earshot::propagation::shoebox_room(size);
+    scene.materials.resize(1);  // the walls are alike
+    scene.materials[0].name = "wall";
+    std::fill(scene.material_of_triangle.begin(), scene.material_of_triangle.end(), 0U);
     scene.sources = {{.name = "source", .position = {2.0, 1.7, 1.5}}};
     for (int i = 0; i < microphones; ++i) {
         scene.listeners.push_back(
@@ -58,8 +43,6 @@ struct Job {
 void measure(const Job& job) {
     using earshot::propagation::EnergyCoefficient;
     Scene scene = shoebox({8.0, 3.5, 6.0}, job.microphones);
-    scene.materials.resize(1);
-    scene.materials[0].name = "wall";
     scene.materials[0].scattering = EnergyCoefficient(0.0);
     scene.materials[0].absorption =
         job.has_bands
