@@ -1,35 +1,30 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/audio/convolve.h"
-#include "earshot/audio/resample.h"
+#include "earshot/audio/auralization.h"
 #include "earshot/base/math.h"
 #include "earshot/base/parallel.h"
 #include "earshot/capi/internal/checks.h"
 #include "earshot/capi/internal/sound_object.h"
 #include "earshot/capi/internal/work.h"
 #include "earshot/io/sound_file.h"
+#include "earshot/io/sound_signal.h"
 #include "earshot/io/whole_file.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace earshot::capi {
 namespace {
 
-using Channels = std::vector<std::vector<double>>;
+using audio::Signal;
 
 // Hertz: those of `earshot auralize`, and what the formats of sound files hold.
 constexpr double kMinRate = 1000.0, kMaxRate = 655350.0;
 constexpr double kMaxSample = 1e12;
 constexpr std::size_t kMaxChannels = 1024;
 constexpr std::size_t kMaxInputs = 1U << 16U;
-
-/// Channels of one whole sample rate and size.
-struct Signal {
-    std::int64_t sample_rate = 0;  ///< hertz
-    Channels channels{};
-};
 
 Signal signal_of(const io::Sound& sound, const char* argument) {
     if (sound.sample_rate != std::floor(sound.sample_rate)) {
@@ -38,37 +33,11 @@ Signal signal_of(const io::Sound& sound, const char* argument) {
     if (sound.samples.empty()) {
         fail_argument(argument, "holds no samples", "give a sound that does");
     }
-    const auto count = static_cast<std::size_t>(sound.channels);
-    Signal signal{.sample_rate = std::llround(sound.sample_rate), .channels = Channels(count)};
-    for (std::size_t i = 0; i < sound.samples.size(); ++i) {
-        signal.channels[i % count].push_back(sound.samples[i]);
-    }
-    return signal;
+    return io::signal_of(sound);
 }
 
-std::shared_ptr<SoundObject> sound_of(const Signal& signal) {
-    io::Sound sound{.sample_rate = static_cast<double>(signal.sample_rate),
-                    .channels = static_cast<int>(signal.channels.size()),
-                    .samples = {}};
-    for (std::size_t n = 0; n < signal.channels.front().size(); ++n) {
-        for (const auto& channel : signal.channels) {
-            sound.samples.push_back(channel[n]);
-        }
-    }
-    return std::make_shared<SoundObject>(std::move(sound));
-}
-
-void resample_to(std::int64_t sample_rate, Signal& signal, Executor& executor) {
-    if (signal.sample_rate == sample_rate) {
-        return;
-    }
-    executor.for_each(signal.channels.size(), 1, [&](std::size_t first, std::size_t last) {
-        for (std::size_t channel = first; channel < last; ++channel) {
-            auto& samples = signal.channels[channel];
-            samples = audio::resample(samples, signal.sample_rate, sample_rate);
-        }
-    });
-    signal.sample_rate = sample_rate;
+std::shared_ptr<SoundObject> object_of(const Signal& signal) {
+    return std::make_shared<SoundObject>(io::sound_of(signal));
 }
 
 /// The signals of an array of handles.
@@ -92,11 +61,10 @@ std::vector<Signal> signals_of(const es_sound* sounds, std::size_t count, const 
 
 /// What a receiver hears of a recording: as `earshot auralize` has it.
 Signal auralized(Signal dry, const std::vector<Signal>& responses, Executor& executor) {
-    const std::size_t receivers = responses.front().channels.size();
-    if (dry.channels.size() != 1 && receivers != 1 && receivers != dry.channels.size()) {
+    if (!audio::channels_fit(dry, responses.front())) {
         fail_argument("responses",
-                      "have " + std::to_string(receivers) + " channels, the recording " +
-                          std::to_string(dry.channels.size()),
+                      "have " + std::to_string(responses.front().channels.size()) +
+                          " channels, the recording " + std::to_string(dry.channels.size()),
                       "one of them must have a single channel, or both the same number");
     }
     for (const Signal& response : responses) {
@@ -105,30 +73,7 @@ Signal auralized(Signal dry, const std::vector<Signal>& responses, Executor& exe
                 "responses", "differ in their sample rates", "give responses of one receiver");
         }
     }
-    resample_to(responses.front().sample_rate, dry, executor);
-    Signal wet{.sample_rate = dry.sample_rate,
-               .channels = Channels(std::max(dry.channels.size(), receivers))};
-    for (std::size_t channel = 0; channel < wet.channels.size(); ++channel) {
-        Channels filters;
-        for (const Signal& response : responses) {
-            filters.push_back(response.channels[receivers == 1 ? 0 : channel]);
-        }
-        wet.channels[channel] = audio::convolve_moving(
-            dry.channels[dry.channels.size() == 1 ? 0 : channel], filters, executor);
-    }
-    return wet;
-}
-
-/// Adds `part`, scaled, to the sum, which grows to hold it.
-void add(const Signal& part, double scale, Signal& sum) {
-    for (std::size_t channel = 0; channel < part.channels.size(); ++channel) {
-        const auto& from = part.channels[channel];
-        auto& to = sum.channels[channel];
-        to.resize(std::max(to.size(), from.size()), 0.0);
-        for (std::size_t n = 0; n < from.size(); ++n) {
-            to[n] += scale * from[n];
-        }
-    }
+    return audio::auralize(std::move(dry), responses, executor);
 }
 
 }  // namespace
@@ -214,7 +159,7 @@ es_status es_auralize(es_sound dry,
         require_threads(threads, "threads");
         const std::vector<Signal> filters = signals_of(responses, response_count, "responses");
         Executor executor(threads);
-        *wet = publish(sound_of(auralized(signal_of(object->sound, "dry"), filters, executor)));
+        *wet = publish(object_of(auralized(signal_of(object->sound, "dry"), filters, executor)));
     });
 }
 
@@ -237,12 +182,13 @@ es_status es_sound_mix(const es_sound* sounds,
             fail_argument("sample_rate", "is no whole number", "give a whole number of hertz");
         }
         Signal sum{.sample_rate =
-                       sample_rate == 0.0 ? parts.front().sample_rate : std::llround(sample_rate),
-                   .channels = Channels(parts.front().channels.size())};
+                       sample_rate == 0.0 ? parts.front().sample_rate : std::llround(sample_rate)};
+        sum.channels.resize(parts.front().channels.size());
         for (std::size_t i = 0; i < count; ++i) {
-            resample_to(sum.sample_rate, parts[i], Executor::serial());
-            add(parts[i], gains_db == nullptr ? 1.0 : math::pow10(gains_db[i] / 20.0), sum);
+            audio::resample_to(sum.sample_rate, parts[i]);
+            audio::add_scaled(
+                parts[i], gains_db == nullptr ? 1.0 : math::pow10(gains_db[i] / 20.0), sum);
         }
-        *mix = publish(sound_of(sum));
+        *mix = publish(object_of(sum));
     });
 }

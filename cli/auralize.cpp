@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/audio/convolve.h"
-#include "earshot/audio/resample.h"
+#include "earshot/audio/auralization.h"
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/sound_file.h"
+#include "earshot/io/sound_signal.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
 
@@ -14,6 +14,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace earshot::cli {
@@ -33,54 +34,14 @@ constexpr const char* kFooter =
     "  earshot auralize violin.flac out/violin__seat.wav --mix cello.flac out/cello__seat.wav \\\n"
     "      --gain -6 --gain 0 --sample-rate 44100 -o duo.ogg";
 
-using Channels = std::vector<std::vector<double>>;
-
-/// Channels of one sample rate and size.
-struct Signal {
-    std::int64_t sample_rate = 0;  ///< hertz
-    Channels channels{};
-};
-
-Signal signal_of(const io::Sound& sound) {
-    const auto count = static_cast<std::size_t>(sound.channels);
-    Signal signal{.sample_rate = std::llround(sound.sample_rate), .channels = Channels(count)};
-    for (std::size_t i = 0; i < sound.samples.size(); ++i) {
-        signal.channels[i % count].push_back(sound.samples[i]);
-    }
-    return signal;
-}
-
-io::Sound sound_of(const Signal& signal) {
-    io::Sound sound{.sample_rate = static_cast<double>(signal.sample_rate),
-                    .channels = static_cast<int>(signal.channels.size()),
-                    .samples = {}};
-    for (std::size_t n = 0; n < signal.channels.front().size(); ++n) {
-        for (const auto& channel : signal.channels) {
-            sound.samples.push_back(channel[n]);
-        }
-    }
-    return sound;
-}
+using audio::Signal;
 
 Signal read_signal(const std::string& file) {
     const io::Sound sound = io::read_sound(file);
     if (sound.samples.empty()) {
         throw Error(file, "holds no samples");
     }
-    return signal_of(sound);
-}
-
-void resample_to(std::int64_t sample_rate, Signal& signal, Executor& executor) {
-    if (signal.sample_rate == sample_rate) {
-        return;
-    }
-    executor.for_each(signal.channels.size(), 1, [&](std::size_t first, std::size_t last) {
-        for (std::size_t channel = first; channel < last; ++channel) {
-            auto& samples = signal.channels[channel];
-            samples = audio::resample(samples, signal.sample_rate, sample_rate);
-        }
-    });
-    signal.sample_rate = sample_rate;
+    return io::signal_of(sound);
 }
 
 /// A recording and the responses of its receiver, in order of time.
@@ -97,11 +58,10 @@ void require_fit(const std::string& file,
                  const Signal& response,
                  const SourceFiles& source,
                  const Signal& dry) {
-    const std::size_t have = response.channels.size();
-    if (dry.channels.size() != 1 && have != 1 && have != dry.channels.size()) {
+    if (!audio::channels_fit(dry, response)) {
         throw Error(file,
-                    "has " + std::to_string(have) + " channels, " + source.dry + " has " +
-                        std::to_string(dry.channels.size()),
+                    "has " + std::to_string(response.channels.size()) + " channels, " + source.dry +
+                        " has " + std::to_string(dry.channels.size()),
                     "one of them must have a single channel, or both the same number");
     }
 }
@@ -132,31 +92,7 @@ std::vector<Signal> read_responses(const SourceFiles& source, const Signal& dry)
 Signal auralized(const SourceFiles& source, Executor& executor) {
     Signal dry = read_signal(source.dry);
     const std::vector<Signal> responses = read_responses(source, dry);
-    resample_to(responses.front().sample_rate, dry, executor);
-    const std::size_t receivers = responses.front().channels.size();
-    Signal wet{.sample_rate = dry.sample_rate,
-               .channels = Channels(std::max(dry.channels.size(), receivers))};
-    for (std::size_t channel = 0; channel < wet.channels.size(); ++channel) {
-        Channels filters;
-        for (const Signal& response : responses) {
-            filters.push_back(response.channels[receivers == 1 ? 0 : channel]);
-        }
-        wet.channels[channel] = audio::convolve_moving(
-            dry.channels[dry.channels.size() == 1 ? 0 : channel], filters, executor);
-    }
-    return wet;
-}
-
-/// Adds `part`, scaled, to the sum, which grows to hold it.
-void add(const Signal& part, double scale, Signal& sum) {
-    for (std::size_t channel = 0; channel < part.channels.size(); ++channel) {
-        const auto& from = part.channels[channel];
-        auto& to = sum.channels[channel];
-        to.resize(std::max(to.size(), from.size()), 0.0);
-        for (std::size_t n = 0; n < from.size(); ++n) {
-            to[n] += scale * from[n];
-        }
-    }
+    return audio::auralize(std::move(dry), responses, executor);
 }
 
 double largest_of(const Signal& signal) {
@@ -236,8 +172,8 @@ public:
                                 std::to_string(sum.channels.size()),
                             "give responses of one receiver");
             }
-            resample_to(sum.sample_rate, wet, executor);
-            add(wet, scales[i], sum);
+            audio::resample_to(sum.sample_rate, wet, executor);
+            audio::add_scaled(wet, scales[i], sum);
         }
         write(std::move(sum), format);
     }
@@ -273,7 +209,7 @@ private:
             }
         }
         const double largest = largest_of(wet);
-        const io::Sound sound = sound_of(wet);
+        const io::Sound sound = io::sound_of(wet);
         io::write_whole_file(output_, io::encode_sound(sound, format));
         const std::size_t clipped = io::count_beyond_full_scale(sound);
         if (clipped > 0 && format != io::SoundFormat::wav) {
