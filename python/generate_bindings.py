@@ -12,8 +12,22 @@ import sys
 import cffi
 
 
+def with_parts(header: pathlib.Path) -> str:
+    """The header's text with the headers beside it that it includes, each once."""
+    seen: set[pathlib.Path] = set()
+
+    def expanded(file: pathlib.Path) -> str:
+        if file in seen:
+            return ""
+        seen.add(file)
+        return re.sub(r'^#include "([^"]+)"$', lambda match: expanded(file.with_name(match[1])),
+                      file.read_text(), flags=re.MULTILINE)
+
+    return expanded(header)
+
+
 def main(header: pathlib.Path, output: pathlib.Path) -> None:
-    text = header.read_text()
+    text = with_parts(header)
     text = re.sub(r"//[^\n]*", "", text)
     text = re.sub(r"^#.*(\\\n.*)*$", "", text, flags=re.MULTILINE)
     ffi = cffi.FFI()
