@@ -187,7 +187,8 @@ std::vector<Contact> World::State::search_at_begin(const ContactOptions& options
     // 3. Their contacts.
     std::vector<Contact> contacts;
     for (const PairContacts& found : pair_contacts) {
-        const auto [a, b] = found.pair;
+        const std::uint32_t a = found.pair.a;
+        const std::uint32_t b = found.pair.b;
         statistics += found.contacts.statistics;
         instant.add_work(a, found.contacts.statistics);
         if (a != b) {
