@@ -131,12 +131,15 @@ double DecayCurve::time_between(const DecayRange& range) const noexcept {
     return 60.0 / (range.to_db - range.from_db) * samples / sample_rate_;
 }
 
+DecayCurve::Samples DecayCurve::samples_in(const DecayRange& range) const noexcept {
+    return {range.from_db == 0 ? 0 : first_below_db_[static_cast<std::size_t>(range.from_db)],
+            first_below_db_[static_cast<std::size_t>(range.to_db)]};
+}
+
 // Decibels per second, by least squares over the samples whose level is in the range; 0 if fewer
 // than two are.
 double DecayCurve::slope(const DecayRange& range) const noexcept {
-    const std::size_t begin =
-        range.from_db == 0 ? 0 : first_below_db_[static_cast<std::size_t>(range.from_db)];
-    const std::size_t end = first_below_db_[static_cast<std::size_t>(range.to_db)];
+    const auto [begin, end] = samples_in(range);
     if (end < begin + 2) {
         return 0.0;
     }
@@ -144,6 +147,31 @@ double DecayCurve::slope(const DecayRange& range) const noexcept {
     const double time_squared = count * (count * count - 1.0) / 12.0;
     return kDbPerLogEnergy * log_covariance(remaining().subspan(begin, end - begin)) /
            time_squared * sample_rate_;
+}
+
+std::optional<double> DecayCurve::level_db(double energy) const noexcept {
+    return energy > 0.0 ? std::optional(10.0 * math::log10(energy / energy_)) : std::nullopt;
+}
+
+std::optional<DecayLine> DecayCurve::line(const DecayRange& range) const {
+    const double db_per_second = slope(range);
+    if (!(db_per_second < 0.0)) {
+        return std::nullopt;
+    }
+    const auto [begin, end] = samples_in(range);
+    double sum_db = 0.0;
+    for (const double energy : remaining().subspan(begin, end - begin)) {
+        sum_db += 10.0 * math::log10(energy / energy_);
+    }
+    // The line goes through the mean of times and levels.
+    const auto count = static_cast<double>(end - begin);
+    const double mean_db = sum_db / count;
+    const double mean_time = (static_cast<double>(begin) + 0.5 * (count - 1.0)) / sample_rate_;
+    const auto at = [&](std::size_t sample) { return static_cast<double>(sample) / sample_rate_; };
+    return DecayLine{.from = at(begin),
+                     .to = at(end),
+                     .level_from_db = mean_db + db_per_second * (at(begin) - mean_time),
+                     .level_to_db = mean_db + db_per_second * (at(end) - mean_time)};
 }
 
 DecayCurve::Reading DecayCurve::read(const DecayRange& range,

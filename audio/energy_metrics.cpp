@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/audio/energy_metrics.h"
 
+#include "earshot/audio/internal/energy_course.h"
 #include "earshot/audio/internal/metric_errors.h"
 #include "earshot/audio/internal/metrics_reader.h"
 #include "earshot/audio/speech_levels.h"
@@ -14,54 +15,7 @@ namespace earshot::audio {
 
 namespace {
 
-constexpr double kNoFilterHz = 1e9;    // bandwidth of energies: no filter rings
-constexpr double kGridRate = 10000.0;  // of the grid that energies are put on, hertz
-
-// Energy per instant of the grid.
-std::vector<double> energies_of(std::size_t band,
-                                std::span<const Arrival> arrivals,
-                                const EnergyHistogram& late) {
-    double end = late.bin * static_cast<double>(late.energy.size());
-    for (const Arrival& arrival : arrivals) {
-        end = std::max(end, arrival.delay);
-    }
-    std::vector<double> energies(static_cast<std::size_t>(end * kGridRate) + 2, 0.0);
-    for (const Arrival& arrival : arrivals) {
-        energies[static_cast<std::size_t>(arrival.delay * kGridRate)] +=
-            arrival.pressure[band] * arrival.pressure[band];
-    }
-    const double steps = late.bin * kGridRate;
-    for (std::size_t n = 0; n < late.energy.size(); ++n) {
-        const auto from = static_cast<std::size_t>(static_cast<double>(n) * steps);
-        const auto to =
-            std::max(from + 1, static_cast<std::size_t>(static_cast<double>(n + 1) * steps));
-        for (std::size_t i = from; i < std::min(to, energies.size()); ++i) {
-            energies[i] += late.energy[n][band] / static_cast<double>(to - from);
-        }
-    }
-    return energies;
-}
-
-std::size_t onset_of(std::span<const double> energies) {
-    constexpr double kBelow = 0.01;
-    const double min_energy = kBelow * *std::max_element(energies.begin(), energies.end());
-    std::size_t onset = 0;
-    while (energies[onset] < min_energy) {
-        ++onset;
-    }
-    return onset;
-}
-
-EnergyCourse course_of(const Bands& bands,
-                       std::span<const Arrival> arrivals,
-                       const EnergyHistogram& late) {
-    EnergyCourse course = {.sample_rate = kGridRate};
-    for (std::size_t band = 0; band < bands.count(); ++band) {
-        course.energy.push_back(energies_of(band, arrivals, late));
-        course.onset.push_back(onset_of(course.energy.back()));
-    }
-    return course;
-}
+constexpr double kNoFilterHz = 1e9;  // bandwidth of energies: no filter rings
 
 // Nothing if an octave is silent.
 std::optional<SpeechCourse> speech_of(const Bands& bands,
@@ -165,7 +119,7 @@ RoomMetrics energy_metrics(const Bands& bands,
         metrics.notes.push_back({.metric = "all", .text = "the response is silent"});
         return metrics;
     }
-    const EnergyCourse course = course_of(bands, arrivals, late);
+    const EnergyCourse course = energy_course(bands, arrivals, late);
     MetricsReader reader(bands, metrics.notes);
     for (std::size_t band = 0; band < bands.count(); ++band) {
         const std::vector<double>& squared = course.energy[band];
@@ -174,14 +128,14 @@ RoomMetrics energy_metrics(const Bands& bands,
             reader.note_band(band, "silent");
             continue;
         }
-        const double after_onset = static_cast<double>(squared.size() - onset) / kGridRate;
+        const double after_onset = static_cast<double>(squared.size() - onset) / course.sample_rate;
         if (band == 0) {
             reader.note_extent(after_onset);
         }
         metrics.bands[band] = reader.read(band,
                                           {.squared = squared,
                                            .onset = onset,
-                                           .sample_rate = kGridRate,
+                                           .sample_rate = course.sample_rate,
                                            .after_onset = after_onset,
                                            .bandwidth_hz = kNoFilterHz,
                                            .full_decay = late.full_decay});

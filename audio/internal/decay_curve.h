@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/decay_lines.h"
+
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -41,6 +43,14 @@ public:
     /// Energy from `time` seconds after the onset on.
     double energy_from(double time) const noexcept;
 
+    /// Of an energy, re the whole; nothing of none.
+    std::optional<double> level_db(double energy) const noexcept;
+
+    /// The straight line through the range by least squares, from the first sample in it to the
+    /// one behind it, seconds after the onset; nothing if fewer than two samples are in it or the
+    /// line does not fall.
+    std::optional<DecayLine> line(const DecayRange& range) const;
+
     struct Reading {
         std::optional<double> time;  ///< for 60 dB, seconds
         bool ends_early = false;     ///< there is none because the response ends before its decay
@@ -56,6 +66,12 @@ private:
     double slowness_after(int depth_db) const noexcept;
     double time_between(const DecayRange& range) const noexcept;
     double slope(const DecayRange& range) const noexcept;
+
+    // The samples after the onset whose level is in the range.
+    struct Samples {
+        std::size_t begin = 0, end = 0;
+    };
+    Samples samples_in(const DecayRange& range) const noexcept;
 
     // Energy from each sample on, of the onset and those behind it.
     std::span<const double> remaining() const noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/audio/energy_histogram.h"
+#include "earshot/audio/internal/energy_course.h"
 #include "earshot/audio/internal/modulation.h"
 #include "earshot/audio/room_metrics.h"
 
@@ -12,13 +13,6 @@
 #include <vector>
 
 namespace earshot::audio {
-
-/// Energy that arrives over time, per band.
-struct EnergyCourse {
-    double sample_rate = 0.0;                   ///< of the grid, hertz
-    std::vector<std::vector<double>> energy{};  ///< per band and instant
-    std::vector<std::size_t> onset{};           ///< per band, an instant
-};
 
 /// What the speech transmission index of a course is computed from.
 struct SpeechCourse {
