@@ -44,9 +44,9 @@ bool lies_inside(const Vec3& point, const Segment& segment, double tolerance) no
            glm::dot(normal, normal) <= limit * glm::dot(along, along);
 }
 
-std::size_t count_t_junctions(std::span<const Edge> open_edges,
-                              std::span<const Vec3> positions,
-                              double tolerance) {
+std::vector<VertexId> t_junctions_of(std::span<const Edge> open_edges,
+                                     std::span<const Vec3> positions,
+                                     double tolerance) {
     std::vector<bool> is_end(positions.size(), false);
     std::vector<PointTree::Point> ends;
     for (const auto& [a, b] : open_edges) {
@@ -59,17 +59,28 @@ std::size_t count_t_junctions(std::span<const Edge> open_edges,
     }
     const PointTree tree(std::move(ends));
     std::vector<bool> is_junction(positions.size(), false);
-    std::size_t count = 0;
+    std::vector<VertexId> junctions;
     for (const auto& [a, b] : open_edges) {
         const Segment edge{positions[a], positions[b]};
         tree.near_segment(edge, tolerance, [&](const PointTree::Point& point) {
             if (!is_junction[point.vertex] && lies_inside(point.position, edge, tolerance)) {
                 is_junction[point.vertex] = true;
-                ++count;
+                junctions.push_back(point.vertex);
             }
         });
     }
-    return count;
+    return junctions;
+}
+
+std::vector<Edge> open_edges_of(const EdgeTable& edges, std::span<const Triangle> triangles) {
+    std::vector<Edge> open;
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        const std::span<const HalfEdgeId> uses = edges.uses(e);
+        if (uses.size() == 1) {
+            open.emplace_back(start_of(triangles, uses[0]), end_of(triangles, uses[0]));
+        }
+    }
+    return open;
 }
 
 }  // namespace
@@ -78,18 +89,21 @@ void count_edges(std::span<const Triangle> triangles,
                  std::span<const Vec3> positions,
                  CleanReport& report) {
     const EdgeTable edges(triangles, positions.size());
-    std::vector<Edge> open;
+    const std::vector<Edge> open = open_edges_of(edges, triangles);
     for (std::size_t e = 0; e < edges.size(); ++e) {
-        const std::span<const HalfEdgeId> uses = edges.uses(e);
-        if (uses.size() == 1) {
-            open.emplace_back(start_of(triangles, uses[0]), end_of(triangles, uses[0]));
-        }
-        report.non_manifold_edges += uses.size() > 2 ? 1 : 0;
+        report.non_manifold_edges += edges.uses(e).size() > 2 ? 1 : 0;
     }
     report.open_edges = open.size();
     report.holes = count_components(open, positions.size());
     const double tolerance = coplanar_tolerance({positions, triangles});
-    report.t_junctions = count_t_junctions(open, positions, tolerance);
+    report.t_junctions = t_junctions_of(open, positions, tolerance).size();
+}
+
+std::vector<VertexId> find_t_junctions(std::span<const Triangle> triangles,
+                                       std::span<const Vec3> positions) {
+    const EdgeTable edges(triangles, positions.size());
+    return t_junctions_of(
+        open_edges_of(edges, triangles), positions, coplanar_tolerance({positions, triangles}));
 }
 
 }  // namespace earshot::geometry

@@ -4,6 +4,7 @@
 #include "earshot/geometry/clean.h"
 
 #include <span>
+#include <vector>
 
 namespace earshot::geometry {
 
@@ -12,5 +13,10 @@ namespace earshot::geometry {
 void count_edges(std::span<const Triangle> triangles,
                  std::span<const Vec3> positions,
                  CleanReport& report);
+
+/// The vertices of open edges that lie inside another open edge (see CleanReport::t_junctions), in
+/// the order of the edges that they lie in. Precondition as for count_edges().
+std::vector<VertexId> find_t_junctions(std::span<const Triangle> triangles,
+                                       std::span<const Vec3> positions);
 
 }  // namespace earshot::geometry
