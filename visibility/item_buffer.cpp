@@ -19,10 +19,10 @@ using geometry::Vec3;
 
 namespace {
 
-/// The direction of a pixel's middle.
+/// The ray through a pixel's middle.
 class Lens {
 public:
-    explicit Lens(const View& view) noexcept : view_(view) {
+    Lens(const View& view, const Vec3& point) noexcept : view_(view), point_(point) {
         if (!view.forward) {
             return;
         }
@@ -32,27 +32,35 @@ public:
         right_ =
             glm::dot(across, across) > 0.0 ? geometry::normalized(across) : Vec3(1.0, 0.0, 0.0);
         up_ = glm::cross(right_, front_);
-        half_width_ = math::tan(view.field_of_view / 2.0);
+        half_width_ =
+            view.parallel_width ? *view.parallel_width / 2.0 : math::tan(view.field_of_view / 2.0);
     }
 
-    Vec3 direction(std::size_t row, std::size_t column) const noexcept {
+    Ray ray(std::size_t row, std::size_t column) const noexcept {
         // From -1 to 1 over the width; rows have the same scale.
         const auto width = static_cast<double>(view_.width);
         const auto height = static_cast<double>(view_.height);
         const double x = (2.0 * static_cast<double>(column) + 1.0 - width) / width;
         const double y = (height - 2.0 * static_cast<double>(row) - 1.0);
         if (view_.forward) {
-            return geometry::normalized(front_ + half_width_ * (x * right_ + y / width * up_));
+            const Vec3 across = half_width_ * (x * right_ + y / width * up_);
+            if (view_.parallel_width) {
+                return {.origin = point_ + across, .direction = front_};
+            }
+            return {.origin = point_, .direction = geometry::normalized(front_ + across)};
         }
         const double azimuth = x * math::kPi;
         const double elevation = y / height * math::kPi / 2.0;
         const double level = math::cos(elevation);
-        return geometry::normalized(
-            {level * math::sin(azimuth), math::sin(elevation), -level * math::cos(azimuth)});
+        return {
+            .origin = point_,
+            .direction = geometry::normalized(
+                {level * math::sin(azimuth), math::sin(elevation), -level * math::cos(azimuth)})};
     }
 
 private:
     const View& view_;
+    const Vec3& point_;
     Vec3 front_{0.0}, right_{0.0}, up_{0.0};
     double half_width_ = 1.0;
 };
@@ -68,7 +76,8 @@ ItemBuffer render_item_buffer(const bvh::MeshBvh& bvh,
     EARSHOT_ASSERT(view.width > 0 && view.height > 0);
     EARSHOT_ASSERT(view.field_of_view > 0.0 && view.field_of_view < math::kPi);
     constexpr std::size_t kPixelsPerBatch = std::size_t{1} << 16U;
-    const Lens lens(view);
+    EARSHOT_ASSERT(!view.parallel_width || (view.forward && *view.parallel_width > 0.0));
+    const Lens lens(view, point);
     const std::size_t rows_per_batch = std::max<std::size_t>(1, kPixelsPerBatch / view.width);
     const std::size_t pixels = view.width * view.height;
     ItemBuffer buffer{
@@ -84,9 +93,8 @@ ItemBuffer render_item_buffer(const bvh::MeshBvh& bvh,
         rays.resize(rows * view.width);
         executor.for_each(rows, 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin * view.width; i < end * view.width; ++i) {
-                const Vec3 direction = lens.direction(row + i / view.width, i % view.width);
-                buffer.directions[first + i] = direction;
-                rays[i] = {.origin = point, .direction = direction};
+                rays[i] = lens.ray(row + i / view.width, i % view.width);
+                buffer.directions[first + i] = rays[i].direction;
             }
         });
         hits.resize(rays.size());

@@ -25,6 +25,9 @@ struct View {
     std::optional<geometry::Vec3> forward{};
     /// Angle over the width of a perspective view, radians. Precondition: above 0, below pi.
     double field_of_view = math::kPi / 2.0;
+    /// Width of a picture in parallel projection, metres: its rays start in the plane through the
+    /// point, perpendicular to `forward`, and the field of view plays no part. Needs `forward`.
+    std::optional<double> parallel_width{};
 };
 
 /// An item buffer (Weghorst et al. 1984): the triangle that is visible in each pixel of a picture,
@@ -33,12 +36,13 @@ struct ItemBuffer {
     View view{};
     std::vector<geometry::Vec3> directions;       ///< unit vectors
     std::vector<geometry::TriangleId> triangles;  ///< or kNoTriangle
-    std::vector<double> distances;                ///< metres; infinite where no triangle is
+    std::vector<double> distances;  ///< metres along the ray; infinite where no triangle is
 };
 
-/// Casts one ray from `point` through the middle of every pixel. Excluded triangles are treated as
-/// absent, and so are triangles without area. Precondition: width and height are not 0, and the
-/// tree was built over or refitted to this mesh.
+/// Casts one ray from `point` through the middle of every pixel, or from the middle of every pixel
+/// of a parallel picture. Excluded triangles are treated as absent, and so are triangles without
+/// area. Precondition: width and height are not 0, and the tree was built over or refitted to this
+/// mesh.
 ItemBuffer render_item_buffer(const bvh::MeshBvh& bvh,
                               const geometry::Vec3& point,
                               const View& view,

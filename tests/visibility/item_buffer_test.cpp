@@ -84,6 +84,27 @@ TEST(ItemBuffer, LooksStraightUpAndDown) {
     EXPECT_EQ(at(down, 0.5, 0.3), 3U);
 }
 
+// Rays start in the plane through the point: 8 m across, 2 m to the right is a quarter of the
+// width.
+TEST(ItemBuffer, IsParallelForAWidth) {
+    const Mesh mesh = marks({{0, -5, 0}, {2, -3, 0}, {0, -5, 1}, {-3, -5, -1.5}});
+    const View view{.width = 400, .height = 200, .forward = Vec3{0, -2, 0}, .parallel_width = 8.0};
+    const ItemBuffer buffer = render(mesh, view);
+    EXPECT_EQ(at(buffer, 0.5, 0.5), 0U);
+    EXPECT_EQ(at(buffer, 0.75, 0.5), 1U);
+    EXPECT_EQ(at(buffer, 0.5, 0.75), 2U);
+    EXPECT_EQ(at(buffer, 0.5 - 3.0 / 8.0, 0.5 - 1.5 / 4.0), 3U);
+    EXPECT_NEAR(buffer.distances[100 * 400 + 200], 5.0, 0.1);
+    for (std::size_t i = 0; i < buffer.triangles.size(); i += 7) {
+        EXPECT_EQ(buffer.directions[i], Vec3(0.0, -1.0, 0.0));
+        const double x = ((static_cast<double>(i % 400) + 0.5) / 400.0 - 0.5) * 8.0;
+        const double z = ((static_cast<double>(i / 400) + 0.5) / 200.0 - 0.5) * 4.0;
+        const auto hit = bvh::brute_force::closest_hit(
+            mesh.view(), {.origin = {x, 0.0, z}, .direction = {0.0, -1.0, 0.0}});
+        EXPECT_EQ(buffer.triangles[i], hit ? hit->triangle : kNoTriangle) << i;
+    }
+}
+
 TEST(ItemBuffer, HoldsTheClosestHitOfEveryPixel) {
     const Mesh mesh = scene_mesh("classroom");
     const auto tree = wide_tree_of(mesh.view());
