@@ -210,9 +210,15 @@ es_status es_bvh_occluded(es_bvh bvh,
         const auto out = require_array(occluded, count, "occluded");
         Executor executor(threads);
         std::vector<std::uint8_t> found(count);  // handed over when all ends were found right
-        for_segments(from, to, count, [&](std::span<const geometry::Segment> some, std::size_t i) {
-            object->tree.view().occluded(some, std::span(found).subspan(i, some.size()), executor);
-        });
+        const bvh::MeshBvh tree = object->tree.view();
+        for_segments(from,
+                     to,
+                     count,
+                     segments_per_block(0),
+                     executor,
+                     [&](std::span<const geometry::Segment> some, std::size_t first) {
+                         tree.occluded(some, std::span(found).subspan(first, some.size()));
+                     });
         std::copy(found.begin(), found.end(), out.begin());
     });
 }

@@ -36,13 +36,17 @@ es_status es_bvh_visible(es_bvh bvh,
         require_threads(threads, "threads");
         const auto out = require_array(visible, count, "visible");
         Executor executor(threads);
-        std::vector<std::uint8_t> found;  // handed over when all ends were found right
-        found.reserve(count);
-        for_segments(from, to, count, [&](std::span<const geometry::Segment> some, std::size_t) {
-            const auto part =
-                visibility::visible(object->tree.view(), some, object->excluded, executor);
-            found.insert(found.end(), part.begin(), part.end());
-        });
+        const bvh::MeshBvh tree = object->tree.view();
+        std::vector<std::uint8_t> found(count);  // handed over when all ends were found right
+        for_segments(from,
+                     to,
+                     count,
+                     segments_per_block(tree.tree().bytes()),
+                     executor,
+                     [&](std::span<const geometry::Segment> some, std::size_t first) {
+                         const auto part = visibility::visible(tree, some, object->excluded);
+                         std::copy(part.begin(), part.end(), found.data() + first);
+                     });
         std::copy(found.begin(), found.end(), out.begin());
     });
 }
@@ -59,12 +63,17 @@ es_status es_bvh_first_blockers(es_bvh bvh,
         require_threads(threads, "threads");
         require_array(triangles, count, "triangles");
         Executor executor(threads);
-        std::vector<std::optional<visibility::Blocker>> found;
-        for_segments(from, to, count, [&](std::span<const geometry::Segment> some, std::size_t) {
-            const auto part =
-                visibility::first_blockers(object->tree.view(), some, object->excluded, executor);
-            found.insert(found.end(), part.begin(), part.end());
-        });
+        const bvh::MeshBvh tree = object->tree.view();
+        std::vector<std::optional<visibility::Blocker>> found(count);
+        for_segments(from,
+                     to,
+                     count,
+                     segments_per_block(tree.tree().bytes()),
+                     executor,
+                     [&](std::span<const geometry::Segment> some, std::size_t first) {
+                         const auto part = visibility::first_blockers(tree, some, object->excluded);
+                         std::copy(part.begin(), part.end(), found.data() + first);
+                     });
         for (std::size_t i = 0; i < count; ++i) {
             triangles[i] = found[i] ? found[i]->triangle : ES_NONE;
             if (t != nullptr) {

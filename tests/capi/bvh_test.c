@@ -197,7 +197,48 @@ void test_bvh(void) {
     test_making();
 }
 
+enum { kMany = 20000 };
+
+// Along +x at heights that rise to 2 m: those up to 1 m are blocked. Of ends far apart that are no
+// points the first is told, whatever the number of threads, and nothing is written.
+static void test_many_segments(void) {
+    es_bvh bvh = make_walls(0);
+    static double from[3 * kMany], to[3 * kMany];
+    static uint8_t visible[kMany], blocked[kMany];
+    static uint32_t blockers[kMany];
+    for (int i = 0; i < kMany; ++i) {
+        from[3 * i + 1] = to[3 * i + 1] = 2.0 * i / kMany;
+        from[3 * i + 2] = to[3 * i + 2] = 0.25;
+        to[3 * i] = 1.5;
+    }
+    for (int32_t threads = 1; threads <= 3; ++threads) {
+        CHECK_OK(es_bvh_visible(bvh, from, to, kMany, threads, visible));
+        CHECK_OK(es_bvh_occluded(bvh, from, to, kMany, threads, blocked));
+        CHECK_OK(es_bvh_first_blockers(bvh, from, to, kMany, threads, blockers, NULL));
+        for (int i = 0; i < kMany; ++i) {
+            const int expected = 2 * i > kMany;
+            CHECK(visible[i] == expected && blocked[i] == !expected);
+            CHECK((blockers[i] == ES_NONE) == expected);
+        }
+    }
+    to[3 * 9000] = from[3 * 15000 + 2] = from[3 * 19999] = NAN;
+    for (int32_t threads = 1; threads <= 3; ++threads) {
+        visible[0] = blocked[0] = 7;
+        blockers[0] = 7;
+        CHECK_FAILS(
+            ES_ERROR_ARGUMENT, "to[9000]", es_bvh_visible(bvh, from, to, kMany, threads, visible));
+        CHECK_FAILS(
+            ES_ERROR_ARGUMENT, "to[9000]", es_bvh_occluded(bvh, from, to, kMany, threads, blocked));
+        CHECK_FAILS(ES_ERROR_ARGUMENT,
+                    "to[9000]",
+                    es_bvh_first_blockers(bvh, from, to, kMany, threads, blockers, NULL));
+        CHECK(visible[0] == 7 && blocked[0] == 7 && blockers[0] == 7);
+    }
+    CHECK_OK(es_release(bvh));
+}
+
 void test_sight(void) {
+    test_many_segments();
     es_bvh bvh = make_walls(0);
     const double from[] = {0, 0, 0.5, 0, 5, 0, 0, 0, 0.5}, to[] = {3, 0, 0.5, 3, 5, 0, 1.5, 0, 0.5};
     uint8_t visible[3] = {7, 7, 7};
