@@ -5,6 +5,7 @@ set(sources)
 foreach(folder IN LISTS entries)
   file(GLOB_RECURSE found RELATIVE ${SOURCE_DIR}
     ${SOURCE_DIR}/${folder}/*.h ${SOURCE_DIR}/${folder}/*.cpp)
+  list(FILTER found EXCLUDE REGEX "/node_modules/")
   list(APPEND sources ${found})
 endforeach()
 if(NOT sources)

@@ -15,7 +15,8 @@ endfunction()
 
 foreach(folder IN LISTS folders)
   file(GLOB_RECURSE files RELATIVE ${SOURCE_DIR}/${folder}
-    ${SOURCE_DIR}/${folder}/*.h ${SOURCE_DIR}/${folder}/*.cpp)
+    ${SOURCE_DIR}/${folder}/*.h ${SOURCE_DIR}/${folder}/*.cpp ${SOURCE_DIR}/${folder}/*.ts)
+  list(FILTER files EXCLUDE REGEX "^(node_modules|dist|tests)/")
   if(NOT EXISTS ${SOURCE_DIR}/${folder}/README.md OR NOT files)
     message(FATAL_ERROR "${folder}/ has no README.md or no sources")
   endif()
@@ -25,7 +26,7 @@ foreach(folder IN LISTS folders)
   string(REPLACE "```" "" text "${text}")
   string(REGEX MATCHALL "`[^`\n]+`" names "${text}")
   list(TRANSFORM names REPLACE "`" "")
-  list(FILTER names INCLUDE REGEX "^[a-z0-9_/*-]+[.](h|cpp|[*])$")
+  list(FILTER names INCLUDE REGEX "^[a-z0-9_/*-]+[.](h|cpp|ts|[*])$")
   list(FILTER names EXCLUDE REGEX "^x[.]")  # the placeholder in explanations
   list(REMOVE_DUPLICATES names)
 

@@ -79,7 +79,8 @@ set(count 0)
 set(complaints)
 foreach(folder IN LISTS entries)
   file(GLOB_RECURSE sources RELATIVE ${SOURCE_DIR}
-    ${SOURCE_DIR}/${folder}/*.h ${SOURCE_DIR}/${folder}/*.cpp)
+    ${SOURCE_DIR}/${folder}/*.h ${SOURCE_DIR}/${folder}/*.cpp ${SOURCE_DIR}/${folder}/*.ts)
+  list(FILTER sources EXCLUDE REGEX "/node_modules/")
   # Names of materials are data: "audience" is one.
   list(FILTER sources EXCLUDE REGEX "^propagation/(.*/)?material_")
   foreach(source IN LISTS sources)
