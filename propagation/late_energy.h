@@ -10,6 +10,7 @@
 #include "earshot/propagation/pose.h"
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -53,7 +54,13 @@ struct RayOptions {
     audio::Bands bands = audio::Bands::octaves();
     Air air{};
     bool air_absorption = true;
-    bool transmission = false;       ///< rays also go through materials that transmit
+    bool transmission = false;  ///< rays also go through materials that transmit
+    /// Listeners nearer than this, metres, receive all diffuse rain of a surface that faces them.
+    /// The farther ones receive it with the probability of their solid angle compared with theirs,
+    /// and then more of it: with listeners by the hundred that takes less time, and no more
+    /// variance than the rain of nearer surfaces has. The choice for a listener depends on no
+    /// other.
+    double rain_radius = std::numeric_limits<double>::infinity();
     bool report_directions = false;  ///< the histograms hold EnergyHistogram::directions
 };
 
@@ -67,13 +74,28 @@ struct EnergyBalance {
     std::uint64_t bounces = 0;
 };
 
+/// What one listener receives.
+struct LateSound {
+    audio::EnergyHistogram histogram{};  ///< air absorption included
+    LateErrors errors{};
+    /// Batches of rays, in groups of equally many successive ones. Empty with fewer than four
+    /// batches; with more than 64, some of the last may be in no group.
+    audio::HistogramReplicates replicates{};
+    double visible_volume = 0.0;  ///< of the source, cubic metres; see LateEnergy
+};
+
+/// What concerns no listener.
+struct LateTotals {
+    EnergyBalance balance{};  ///< without the air
+    /// As LateEnergy::visible_volume.
+    double visible_volume = 0.0;
+};
+
 struct LateEnergy {
-    std::vector<audio::EnergyHistogram> listeners;  ///< one each, air absorption included
-    std::vector<LateErrors> errors;                 ///< likewise
-    /// Likewise: batches of rays, in groups of equally many successive ones. Empty with fewer than
-    /// four batches; with more than 64, some of the last may be in no group.
-    std::vector<audio::HistogramReplicates> replicates;
-    EnergyBalance balance;  ///< without the air
+    std::vector<audio::EnergyHistogram> listeners;       ///< one each, see LateSound
+    std::vector<LateErrors> errors;                      ///< likewise
+    std::vector<audio::HistogramReplicates> replicates;  ///< likewise
+    EnergyBalance balance;                               ///< without the air
     /// Volume that is visible from the source, cubic metres: that of the cones of its rays up to
     /// their first surface, without those that hit none.
     double visible_volume = 0.0;

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace earshot::propagation {
 
@@ -29,6 +30,9 @@ void check(const RayOptions& options) {
     }
     if (!(options.max_error >= 0.0 && options.max_error <= 1.0)) {
         throw Error("error of rays", "must lie in 0 ... 100 %");
+    }
+    if (!(options.rain_radius > 0.0)) {
+        throw Error("radius of diffuse rain", "must be positive");
     }
     if (!positive(options.receiver_radius)) {
         throw Error("receiver radius", "must be positive");
@@ -94,9 +98,14 @@ private:
 class Experiment {
 public:
     Experiment(const RayTracer& tracer, std::size_t listeners, const RayOptions& options)
-        : tracer_(tracer), options_(options), batches_(options), is_active_(listeners, 1) {
+        : tracer_(tracer),
+          options_(options),
+          batches_(options),
+          air_loss_(air_losses(options, listeners > 0 ? tracer.bins() : 0)),
+          is_active_(listeners, 1),
+          end_(listeners, 0) {
         for (std::size_t k = 0; k < listeners; ++k) {
-            sums_.emplace_back(options, k, tracer.bins(), tracer.direction_intervals());
+            sums_.emplace_back(options, air_loss_, k, tracer.bins(), tracer.direction_intervals());
         }
     }
 
@@ -112,6 +121,11 @@ public:
                     traced.add(batches_.rays_of(done_ + i));
                 }
             });
+            executor.for_each(sums_.size(), kListenersPerTask, [&](std::size_t k, std::size_t end) {
+                for (; k < end; ++k) {
+                    add_to_listener(k, results);
+                }
+            });
             for (std::size_t i = 0; i < results.size() && !is_over_; ++i) {
                 add_batch(results[i]);
             }
@@ -119,26 +133,44 @@ public:
         traced.finish();
     }
 
-    LateEnergy result() const {
-        LateEnergy result;
-        add(1.0 / rays_, balance_, result.balance);
-        result.visible_volume = visible_volume_ / volume_rays_;
+    LateTotals totals() const {
+        LateTotals totals{.visible_volume = visible_volume_ / volume_rays_};
+        add(1.0 / rays_, balance_, totals.balance);
+        return totals;
+    }
+
+    LateSound result_of(std::size_t k) const {
+        LateSound result{.histogram = sums_[k].histogram(),
+                         .errors = sums_[k].errors(),
+                         .replicates = sums_[k].replicates()};
+        // Images of a room of volume V lie one to each V (Kuttruff 2009, section 4.2).
+        const double volume = visible_volume_ / volume_rays_;
+        result.visible_volume = volume;
         const double speed = speed_of_sound(options_.air);
-        for (std::size_t k = 0; k < sums_.size(); ++k) {
-            EnergyHistogram& histogram = result.listeners.emplace_back(sums_[k].histogram());
-            // Images of a room of volume V lie one to each V (Kuttruff 2009, section 4.2).
-            if (result.visible_volume > 0.0) {
-                histogram.reflection_growth =
-                    4.0 * math::kPi * speed * speed * speed / result.visible_volume;
-            }
-            result.errors.push_back(sums_[k].errors());
-            result.replicates.push_back(sums_[k].replicates());
-            result.errors.back().reached = options_.max_error == 0.0 || is_active_[k] == 0;
+        if (volume > 0.0) {
+            result.histogram.reflection_growth = 4.0 * math::kPi * speed * speed * speed / volume;
         }
+        result.errors.reached = options_.max_error == 0.0 || is_active_[k] == 0;
         return result;
     }
 
 private:
+    static constexpr std::size_t kListenersPerTask = 8;
+
+    /// Adds the batches after the first done_ ones, up to the one at which the listener has enough.
+    void add_to_listener(std::size_t k, std::span<const BatchResult> results) {
+        for (std::size_t i = 0; i < results.size() && is_active_[k] != 0; ++i) {
+            const std::size_t done = done_ + i + 1;
+            sums_[k].add(results[i], batches_.rays_of(done - 1));
+            if (batches_.is_look(done) && batches_.are_small(sums_[k].errors(), done)) {
+                is_active_[k] = 0;
+                end_[k] = done;
+            }
+        }
+    }
+
+    /// What concerns no listener. The batches are over with the one at which the last listener has
+    /// enough.
     void add_batch(const BatchResult& result) {
         const std::size_t rays = batches_.rays_of(done_);
         const auto weight = static_cast<double>(rays);
@@ -152,22 +184,19 @@ private:
             visible_volume_ += weight * result.visible_volume;
             volume_rays_ += weight;
         }
-        const bool is_look = batches_.is_look(done_);
-        is_over_ = is_look;
-        for (std::size_t k = 0; k < sums_.size(); ++k) {
-            if (is_active_[k] != 0) {
-                sums_[k].add(result, rays);
-                is_active_[k] = is_look && batches_.are_small(sums_[k].errors(), done_) ? 0 : 1;
-            }
-            is_over_ = is_over_ && is_active_[k] == 0;
-        }
+        is_over_ =
+            batches_.is_look(done_) && std::all_of(end_.begin(), end_.end(), [&](std::size_t end) {
+                return end != 0 && end <= done_;
+            });
     }
 
     const RayTracer& tracer_;
     const RayOptions& options_;
     Batches batches_;
+    std::vector<double> air_loss_;  // of all listeners
     std::vector<ListenerSums> sums_;
     std::vector<std::uint8_t> is_active_;  // per listener: it needs more batches
+    std::vector<std::size_t> end_;         // per listener: batches that it has; 0: not known yet
     EnergyBalance balance_;                // times the rays
     double visible_volume_ = 0.0;          // times volume_rays_
     double volume_rays_ = 0.0, rays_ = 0.0;
@@ -197,7 +226,7 @@ double late_length(const RayScene& scene,
         tracer.set_length();
         Experiment experiment(tracer, 0, few);
         experiment.run(executor, nullptr);
-        const EnergyBalance balance = experiment.result().balance;
+        const EnergyBalance balance = experiment.totals().balance;
         double left = 0.0;
         for (std::size_t band = 0; band < options.bands.count(); ++band) {
             left = std::max(left, balance.remaining[band] / balance.emitted[band]);
@@ -211,17 +240,45 @@ double late_length(const RayScene& scene,
     return kMaxLength;
 }
 
+LateTotals visit_late_sound(const RayScene& scene,
+                            const RaySource& source,
+                            std::span<const Vec3> listeners,
+                            const VisitLateSound& visit,
+                            const RayOptions& options,
+                            Executor& executor,
+                            Progress* progress) {
+    check(options);
+    const RayTracer tracer(scene, source, listeners, options, executor);
+    Experiment experiment(tracer, listeners.size(), options);
+    experiment.run(executor, progress);
+    executor.for_each(listeners.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            visit(k, experiment.result_of(k));
+        }
+    });
+    return experiment.totals();
+}
+
 LateEnergy trace_late_rays(const RayScene& scene,
                            const RaySource& source,
                            std::span<const Vec3> listeners,
                            const RayOptions& options,
                            Executor& executor,
                            Progress* progress) {
-    check(options);
-    const RayTracer tracer(scene, source, listeners, options, executor);
-    Experiment experiment(tracer, listeners.size(), options);
-    experiment.run(executor, progress);
-    return experiment.result();
+    LateEnergy result;
+    result.listeners.resize(listeners.size());
+    result.errors.resize(listeners.size());
+    result.replicates.resize(listeners.size());
+    const auto keep = [&](std::size_t k, LateSound&& sound) {
+        result.listeners[k] = std::move(sound.histogram);
+        result.errors[k] = sound.errors;
+        result.replicates[k] = std::move(sound.replicates);
+    };
+    const LateTotals totals =
+        visit_late_sound(scene, source, listeners, keep, options, executor, progress);
+    result.balance = totals.balance;
+    result.visible_volume = totals.visible_volume;
+    return result;
 }
 
 }  // namespace earshot::propagation

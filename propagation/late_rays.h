@@ -5,6 +5,8 @@
 #include "earshot/base/progress.h"
 #include "earshot/propagation/late_energy.h"
 
+#include <cstddef>
+#include <functional>
 #include <span>
 
 namespace earshot::propagation {
@@ -24,6 +26,20 @@ LateEnergy trace_late_rays(const RayScene& scene,
                            const RayOptions& options = {},
                            Executor& executor = Executor::serial(),
                            Progress* progress = nullptr);
+
+/// Takes what the listener of an index receives.
+using VisitLateSound = std::function<void(std::size_t, LateSound&&)>;
+
+/// The same for listeners by the hundred: calls visit() once for each listener, from several
+/// threads at a time, so that memory holds few results at a time. The numbers are those of
+/// trace_late_rays().
+LateTotals visit_late_sound(const RayScene& scene,
+                            const RaySource& source,
+                            std::span<const geometry::Vec3> listeners,
+                            const VisitLateSound& visit,
+                            const RayOptions& options = {},
+                            Executor& executor = Executor::serial(),
+                            Progress* progress = nullptr);
 
 /// The length of a histogram that holds a decay of about 65 dB in every band, seconds, 0.05 ... 20,
 /// estimated from a few rays.

@@ -32,7 +32,22 @@ double decibels(double energy) {
 
 }  // namespace
 
+std::vector<double> air_losses(const RayOptions& options, std::size_t bins) {
+    const std::size_t bands = options.bands.count();
+    std::vector<double> losses(bins * bands, 1.0);
+    const double speed = speed_of_sound(options.air);
+    for (std::size_t n = 0; options.air_absorption && n < bins; ++n) {
+        const double travelled = (static_cast<double>(n) + 0.5) * options.bin * speed;
+        const Spectrum air = air_pressure(options.air, options.bands, travelled);
+        for (std::size_t band = 0; band < bands; ++band) {
+            losses[n * bands + band] = air[band] * air[band];
+        }
+    }
+    return losses;
+}
+
 ListenerSums::ListenerSums(const RayOptions& options,
+                           std::span<const double> air_loss,
                            std::size_t listener,
                            std::size_t bins,
                            std::size_t direction_intervals)
@@ -40,22 +55,12 @@ ListenerSums::ListenerSums(const RayOptions& options,
       listener_(listener),
       bins_(bins),
       direction_intervals_(direction_intervals),
+      air_loss_(air_loss),
       energy_(bins * options.bands.count()),
       squares_(bins * options.bands.count()),
-      replicates_(bins, options.bin, options.bands.count()),
-      heard_energy_(energy_.size()) {
-    const std::size_t bands = options.bands.count();
-    air_loss_.assign(bins * bands, 1.0);
-    const double speed = speed_of_sound(options.air);
-    for (std::size_t n = 0; options.air_absorption && n < bins; ++n) {
-        const double travelled = (static_cast<double>(n) + 0.5) * options.bin * speed;
-        const Spectrum air = air_pressure(options.air, options.bands, travelled);
-        for (std::size_t band = 0; band < bands; ++band) {
-            air_loss_[n * bands + band] = air[band] * air[band];
-        }
-    }
+      replicates_(bins, options.bin, options.bands.count()) {
     if (options.report_directions) {
-        directions_.resize(direction_intervals * audio::kDirectionParts * bands);
+        directions_.resize(direction_intervals * audio::kDirectionParts * options.bands.count());
     }
 }
 
@@ -67,9 +72,8 @@ void ListenerSums::add(const BatchResult& batch, std::size_t rays) {
     for (std::size_t i = 0; i < energy_.size(); ++i) {
         energy_[i] += weight * energy[i];
         squares_[i] += weight * (energy[i] * energy[i]);
-        heard_energy_[i] = air_loss_[i] * energy[i];
     }
-    replicates_.add(heard_energy_, weight);
+    replicates_.add({energy, energy_.size()}, air_loss_, weight);
     const double* directions = batch.directions.data() + listener_ * directions_.size();
     for (std::size_t i = 0; i < directions_.size(); ++i) {
         directions_[i] += weight * directions[i];

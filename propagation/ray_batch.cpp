@@ -88,7 +88,7 @@ void RayBatch<kBands>::scatter_near(std::span<const NearScattering> places, doub
         path.recorded_by_rain = true;
         scatter(i, point, std::abs(along), random.bits(path.id));
     }
-    cast_diffuse_rain();
+    cast_diffuse_rain({options_.seed, kFirstRainStream});
 }
 
 template <std::size_t kBands>
@@ -112,7 +112,8 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
         .direction = {options_.seed, kStreams * bounce + kDirectionStream},
         .roulette = {options_.seed, kStreams * bounce + 3},
         .chord = {options_.seed, kStreams * bounce + 4},
-        .trials = {options_.seed, kFirstTrialStream + bounce}};
+        .trials = {options_.seed, kFirstTrialStream + bounce},
+        .rain = {options_.seed, kFirstRainStream + bounce}};
     find_chords(random.chord);
     record_chords(random.trials);
     std::size_t kept = 0;
@@ -137,7 +138,7 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
             ++kept;
         }
     }
-    cast_diffuse_rain();
+    cast_diffuse_rain(random.rain);
     rays_.resize(kept);
     origin_triangles_.resize(kept);
     paths_.resize(kept);

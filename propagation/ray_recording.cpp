@@ -15,6 +15,17 @@ namespace earshot::propagation {
 using geometry::Ray;
 using geometry::Vec3;
 
+namespace {
+
+/// Whether an event of that probability happens to a receiver: its number is the event's, moved by
+/// the receiver's own offset, so that receivers do not all choose the same events.
+bool is_chosen(double probability, double number, double offset) {
+    const double sum = number + offset;
+    return (sum < 1.0 ? sum : sum - 1.0) < probability;
+}
+
+}  // namespace
+
 /// The chords of all legs in the balls of the receivers, but of legs that something else records:
 /// exact paths, diffuse rain, near fields.
 template <std::size_t kBands>
@@ -29,11 +40,17 @@ void RayBatch<kBands>::find_chords(const RandomStream& random) {
         }
         const double hit_distance =
             hits_[i] ? hits_[i]->t : std::numeric_limits<double>::infinity();
-        for (std::size_t k = 0; k < receivers_.size(); ++k) {
+        // The same number for all listeners, so that the answer of one depends on no other.
+        const double number = random.at(path.id);
+        const auto find = [&](std::size_t k) {
             if (is_active(k)) {
-                // The same number for all listeners, so that the answer of one depends on no other.
-                find_chord(i, k, hit_distance, random.at(path.id));
+                find_chord(i, k, hit_distance, number);
             }
+        };
+        if (reversed_) {
+            find(0);
+        } else {
+            tracer_.receiver_tree_.visit(rays_[i], hit_distance, find);
         }
     }
 }
@@ -229,29 +246,47 @@ void RayBatch<kBands>::record_at_listener(std::size_t listener,
         result_.directions.data() + (interval * audio::kDirectionParts + part) * kBands);
 }
 
+/// Russian roulette for receivers that a secondary source reaches with less than those at the
+/// radius of the options, in front of it: the share of their solid angle. 1 for nearer ones.
+/// `along`: the distance in front of the surface.
+template <std::size_t kBands>
+double RayBatch<kBands>::rain_probability(double along, double squared_distance) const {
+    const double radius = options_.rain_radius;
+    const double solid_angles = radius * radius * along;
+    const double distance = std::sqrt(squared_distance);
+    return solid_angles < squared_distance * distance ? solid_angles / (squared_distance * distance)
+                                                      : 1.0;
+}
+
 /// Adds scattered energy to every receiver that is visible from where it was scattered (Heinz
 /// 1993).
 template <std::size_t kBands>
-void RayBatch<kBands>::cast_diffuse_rain() {
+void RayBatch<kBands>::cast_diffuse_rain(const RandomStream& random) {
     shadow_rays_.clear();
     shadow_ray_origins_.clear();
     rain_.clear();
     for (std::size_t i = 0; i < secondary_source_count_; ++i) {
         const SurfacePoint& point = secondary_sources_[i].point;
+        const double number = reversed_ ? 0.0 : random.at(secondary_sources_[i].id);
         for (std::size_t k = 0; k < receivers_.size(); ++k) {
             const Vec3 to_receiver = receivers_[k].position - point.from;
             const double along = glm::dot(to_receiver, point.normal);
             if (!is_active(k) || !(along > 0.0)) {
                 continue;
             }
-            double weight = 1.0;
+            const double probability =
+                reversed_ ? 1.0 : rain_probability(along, glm::dot(to_receiver, to_receiver));
+            if (probability < 1.0 && !is_chosen(probability, number, receivers_[k].rain_offset)) {
+                continue;
+            }
+            double weight = 1.0 / probability;
             if (reversed_ || receivers_[k].near_scattering > 0.0) {
                 const double distance = glm::length(to_receiver);
-                weight = estimator_weight(receivers_[k],
-                                          distance,
-                                          along / distance,
-                                          0,
-                                          secondary_sources_[i].start_density);
+                weight *= estimator_weight(receivers_[k],
+                                           distance,
+                                           along / distance,
+                                           0,
+                                           secondary_sources_[i].start_density);
             }
             if (weight > 0.0) {
                 shadow_rays_.push_back({point.from, receivers_[k].position});
@@ -289,13 +324,13 @@ template void RayBatch<10>::record_near_field(std::size_t,
                                               const RaySurface&,
                                               const Vec3&,
                                               const Vec3&);
-template void RayBatch<10>::cast_diffuse_rain();
+template void RayBatch<10>::cast_diffuse_rain(const RandomStream&);
 template void RayBatch<31>::find_chords(const RandomStream&);
 template void RayBatch<31>::record_chords(const RandomStream&);
 template void RayBatch<31>::record_near_field(std::size_t,
                                               const RaySurface&,
                                               const Vec3&,
                                               const Vec3&);
-template void RayBatch<31>::cast_diffuse_rain();
+template void RayBatch<31>::cast_diffuse_rain(const RandomStream&);
 
 }  // namespace earshot::propagation

@@ -2,6 +2,7 @@
 #include "earshot/propagation/internal/ray_tracer.h"
 
 #include "earshot/base/math.h"
+#include "earshot/base/random.h"
 #include "earshot/propagation/internal/spiral.h"
 
 #include <glm/common.hpp>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -137,6 +139,12 @@ Receiver RayTracer::describe_receiver(const Vec3& position) const {
     };
     const bool sees_every_image = is_in_room(position) && is_in_room(source_.pose.position);
     Receiver receiver{.position = position};
+    // From the position alone, so that what it receives depends on no other receiver.
+    std::uint64_t bits = options_.seed;
+    for (const double coordinate : {position.x, position.y, position.z}) {
+        bits = random_bits(bits, kFirstRainStream, std::bit_cast<std::uint64_t>(coordinate));
+    }
+    receiver.rain_offset = random(bits, kFirstRainStream, 0);
     const std::array<ReceiverBall*, 2> balls = {&receiver.ball, &receiver.scattered_ball};
     for (std::size_t i = 0; i < balls.size(); ++i) {
         const double r = radii[i];
@@ -180,6 +188,11 @@ void RayTracer::describe_receivers(std::span<const Vec3> listeners, Executor& ex
             receivers_[k] = describe_receiver(listeners[k]);
         }
     });
+    std::vector<ReceiverTree::Ball> balls;
+    for (const Receiver& receiver : receivers_) {
+        balls.push_back({receiver.position, std::max(options_.receiver_radius, scattered_radius_)});
+    }
+    receiver_tree_ = ReceiverTree(balls);
     if (std::any_of(receivers_.begin(), receivers_.end(), [](const Receiver& receiver) {
             return receiver.near_scattering > 0.0;
         })) {

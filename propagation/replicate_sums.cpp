@@ -55,13 +55,16 @@ void ReplicateSums::merge_pairs() {
     groups_.resize(groups_.size() / 2);
 }
 
-void ReplicateSums::add(std::span<const double> energy, double weight) {
+void ReplicateSums::add(std::span<const double> energy,
+                        std::span<const double> air_loss,
+                        double weight) {
     Group batch{.weight = weight, .energy = std::vector<double>((first_bin_.size() - 1) * bands_)};
     for (std::size_t interval = 0; interval + 1 < first_bin_.size(); ++interval) {
         double* sums = batch.energy.data() + interval * bands_;
         for (std::size_t n = first_bin_[interval]; n < first_bin_[interval + 1]; ++n) {
             for (std::size_t band = 0; band < bands_; ++band) {
-                sums[band] += weight * energy[n * bands_ + band];
+                const std::size_t i = n * bands_ + band;
+                sums[band] += weight * (air_loss[i] * energy[i]);
             }
         }
     }

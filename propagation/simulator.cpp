@@ -105,12 +105,10 @@ struct Simulator::State {
     void add_late_sound(const RaySource& sender,
                         const frustum::PlacedPairs& placed,
                         std::span<PairResult> pairs,
+                        const VisitPair& visit,
                         Executor& executor,
                         Progress* progress);
-    LateEnergy late_sound(const RaySource& source,
-                          std::span<const Vec3> to,
-                          Executor& executor,
-                          Progress* progress) const;
+    RayOptions ray_options(const RaySource& source, Executor& executor) const;
     void radiate(const RaySource& source, Path& path) const;
     bool is_wanted(const Path& path) const;
     Path describe(const frustum::SpecularPath& specular, const double* air_pressures) const;
@@ -141,11 +139,7 @@ void Simulator::State::check_visible_sets() const {
     }
 }
 
-LateEnergy Simulator::State::late_sound(const RaySource& source,
-                                        std::span<const Vec3> to,
-                                        Executor& executor,
-                                        Progress* progress) const {
-    const RayScene rays_see = geometry.ray_scene();
+RayOptions Simulator::State::ray_options(const RaySource& source, Executor& executor) const {
     RayOptions rays = {.rays = options.rays,
                        .max_error = options.max_error,
                        .seed = options.seed,
@@ -154,20 +148,13 @@ LateEnergy Simulator::State::late_sound(const RaySource& source,
                        .air = options.air,
                        .air_absorption = options.air_absorption,
                        .transmission = options.transmission,
+                       .rain_radius = options.rain_radius,
                        .report_directions = options.late_directions};
     constexpr double kDecades = 6.5;  // that late_length() holds
-    const double decay_length = late_length(rays_see, source, rays, executor);
+    const double decay_length = late_length(geometry.ray_scene(), source, rays, executor);
     rays.length = options.late_length > 0.0 ? options.late_length : decay_length;
     rays.decay_time = decay_length * 6.0 / kDecades;
-    LateEnergy late = trace_late_rays(rays_see, source, to, rays, executor, progress);
-    for (std::size_t k = 0; k < late.listeners.size(); ++k) {
-        late.listeners[k].full_decay = options.late_length == 0.0;
-        if (is_silent(late.listeners[k])) {
-            late.listeners[k] = {};
-            late.replicates[k] = {};
-        }
-    }
-    return late;
+    return rays;
 }
 
 // What the source sends into the path's first leg.
@@ -461,9 +448,11 @@ bool Simulator::State::add_arrivals(const RaySource& sender,
     return is_complete;
 }
 
+// Adds late sound to the pairs of a source, and gives them away.
 void Simulator::State::add_late_sound(const RaySource& sender,
                                       const frustum::PlacedPairs& placed,
                                       std::span<PairResult> pairs,
+                                      const VisitPair& visit,
                                       Executor& executor,
                                       Progress* progress) {
     for (std::size_t i = 0; i < placed.groups.size(); ++i) {
@@ -471,20 +460,42 @@ void Simulator::State::add_late_sound(const RaySource& sender,
         PartProgress part(progress, i, placed.groups.size());
         RaySource placed_sender = sender;
         placed_sender.pose.position = group.source;
-        LateEnergy late = late_sound(placed_sender, group.positions, executor, &part);
-        // A leg of a ray, and a shadow ray to each listener.
-        queries += late.balance.bounces * (1 + group.positions.size());
-        for (std::size_t k = 0; k < group.numbers.size(); ++k) {
+        const auto add = [&](std::size_t k, LateSound&& late) {
             PairResult& pair = pairs[group.numbers[k]];
-            pair.late = std::move(late.listeners[k]);
-            pair.late_errors = late.errors[k];
-            pair.late_replicates = std::move(late.replicates[k]);
+            pair.late_errors = late.errors;
             pair.visible_volume = late.visible_volume;
-        }
+            if (!is_silent(late.histogram)) {
+                pair.late = std::move(late.histogram);
+                pair.late.full_decay = options.late_length == 0.0;
+                pair.late_replicates = std::move(late.replicates);
+            }
+            visit(std::move(pair));
+        };
+        const LateTotals totals = visit_late_sound(geometry.ray_scene(),
+                                                   placed_sender,
+                                                   group.positions,
+                                                   add,
+                                                   ray_options(placed_sender, executor),
+                                                   executor,
+                                                   &part);
+        // A leg of a ray, and a shadow ray to each listener.
+        queries += totals.balance.bounces * (1 + group.positions.size());
     }
 }
 
 std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
+    const std::size_t listeners = state_->scene.listeners.size();
+    std::vector<PairResult> pairs(state_->scene.sources.size() * listeners);
+    for_each_pair(
+        [&](PairResult&& pair) {
+            pairs[pair.source * listeners + pair.listener] = std::move(pair);
+        },
+        executor,
+        progress);
+    return pairs;
+}
+
+void Simulator::for_each_pair(const VisitPair& visit, Executor& executor, Progress* progress) {
     State& state = *state_;
     state.check_visible_sets();
     // Where sources and listeners are, and a result for each pair of them.
@@ -540,11 +551,20 @@ std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
         }
     }
     // Late sound: rays.
-    for (std::size_t source = 0; state.options.rays > 0 && source < sources.size(); ++source) {
-        PartProgress part(progress, source, sources.size());
-        state.add_late_sound(senders[source], placed[source], pairs_of(source), executor, &part);
+    for (std::size_t source = 0; source < sources.size(); ++source) {
+        const std::span<PairResult> of_source = pairs_of(source);
+        if (state.options.rays > 0) {
+            PartProgress part(progress, source, sources.size());
+            state.add_late_sound(
+                senders[source], placed[source], of_source, visit, executor, &part);
+        } else {
+            executor.for_each(of_source.size(), 1, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    visit(std::move(of_source[i]));
+                }
+            });
+        }
     }
-    return pairs;
 }
 
 frustum::SceneView Simulator::scene_view(Executor& executor) const {

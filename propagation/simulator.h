@@ -16,6 +16,7 @@
 #include "earshot/visibility/visible_sets.h"
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -43,6 +44,8 @@ struct Options {
     std::size_t rays = 0;
     double max_error = 0.0;  ///< relative, of T30; 0: all rays. See RayOptions
     std::uint64_t seed = 1;
+    /// See RayOptions.
+    double rain_radius = std::numeric_limits<double>::infinity();
     double late_length = 0.0;  ///< seconds; 0: as long as the decay, see propagation::late_length
     bool late_directions = false;  ///< tell where late sound comes from
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
@@ -94,6 +97,14 @@ public:
     /// and "late rays".
     std::vector<PairResult> run(Executor& executor = Executor::serial(),
                                 Progress* progress = nullptr);
+
+    /// Takes a pair.
+    using VisitPair = std::function<void(PairResult&&)>;
+    /// The same pairs for listeners by the hundred: calls visit() once for each, from several
+    /// threads at a time and in any order, so that memory holds the late sound of few of them.
+    void for_each_pair(const VisitPair& visit,
+                       Executor& executor = Executor::serial(),
+                       Progress* progress = nullptr);
 
     /// Takes time like clean-up.
     GeometrySummary geometry(Executor& executor = Executor::serial()) const;

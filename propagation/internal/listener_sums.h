@@ -12,13 +12,18 @@
 
 namespace earshot::propagation {
 
+/// Share of energy that the air leaves, per bin of a histogram and band.
+std::vector<double> air_losses(const RayOptions& options, std::size_t bins);
+
 /// Adds up what one listener receives in batches of rays, in their order. Batches are replicates of
 /// one experiment, so their spread tells the standard errors.
 class ListenerSums {
 public:
     /// `bins` and `direction_intervals` as in the results, in which the listener has number
-    /// `listener`. Both arguments must outlive the sums.
+    /// `listener`. `air_loss`: air_losses(), which all listeners share; it and the options must
+    /// outlive the sums.
     ListenerSums(const RayOptions& options,
+                 std::span<const double> air_loss,
                  std::size_t listener,
                  std::size_t bins,
                  std::size_t direction_intervals);
@@ -40,13 +45,12 @@ private:
 
     const RayOptions& options_;
     std::size_t listener_, bins_, direction_intervals_;
-    std::vector<double> air_loss_;  // of energy, per bin and band
+    std::span<const double> air_loss_;  // of energy, per bin and band
     std::vector<double> energy_, squares_,
         directions_;  // as in BatchResult, times the rays of a batch
     double rays_ = 0.0;
     std::size_t batches_ = 0;
-    ReplicateSums replicates_;          // air included
-    std::vector<double> heard_energy_;  // of the last batch, air included
+    ReplicateSums replicates_;  // air included
 };
 
 }  // namespace earshot::propagation

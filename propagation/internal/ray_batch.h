@@ -119,7 +119,7 @@ private:
     };
     /// The streams of one reflection.
     struct RandomStreams {
-        RandomStream branch, direction, roulette, chord, trials;
+        RandomStream branch, direction, roulette, chord, trials, rain;
     };
 
     void find_hits(std::uint64_t bounce);
@@ -151,7 +151,8 @@ private:
                            const RaySurface& surface,
                            const geometry::Vec3& hit_point,
                            const geometry::Vec3& normal);
-    void cast_diffuse_rain();
+    double rain_probability(double along, double squared_distance) const;
+    void cast_diffuse_rain(const RandomStream& random);
     bool is_active(std::size_t receiver) const { return reversed_ || active_[receiver] != 0; }
     void record(std::size_t receiver,
                 std::uint64_t id,

@@ -4,6 +4,7 @@
 #include "earshot/base/parallel.h"
 #include "earshot/propagation/internal/near_field.h"
 #include "earshot/propagation/internal/ray_surface.h"
+#include "earshot/propagation/internal/receiver_tree.h"
 #include "earshot/propagation/late_energy.h"
 
 #include <algorithm>
@@ -23,6 +24,7 @@ inline constexpr std::uint64_t kMaxBatchRays = 2048;
 inline constexpr std::uint64_t kNearScatteringStream = std::uint64_t{1} << 63;
 inline constexpr std::uint64_t kBallStream = kNearScatteringStream + 1;
 inline constexpr std::uint64_t kFirstTrialStream = std::uint64_t{1} << 62;  // one per reflection
+inline constexpr std::uint64_t kFirstRainStream = std::uint64_t{1} << 61;   // likewise
 
 /// The result of a batch of rays.
 struct BatchResult {
@@ -49,6 +51,7 @@ struct Receiver {
     /// Random points of the visible part of `ball`; empty where every image that the receiver sees
     /// is visible from all of it, and where exact paths leave no image to test.
     std::vector<geometry::Vec3> ball_points{};
+    double rain_offset = 0.0;  ///< 0 ... 1, of its random numbers; see RayOptions::rain_radius
 };
 
 /// Reflections since the source, at most, whose image is tested for visibility from the receiver.
@@ -173,6 +176,7 @@ private:
     std::optional<RectangularRoom> rectangular_room_;
     double scattered_radius_ = 0.0;          // of the balls for legs after a scattering, metres
     std::vector<Receiver> receivers_;        // per listener
+    ReceiverTree receiver_tree_;             // over their balls
     Receiver source_receiver_;               // of reversed rays
     std::optional<NearField> source_field_;  // where surfaces near the source scatter
     /// Russian roulette begins below this share of a ray's first energy, per step of distance.

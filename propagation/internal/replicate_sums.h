@@ -21,8 +21,9 @@ public:
     /// Of a histogram of `bins` bins of `bin` seconds, in `bands` bands.
     ReplicateSums(std::size_t bins, double bin, std::size_t bands);
 
-    /// Adds a batch with its weight: energy per bin and band.
-    void add(std::span<const double> energy, double weight);
+    /// Adds a batch with its weight: energy and the share of it that the air leaves, per bin and
+    /// band.
+    void add(std::span<const double> energy, std::span<const double> air_loss, double weight);
 
     /// First bin of each interval, and the number of bins.
     std::span<const std::size_t> first_bin() const noexcept { return first_bin_; }

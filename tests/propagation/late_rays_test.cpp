@@ -486,5 +486,35 @@ TEST(LateRays, RefusesOptionsOutOfRange) {
     EXPECT_THROW(attempt({.max_error = -0.01}), Error);
 }
 
+// Listeners far from the walls, where rain falls by chance if its radius is small.
+TEST(LateRays, RainThatFallsByChanceHasTheSameMean) {
+    const BoxRoom room({8, 3.5, 6}, 0.2, 0.7);
+    const std::vector<Vec3> listeners = {{2.5, 1.4, 2}, {6, 1.7, 4.5}, {4, 1.2, 3}};
+    RayOptions options = options_for(0.6);
+    options.rays = 60000;
+    const LateEnergy everywhere =
+        trace_late_rays(room.scene(), source_at({5, 1.6, 2}), listeners, options);
+    options.rain_radius = 1.5;
+    options.seed = 2;
+    const LateEnergy by_chance =
+        trace_late_rays(room.scene(), source_at({5, 1.6, 2}), listeners, options);
+    for (std::size_t k = 0; k < listeners.size(); ++k) {
+        const auto level = [&](const LateEnergy& late) {
+            const std::vector<double> all = energies(late.listeners[k]);
+            return 10.0 * std::log10(std::accumulate(all.begin(), all.end(), 0.0));
+        };
+        const double error =
+            std::hypot(everywhere.errors[k].level_db, by_chance.errors[k].level_db);
+        EXPECT_LT(error, 0.1);
+        EXPECT_NEAR(level(everywhere), level(by_chance), 4.0 * error);
+        // The rays' own variance is the larger part.
+        EXPECT_LT(by_chance.errors[k].level_db, 2.0 * everywhere.errors[k].level_db);
+    }
+    // Nor does it matter who else listens.
+    const LateEnergy alone = trace_late_rays(
+        room.scene(), source_at({5, 1.6, 2}), std::span(listeners).subspan(1, 1), options);
+    EXPECT_EQ(energies(alone.listeners[0]), energies(by_chance.listeners[1]));
+}
+
 }  // namespace
 }  // namespace earshot::propagation

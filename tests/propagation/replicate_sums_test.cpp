@@ -25,7 +25,8 @@ std::vector<double> batch(std::size_t number) {
 audio::HistogramReplicates replicates_of(std::size_t batches) {
     ReplicateSums sums(kBins, kBin, kBands);
     for (std::size_t number = 0; number < batches; ++number) {
-        sums.add(batch(number), 2.0);
+        const std::vector<double> no_air_loss(kBins * kBands, 1.0);
+        sums.add(batch(number), no_air_loss, 2.0);
     }
     return sums.replicates();
 }
