@@ -8,14 +8,8 @@
 #include "earshot/cli/scene_choice.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/visibility_file.h"
-#include "earshot/visibility/build_view_cells.h"
-#include "earshot/visibility/global_sampling.h"
-#include "earshot/visibility/guided_sampling.h"
-#include "earshot/visibility/merge_cells.h"
-#include "earshot/visibility/pvs_validation.h"
-#include "earshot/visibility/sample_free_segments.h"
+#include "earshot/visibility/build_visible_sets.h"
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -108,19 +102,19 @@ public:
         const std::vector<Vec3> positions = loaded.scene.mesh.positions_at(time);
         const geometry::MeshView mesh = {positions, loaded.scene.mesh.triangles()};
         const bvh::DeformableBvh hierarchy(mesh, {}, executor);
-        const ViewRegion region = given_region ? *given_region : box_of(hierarchy.tree().box());
+        const ViewRegion region = given_region ? *given_region : region_of(hierarchy.tree().box());
         start_ = std::chrono::steady_clock::now();
         std::optional<VisibleSets> sets;
         {
             ProgressBar progress(common().quiet);
-            progress_ = &progress;
-            SetsProvenance provenance = {.scene = loaded.scene.name,
-                                         .time = time,
-                                         .mesh_digest = mesh_digest(mesh),
-                                         .seed = static_cast<std::uint64_t>(common().seed)};
-            sets = cells_ > 0 || grid
-                       ? sample_all_cells(hierarchy.view(), region, grid, provenance, executor)
-                       : sample_one_region(hierarchy.view(), region, provenance, executor);
+            sets = build_visible_sets(hierarchy.view(),
+                                      region,
+                                      sets_options(grid, progress),
+                                      {.scene = loaded.scene.name,
+                                       .time = time,
+                                       .mesh_digest = mesh_digest(mesh),
+                                       .seed = static_cast<std::uint64_t>(common().seed)},
+                                      executor);
         }
         io::write_visible_sets(output_, *sets);
         if (!common().quiet) {
@@ -172,11 +166,6 @@ private:
         return region;
     }
 
-    static ViewRegion box_of(const geometry::Aabb& box) {
-        const auto point = [](const auto& p) { return Vec3(p[0], p[1], p[2]); };
-        return box.is_empty() ? ViewRegion{} : ViewRegion{point(box.lower), point(box.upper)};
-    }
-
     Interrupt deadline() const {
         if (seconds_ == kNoLimit) {
             return {};
@@ -185,108 +174,29 @@ private:
         return [start = start_, most] { return std::chrono::steady_clock::now() - start >= most; };
     }
 
-    Objects objects_of(const geometry::MeshView& mesh, Executor& executor) const {
-        return triangles_per_object_ == 1
-                   ? Objects::triangles(mesh.triangles.size())
-                   : Objects::groups(
-                         mesh, static_cast<std::size_t>(triangles_per_object_), executor);
-    }
-
-    VisibleSets sample_one_region(const bvh::MeshBvh& bvh,
-                                  const ViewRegion& region,
-                                  SetsProvenance provenance,
-                                  Executor& executor) const {
-        GuidedSamplingOptions options = {
-            .seed = provenance.seed, .progress = progress_, .interrupt = deadline()};
-        options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
-        options.min_new_triangles =
-            until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.min_new_triangles;
-        const RegionPvs pvs = sample_region(bvh, region, options, executor);
-        provenance.rays = pvs.rays;
-        Objects objects = objects_of(bvh.mesh(), executor);
-        std::vector<ObjectId> set;
-        for (const geometry::TriangleId triangle : pvs.triangles) {
-            set.push_back(objects.of(triangle));
+    VisibleSetsOptions sets_options(const std::optional<std::array<std::uint32_t, 3>>& grid,
+                                    Progress& progress) const {
+        VisibleSetsOptions options = {
+            .max_cells = static_cast<std::size_t>(cells_),
+            .grid = grid,
+            .triangles_per_object = static_cast<std::size_t>(triangles_per_object_),
+            .segments = static_cast<std::size_t>(segments_),
+            .skip_solids = skip_solids_,
+            .progress = &progress,
+            .interrupt = deadline()};
+        if (rays_ > 0) {
+            options.max_rays = static_cast<std::uint64_t>(rays_);
         }
-        std::sort(set.begin(), set.end());
-        set.erase(std::unique(set.begin(), set.end()), set.end());
-        const ViewCells cells(region);
-        std::vector<std::vector<ObjectId>> sets = {std::move(set)};
-        provenance.validation = validate(bvh, objects, cells, sets, provenance, executor);
-        return {cells, std::move(objects), std::move(sets), std::move(provenance)};
-    }
-
-    VisibleSets sample_all_cells(const bvh::MeshBvh& bvh,
-                                 const ViewRegion& region,
-                                 const std::optional<std::array<std::uint32_t, 3>>& grid,
-                                 SetsProvenance provenance,
-                                 Executor& executor) const {
-        Objects objects = objects_of(bvh.mesh(), executor);
-        ViewCells cells =
-            grid ? ViewCells::grid(region, *grid) : divided(bvh, region, objects, executor);
-        GlobalSamplingOptions options = {
-            .seed = provenance.seed, .progress = progress_, .interrupt = deadline()};
-        options.max_rays = rays_ > 0 ? static_cast<std::uint64_t>(rays_) : options.max_rays;
-        options.max_growth = until_ >= 0 ? static_cast<std::uint64_t>(until_) : options.max_growth;
-        GlobalPvs pvs = sample_cells(bvh, objects, cells, options, executor);
-        provenance.rays = pvs.rays;
-        provenance.validation = validate(bvh, objects, cells, pvs.visible, provenance, executor);
-        MergeHistory history = merge_cells(cells, pvs.visible, object_costs(objects), {}, executor);
-        return {std::move(cells),
-                std::move(objects),
-                std::move(pvs.visible),
-                std::move(provenance),
-                std::move(history)};
-    }
-
-    /// Empty if no validation rays are wanted.
-    std::optional<MissedShare> validate(const bvh::MeshBvh& bvh,
-                                        const Objects& objects,
-                                        const ViewCells& cells,
-                                        const std::vector<std::vector<ObjectId>>& sets,
-                                        const SetsProvenance& provenance,
-                                        Executor& executor) const {
-        const std::uint64_t rays =
-            validation_rays_ < 0
-                ? std::max(kMinValidationRays, provenance.rays / kRaysPerValidationRay)
-                : static_cast<std::uint64_t>(validation_rays_);
-        if (rays == 0) {
-            return std::nullopt;
+        if (until_ >= 0) {
+            options.until = static_cast<std::uint64_t>(until_);
         }
-        return validate_pvs(bvh,
-                            objects,
-                            cells,
-                            sets,
-                            {.seed = provenance.seed, .rays = rays, .progress = progress_},
-                            executor);
-    }
-
-    ViewCells divided(const bvh::MeshBvh& bvh,
-                      const ViewRegion& region,
-                      const Objects& objects,
-                      Executor& executor) const {
-        const auto seed = static_cast<std::uint64_t>(common().seed);
-        const auto segments = sample_free_segments(bvh,
-                                                   region,
-                                                   {.seed = seed,
-                                                    .count = static_cast<std::size_t>(segments_),
-                                                    .skip_solids = skip_solids_},
-                                                   executor);
-        return build_view_cells(region,
-                                segments,
-                                objects,
-                                {.max_cells = static_cast<std::size_t>(cells_),
-                                 .mesh = bvh.mesh(),
-                                 .seed = seed,
-                                 .progress = progress_,
-                                 .interrupt = deadline()},
-                                executor)
-            .cells;
+        if (validation_rays_ >= 0) {
+            options.validation_rays = static_cast<std::uint64_t>(validation_rays_);
+        }
+        return options;
     }
 
     static constexpr double kNoLimit = -1.0;
-    static constexpr std::uint64_t kMinValidationRays = std::uint64_t{1} << 16U;
-    static constexpr std::uint64_t kRaysPerValidationRay = 10;
 
     SceneChoice scene_;
     std::string output_, region_option_, grid_option_;
@@ -298,7 +208,6 @@ private:
     std::int64_t segments_ = 200'000;
     double seconds_ = kNoLimit;
     bool skip_solids_ = false;
-    Progress* progress_ = nullptr;  // while it runs
     std::chrono::steady_clock::time_point start_;
 };
 
