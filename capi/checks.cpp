@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/capi/internal/checks.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <type_traits>
 
 namespace earshot::capi {
 namespace {
 
 std::string text_of(double value) {
-    std::string text = std::to_string(value);
-    if (std::isfinite(value) && std::abs(value) >= 1e9) {
-        text.resize(32);
-        text.resize(static_cast<std::size_t>(
-            std::max(0, std::snprintf(text.data(), text.size(), "%g", value))));
-    }
-    return text;
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%g", value);
+    return text.data();
 }
 
 /// Whether the bytes are UTF-8 (Unicode 15, table 3-7).
@@ -169,16 +167,20 @@ std::vector<std::array<std::uint32_t, 3>> require_triangles(const std::uint32_t*
     if (count >= ES_NONE) {
         fail_argument(argument, "are more than 2^32 - 2 triangles", "give fewer");
     }
-    for (std::size_t i = 0; i < 3 * count; ++i) {
-        if (triangles[i] >= vertex_count) {
-            throw Failure(ES_ERROR_INDEX,
-                          std::string(argument) + "[" + std::to_string(i / 3) + "]",
-                          "names vertex " + std::to_string(triangles[i]) + " of " +
-                              std::to_string(vertex_count),
-                          "give indices of vertices, from 0");
+    // The copy is checked: another thread of the caller may write to what was given.
+    std::vector<Triangle> copy(given.begin(), given.end());
+    for (std::size_t i = 0; i < count; ++i) {
+        for (const std::uint32_t vertex : copy[i]) {
+            if (vertex >= vertex_count) {
+                throw Failure(ES_ERROR_INDEX,
+                              std::string(argument) + "[" + std::to_string(i) + "]",
+                              "names vertex " + std::to_string(vertex) + " of " +
+                                  std::to_string(vertex_count),
+                              "give indices of vertices, from 0");
+            }
         }
     }
-    return {given.begin(), given.end()};
+    return copy;
 }
 
 }  // namespace earshot::capi

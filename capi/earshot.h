@@ -11,7 +11,8 @@
 // pointers, sizes, indices, numbers that are not finite. It then changes nothing, and what it
 // writes to is left as it was; es_error_problem() and its neighbours tell this thread what was
 // wrong. A pointer that is not null must point to as many elements as the sizes beside it say: that
-// alone cannot be checked. Texts are UTF-8 and end with a zero.
+// alone cannot be checked. Texts end with a zero; those that go in are UTF-8, and names come out as
+// their file has them.
 //
 // Objects are told by handles. A handle is 64 bits that hold the object's kind, its place in a
 // table and how often the place was used before, so that a handle of another kind, of an object

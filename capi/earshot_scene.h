@@ -115,7 +115,8 @@ ES_API es_status es_scene_set_positions(es_scene scene,
 /// What its reader found odd, in the geometry as well as in acoustic data. Reads `scene`.
 ES_API es_status es_scene_warnings(es_scene scene, es_messages* messages);
 /// These, and what else makes results doubtful at `time`: a size that is not a room's, sources or
-/// listeners outside or in solids, materials without data. Reads `scene`.
+/// listeners outside or in solids, materials without data, places that two materials claim. Takes
+/// time like the beginning of a simulation. Reads `scene`.
 ES_API es_status es_scene_check(es_scene scene, double time, es_messages* messages);
 
 // --- Materials

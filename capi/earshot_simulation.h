@@ -58,7 +58,7 @@ typedef struct es_simulation_options {
     es_progress_callback progress;  ///< null: nobody wants to know (null)
     void* progress_data;            ///< its first argument
     int32_t threads;                ///< 0: one per core; changes no result (0)
-    int32_t reserved;               ///< 0
+    int32_t sofa;  ///< 1: keep what es_results_write_sofa() needs: responses of 64 bits (0)
 } es_simulation_options;
 
 /// Sets all members to their defaults, `struct_size` to `size`.
@@ -73,8 +73,9 @@ ES_API es_status es_simulate(es_scene scene,
                              const es_simulation_options* options,
                              es_result* result);
 
-/// Prepares a copy of a scene for es_simulator_run(). Reads `scene`, which may be changed or
-/// released afterwards.
+/// Prepares a copy of a scene for es_simulator_run(), which tells `progress` of the options. Reads
+/// `scene`, which may be changed or released afterwards, as may what the options point to but
+/// `progress_data`.
 ES_API es_status es_simulator_create(es_scene scene,
                                      const es_simulation_options* options,
                                      es_simulator* simulator);
@@ -273,5 +274,11 @@ typedef enum es_document {
 /// Writes such a file, the same bytes as the program, whole or not at all. Fails with
 /// ES_ERROR_FAILED if the result does not hold what it needs.
 ES_API es_status es_result_write(es_result result, int32_t document, const char* file);
+
+/// Writes all responses of results, one or several of one scene in order of time, to a SOFA file
+/// (AES69, SingleRoomSRIR): that of `earshot ir --sofa`, the same bytes, whole or not at all. The
+/// results must agree in format and sample rate. Fails with ES_ERROR_FAILED if a result does not
+/// hold what it needs, or without the module libearshot-sofa.so. Reads `results`.
+ES_API es_status es_results_write_sofa(const es_result* results, size_t count, const char* file);
 
 #endif

@@ -4,6 +4,7 @@
 #include "earshot/capi/internal/checks.h"
 #include "earshot/capi/internal/scene_object.h"
 #include "earshot/io/material_assignments.h"
+#include "earshot/propagation/simulator.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -88,12 +89,6 @@ std::uint32_t find(const Scene& scene, std::int32_t item, std::string_view name)
     return static_cast<std::uint32_t>(found - names.begin());
 }
 
-void require_triangles_of(const Scene& scene) {
-    if (scene.mesh.triangles().empty()) {
-        throw Error(scene.name, "has no triangles", "give it geometry");
-    }
-}
-
 /// The same scene with its vertices elsewhere. Nodes stay for the emitters that ride on them.
 void move_vertices(std::span<const geometry::Vec3> positions, Scene& scene) {
     const geometry::AnimatedMesh& old = scene.mesh;
@@ -120,10 +115,24 @@ Warnings check(const SceneObject& object, double time) {
         append({{scene.name, propagation::unit_warning(*proposal, size, object.has_unit_option)}});
     }
     append(propagation::misplaced_emitters(scene, time));
+    try {
+        propagation::Simulator simulator(scene);
+        simulator.set_time(time);
+        append(simulator.warnings());
+    } catch (const Error& error) {  // What no simulation takes is told as well.
+        append({{error.subject(),
+                 error.what() + (error.remedy().empty() ? "" : "; " + error.remedy())}});
+    }
     return list;
 }
 
 }  // namespace
+
+void require_triangles_of(const Scene& scene) {
+    if (scene.mesh.triangles().empty()) {
+        throw Error(scene.name, "has no triangles", "give it geometry");
+    }
+}
 
 void require_time(double time, const char* argument) {
     require_in(time, -1e12, 1e12, argument);

@@ -33,10 +33,12 @@ std::vector<std::uint32_t> numbers_of(const std::uint32_t* numbers,
     if (numbers == nullptr) {
         return std::vector<std::uint32_t>(triangles);
     }
-    for (std::size_t i = 0; i < triangles; ++i) {
-        require_index(numbers[i], count, argument);
+    // The copy is checked: another thread of the caller may write to what was given.
+    std::vector<std::uint32_t> copy(numbers, numbers + triangles);
+    for (const std::uint32_t number : copy) {
+        require_index(number, count, argument);
     }
-    return {numbers, numbers + triangles};
+    return copy;
 }
 
 /// Materials of the library have their data, the others the default.

@@ -103,7 +103,7 @@ Simulation::Simulation(const es_simulation_options* options)
     if (visible_sets_ != nullptr) {
         options_.visible_sets = &visible_sets_->sets;
     }
-    if (given_.responses != 0 || given_.metrics != 0) {
+    if (given_.responses != 0 || given_.metrics != 0 || given_.sofa != 0) {
         renderer_.emplace(options_.bands, format_);
     }
 }
@@ -117,6 +117,7 @@ std::shared_ptr<ResultObject> Simulation::run(propagation::Simulator& simulator,
     result->names = names_of(scene);
     result->bands = options_.bands;
     result->speech = format_.speech;
+    result->channels = format_.channels;
     simulator.set_time(time, executor);
     result->pairs = simulator.run(executor, &progress);
     result->info = {.struct_size = 0,
@@ -161,6 +162,7 @@ void Simulation::render(const Scene& scene,
     const std::vector<PairResult>& pairs = result.pairs;
     std::vector<std::vector<float>> floats(pairs.size());
     result.metrics.resize(given_.metrics != 0 ? pairs.size() : 0);
+    result.measurements.resize(given_.sofa != 0 ? pairs.size() : 0);
     StageProgress rendered(&progress, "responses", pairs.size());
     executor.for_each(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -172,6 +174,12 @@ void Simulation::render(const Scene& scene,
             }
             if (given_.responses != 0) {
                 floats[i] = floats_of(response.channels);
+            }
+            if (given_.sofa != 0) {
+                result.measurements[i] = {
+                    .source = scene.pose_at(scene.sources[pairs[i].source], time),
+                    .listener = scene.pose_at(listener, time),
+                    .channels = std::move(response.channels)};
             }
             rendered.add(1);
         }

@@ -5,8 +5,8 @@
 #include "earshot/audio/speech_levels.h"
 #include "earshot/capi/internal/bands.h"
 #include "earshot/capi/internal/checks.h"
-#include "earshot/capi/internal/hrir_reader.h"
 #include "earshot/capi/internal/scene_object.h"
+#include "earshot/capi/internal/sofa.h"
 #include "earshot/capi/internal/work.h"
 #include "earshot/io/default_hrir_set.h"
 
@@ -54,7 +54,7 @@ constexpr es_simulation_options kDefaults = {.struct_size = sizeof(es_simulation
                                              .progress = nullptr,
                                              .progress_data = nullptr,
                                              .threads = 0,
-                                             .reserved = 0};
+                                             .sofa = 0};
 
 void check_paths(const es_simulation_options& options) {
     require_time(options.time, "options->time");
@@ -103,6 +103,7 @@ void check_form(const es_simulation_options& options) {
     require_flag(options.metrics, "options->metrics");
     require_flag(options.histograms, "options->histograms");
     require_flag(options.keep_traces, "options->keep_traces");
+    require_flag(options.sofa, "options->sofa");
     require_flag(options.speech, "options->speech");
     require_in(options.speech_level_db, -kMaxLevelDb, kMaxLevelDb, "options->speech_level_db");
     for (std::size_t i = 0; options.noise_db != nullptr && i < audio::kSpeechBands; ++i) {

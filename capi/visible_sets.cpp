@@ -4,6 +4,7 @@
 #include "earshot/io/visibility_file.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -30,6 +31,11 @@ es_visible_sets_info info_of(const visibility::VisibleSets& sets) {
     info.mesh_digest = sets.provenance().mesh_digest;
     info.rays = sets.provenance().rays;
     info.seed = sets.provenance().seed;
+    const auto& validation = sets.provenance().validation;
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    info.validation_rays = validation ? validation->rays : 0;
+    info.missed_share = validation ? validation->estimate() : kUnknown;
+    info.missed_share_upper = validation ? validation->upper_bound() : kUnknown;
     return info;
 }
 
@@ -44,6 +50,13 @@ es_status es_visible_sets_read(const char* file, es_visible_sets* sets) {
         const std::string path(require_text(file, "file"));
         require(sets, "sets");
         *sets = publish(std::make_shared<VisibleSetsObject>(io::read_visible_sets(path)));
+    });
+}
+
+es_status es_visible_sets_write(es_visible_sets sets, const char* file) {
+    return call(__func__, [&] {
+        const Reading<VisibleSetsObject> object(sets, "sets");
+        io::write_visible_sets(std::string(require_text(file, "file")), object->sets);
     });
 }
 

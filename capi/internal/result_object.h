@@ -5,8 +5,10 @@
 #include "earshot/audio/speech.h"
 #include "earshot/base/error.h"
 #include "earshot/capi/internal/object_table.h"
+#include "earshot/io/room_sofa.h"
 #include "earshot/propagation/pair_metrics.h"
 #include "earshot/propagation/pair_result.h"
+#include "earshot/propagation/response.h"
 #include "earshot/propagation/room_statistics.h"
 #include "earshot/propagation/scene.h"
 
@@ -42,6 +44,8 @@ struct ResultObject : ObjectOf<ES_KIND_RESULT> {
     std::optional<propagation::RoomStatistics> room;
     Warnings notes;
     bool has_histograms = false;
+    propagation::Channels channels = propagation::Channels::mono;
+    std::vector<io::RoomMeasurement> measurements;  ///< per pair, for a SOFA file, or none
 
     std::vector<float> responses;        ///< (sources, listeners, channels, samples)
     std::vector<std::uint64_t> lengths;  ///< (sources, listeners)

@@ -35,7 +35,7 @@ std::vector<propagation::Emitter>& emitters_of(propagation::Scene& scene, std::i
 const std::vector<propagation::Emitter>& emitters_of(const propagation::Scene& scene,
                                                      std::int32_t item);
 
-/// Changes the emitter of that index, all for ES_ALL.
+/// Change the emitter of that index; set_look_at() all of them for ES_ALL.
 void set_position(propagation::Scene& scene,
                   std::int32_t item,
                   std::uint32_t index,
@@ -44,6 +44,9 @@ void set_look_at(propagation::Scene& scene,
                  std::int32_t item,
                  std::uint32_t index,
                  const double* point);
+
+/// Throws Error if a scene has no triangle.
+void require_triangles_of(const propagation::Scene& scene);
 
 /// An instant of an animation.
 void require_time(double time, const char* argument);

@@ -67,9 +67,17 @@ protected:
                 << run.scene << ", " << documents[document];
         }
         expect_same_sounds(run, scene, result);
+        if (run.options.sofa != 0) {
+            const std::filesystem::path mine = folder_ / "responses.sofa";
+            expect_ok(es_results_write_sofa(&result, 1, mine.c_str()));
+            EXPECT_EQ(bytes_of(mine), bytes_of(folder_ / "program" / "responses.sofa"))
+                << run.scene;
+        }
         expect_ok(es_release(result));
         expect_ok(es_release(scene));
     }
+
+    std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
 private:
     void expect_same_sounds(const SimulatedCase& run, es_scene scene, es_result result) {
@@ -102,9 +110,10 @@ TEST_F(Agreement, MonoResponsesAreThoseOfTheProgram) {
 
 TEST_F(Agreement, BinauralResponsesAreThoseOfTheProgram) {
     SimulatedCase run = {
-        "scenes/coupled_rooms.gltf", "--format binaural --transmission", defaults()};
+        "scenes/coupled_rooms.gltf", "--format binaural --transmission --sofa", defaults()};
     run.options.format = ES_FORMAT_BINAURAL;
     run.options.transmission = 1;
+    run.options.sofa = 1;
     expect_same_files(run);
 }
 
@@ -149,6 +158,102 @@ TEST_F(Agreement, OptionsMeanWhatTheyMeanToTheProgram) {
     run.options.speech_level_db = 66.0;
     run.options.noise_db = noise;
     expect_same_files(run);
+}
+
+// One file for all instants, as of a sequence.
+TEST_F(Agreement, ASofaFileOfSeveralInstantsIsThatOfTheProgram) {
+    const std::string file = test::source_file("scenes/door.gltf").string();
+    const std::string command = std::string(EARSHOT_PROGRAM) + " ir " + file + " -o " +
+                                path("program") +
+                                " --quiet --order 1 --rays 0 --frames 0:2:1 --sofa "
+                                "--format ambisonic:1 --length 0.1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    es_simulation_options options = defaults();
+    options.order = 1;
+    options.rays = 0;
+    options.length = 0.1;
+    options.format = ES_FORMAT_AMBISONIC;
+    options.sofa = 1;
+    es_scene scene = 0;
+    es_simulator simulator = 0;
+    std::vector<es_result> results(3);
+    expect_ok(es_scene_load(file.c_str(), nullptr, &scene));
+    expect_ok(es_simulator_create(scene, &options, &simulator));
+    for (std::size_t i = 0; i < results.size(); ++i) {
+        expect_ok(es_simulator_run(simulator, static_cast<double>(i), &results[i]));
+    }
+    expect_ok(es_results_write_sofa(results.data(), results.size(), path("mine.sofa").c_str()));
+    EXPECT_EQ(bytes_of(path("mine.sofa")), bytes_of(path("program") + "/responses.sofa"));
+    for (const std::uint64_t handle : results) {
+        expect_ok(es_release(handle));
+    }
+    expect_ok(es_release(simulator));
+    expect_ok(es_release(scene));
+}
+
+/// Visible sets both ways.
+struct SetsCase {
+    std::string scene;
+    std::string arguments;
+    es_visible_sets_options options{};
+};
+
+class SetsAgreement : public Agreement {
+protected:
+    static es_visible_sets_options sets_defaults() {
+        es_visible_sets_options options;
+        expect_ok(es_visible_sets_options_init(&options, sizeof options));
+        options.rays = 60000;
+        return options;
+    }
+
+    void expect_same_sets(const SetsCase& run) {
+        const std::string file = test::source_file(run.scene).string();
+        const std::string command = std::string(EARSHOT_PROGRAM) + " pvs build " + file + " -o " +
+                                    path("program.pvs") + " --quiet --rays 60000 " + run.arguments;
+        ASSERT_EQ(std::system(command.c_str()), 0) << command;
+        es_scene scene = 0;
+        es_visible_sets sets = 0;
+        expect_ok(es_scene_load(file.c_str(), nullptr, &scene));
+        expect_ok(es_visible_sets_build(scene, &run.options, &sets));
+        expect_ok(es_visible_sets_write(sets, path("mine.pvs").c_str()));
+        EXPECT_EQ(bytes_of(path("mine.pvs")), bytes_of(path("program.pvs"))) << run.arguments;
+        expect_ok(es_release(sets));
+        expect_ok(es_release(scene));
+    }
+};
+
+TEST_F(SetsAgreement, OneCellIsThatOfTheProgram) {
+    const double region[6] = {1.0, 1.0, 1.0, 2.0, 1.5, 2.0};
+    SetsCase run = {"scenes/coupled_rooms.gltf",
+                    "--region 1,1,1:2,1.5,2 --seed 5 --until 2 --validation 3000",
+                    sets_defaults()};
+    run.options.region = region;
+    run.options.seed = 5;
+    run.options.until = 2;
+    run.options.validation_rays = 3000;
+    expect_same_sets(run);
+}
+
+TEST_F(SetsAgreement, CellsAreThoseOfTheProgram) {
+    SetsCase run = {"scenes/door.gltf",
+                    "--cells 5 --segments 9000 --objects 3 --skip-solids --time 1 --until 3",
+                    sets_defaults()};
+    run.options.cells = 5;
+    run.options.segments = 9000;
+    run.options.triangles_per_object = 3;
+    run.options.skip_solids = 1;
+    run.options.time = 1.0;
+    run.options.until = 3;
+    expect_same_sets(run);
+}
+
+TEST_F(SetsAgreement, AGridIsThatOfTheProgramForAnyThreads) {
+    const std::uint32_t grid[3] = {2, 1, 3};
+    SetsCase run = {"scenes/coupled_rooms.gltf", "--grid 2,1,3 --threads 2", sets_defaults()};
+    run.options.grid = grid;
+    run.options.threads = 1;
+    expect_same_sets(run);
 }
 
 TEST(CapiSight, AnswersAreThoseOfTheLibrary) {

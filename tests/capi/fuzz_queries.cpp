@@ -236,26 +236,81 @@ es_status distances(Caller& c) {
     return es_world_depth(world, a, b, c.out(depth));
 }
 
-/// Handles of visible sets are never right here: there is no file of them.
+es_status build_with(Caller& c, es_scene scene, es_visible_sets_options& options) {
+    options.triangles_per_object = c.chance(0.98) ? 1 + c.count(3) : 0;
+    c.wrong = c.wrong || options.triangles_per_object == 0;
+    options.rays = 1 + c.count(300);
+    options.until = c.chance(0.5) ? -1 : static_cast<std::int64_t>(c.count(9));
+    options.validation_rays = c.chance(0.97) ? static_cast<std::int64_t>(c.count(50)) : -2;
+    c.wrong = c.wrong || options.validation_rays < -1;
+    options.segments = c.chance(0.98) ? 1 + c.count(100) : 0;
+    c.wrong = c.wrong || options.segments == 0;
+    options.seconds = c.chance(0.98) ? 1.0 : -1.0;
+    c.wrong = c.wrong || options.seconds < 0.0;
+    options.skip_solids = c.flag();
+    options.threads = c.threads();
+    es_visible_sets sets = 0;
+    return kept(c, es_visible_sets_build(scene, &options, c.out(sets)), sets);
+}
+
+es_status build_visible_sets(Caller& c) {
+    const es_scene scene = c.handle(ES_KIND_SCENE);
+    es_visible_sets_options options;
+    es_visible_sets_options_init(&options, sizeof options);
+    options.time = c.number(-1e12, 1e12);
+    std::uint32_t boxes[3] = {1 + static_cast<std::uint32_t>(c.below(3)), 1, 2};
+    switch (c.below(4)) {
+        case 0:
+            options.cells = c.chance(0.97) ? 1 + c.count(4) : c.index(0);  // the latter is wrong
+            break;
+        case 1:
+            options.grid = boxes;
+            boxes[1] = c.chance(0.95) ? 1 : 0;
+            c.wrong = c.wrong || boxes[1] == 0;
+            break;
+        default:
+            break;
+    }
+    const double corners[6] = {-2.0, -2.0, -2.0, 2.0, c.chance(0.9) ? 2.0 : -3.0, 2.0};
+    if (c.chance(0.3)) {
+        c.wrong = c.wrong || corners[4] < 0.0;
+        options.region = corners;
+    }
+    return build_with(c, scene, options);
+}
+
 es_status visible_sets(Caller& c) {
     const es_visible_sets sets = c.handle(ES_KIND_VISIBLE_SETS);
     es_visible_sets_info info{};
     info.struct_size = sizeof info;
+    const bool has_info = es_visible_sets_get_info(sets, &info) == ES_OK;
+    const std::size_t cell = c.index(has_info ? info.cells : 1);
+    const auto number = static_cast<std::uint32_t>(cell);
     std::uint32_t cells[3];
     const std::uint32_t* objects = nullptr;
     const double* volumes = nullptr;
     size_t count = 0;
-    switch (c.below(5)) {
+    switch (c.below(6)) {
         case 0:
+            c.wrong = !has_info;
             return es_visible_sets_get_info(sets, &info);
-        case 1:
-            return es_visible_sets_locate(sets, c.points(3), 3, cells);
+        case 1: {
+            c.wrong = !has_info;
+            const double* points = c.points(3);
+            return es_visible_sets_locate(sets, points, 3, cells);
+        }
         case 2:
-            return es_visible_sets_volumes(sets, &volumes, &count);
+            c.wrong = !has_info;
+            return es_visible_sets_volumes(sets, &volumes, c.out(count));
         case 3:
-            return es_visible_sets_objects(sets, 0, &objects, &count);
+            return es_visible_sets_objects(sets, number, &objects, c.out(count));
+        case 4: {
+            c.wrong = !has_info;
+            const char* file = c.text({"fuzz.pvs", "none/none.pvs"});
+            return es_visible_sets_write(sets, file);
+        }
         default:
-            return es_visible_sets_triangles(sets, 0, cells, 3, &count);
+            return es_visible_sets_triangles(sets, number, cells, 3, c.out(count));
     }
 }
 
@@ -274,7 +329,8 @@ const std::vector<WeightedCall>& query_calls() {
                                                     {"contacts", contacts, 20},
                                                     {"read_contacts", read_contacts, 10},
                                                     {"distances", distances, 12},
-                                                    {"visible_sets", visible_sets, 4}};
+                                                    {"build_visible_sets", build_visible_sets, 2},
+                                                    {"visible_sets", visible_sets, 8}};
     return calls;
 }
 

@@ -43,8 +43,14 @@ es_simulation_options options(Caller& c) {
     options.metrics = c.chance(0.02) ? 1 : 0;
     options.histograms = c.flag();
     options.keep_traces = c.flag();
+    options.sofa = c.flag();
     options.speech = c.flag();
     options.speech_level_db = c.number(-200.0, 200.0);
+    options.visible_sets = c.chance(0.9) ? 0 : c.some(ES_KIND_VISIBLE_SETS);
+    if (c.chance(0.01)) {
+        c.wrong = true;
+        options.visible_sets = 12345;
+    }
     options.threads = c.threads();
     return options;
 }
@@ -209,6 +215,13 @@ es_status documents(Caller& c) {
         es_messages notes = 0;
         return kept(c, es_result_notes(result, c.out(notes)), notes);
     }
+    if (c.below(2) == 0) {
+        const es_result results[2] = {result, c.some(ES_KIND_RESULT)};
+        const std::size_t count = results[1] == 0 ? 1 : c.count(2);
+        c.wrong = c.wrong || count == 0;
+        const char* sofa = c.text({"fuzz.sofa", "none/none.sofa"});
+        return es_results_write_sofa(results, count, sofa);
+    }
     const std::int32_t document = c.choice(3);
     const char* file = c.text({"fuzz.json", "none/none.json"});
     return es_result_write(result, document, file);
@@ -263,7 +276,7 @@ es_status read_sound(Caller& c) {
 
 es_status read_files(Caller& c) {
     std::uint64_t handle = 0;
-    const char* file = c.text({"none", "fuzz.wav", "fuzz.json", "/", ""});
+    const char* file = c.text({"none", "fuzz.wav", "fuzz.json", "fuzz.pvs", "/", ""});
     return c.below(2) == 0 ? kept(c, es_sound_read(file, c.out(handle)), handle)
                            : kept(c, es_visible_sets_read(file, c.out(handle)), handle);
 }

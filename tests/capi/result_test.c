@@ -189,6 +189,41 @@ void test_results(void) {
     CHECK_FAILS(ES_ERROR_ARGUMENT, "metric", es_metric_get(14, &key, NULL, NULL, NULL));
 }
 
+/// What cannot be written to a SOFA file together.
+static void test_sofa_errors(es_scene scene, es_result bare) {
+    es_simulation_options options = early_options(1);
+    es_result results[3] = {0, 0, 0};
+    options.metrics = 0;
+    options.responses = 0;
+    options.sofa = 1;
+    options.length = 0.05;
+    CHECK_OK(es_simulate(scene, &options, &results[0]));
+    options.sample_rate = 8000.0;
+    CHECK_OK(es_simulate(scene, &options, &results[1]));
+    const es_result slow = results[1];
+    options.sample_rate = 48000.0;
+    options.format = ES_FORMAT_AMBISONIC;
+    CHECK_OK(es_simulate(scene, &options, &results[2]));
+    CHECK_OK(es_results_write_sofa(results, 1, "one.sofa"));
+    CHECK_OK(es_results_write_sofa(results + 2, 1, "four.sofa"));
+    CHECK_FAILS(ES_ERROR_FAILED, "sample rate", es_results_write_sofa(results, 2, "x.sofa"));
+    results[1] = results[2];
+    CHECK_FAILS(
+        ES_ERROR_FAILED, "results[1]: differs", es_results_write_sofa(results, 2, "x.sofa"));
+    CHECK_FAILS(ES_ERROR_FAILED, "64 bits", es_results_write_sofa(&bare, 1, "x.sofa"));
+    CHECK_FAILS(ES_ERROR_NULL, "results", es_results_write_sofa(NULL, 1, "x.sofa"));
+    CHECK_FAILS(ES_ERROR_NULL, "file", es_results_write_sofa(results, 1, NULL));
+    CHECK_FAILS(ES_ERROR_ARGUMENT, "count", es_results_write_sofa(results, 0, "x.sofa"));
+    CHECK_FAILS(ES_ERROR_ARGUMENT, "count", es_results_write_sofa(results, SIZE_MAX, "x.sofa"));
+    CHECK_FAILS(ES_ERROR_HANDLE, "results", es_results_write_sofa(&scene, 1, "x.sofa"));
+    CHECK_FAILS(ES_ERROR_FAILED, "no/such", es_results_write_sofa(results, 1, "no/such/x.sofa"));
+    FILE* file = fopen("x.sofa", "r");
+    CHECK(file == NULL);  // what fails writes nothing
+    CHECK_OK(es_release(slow));
+    CHECK_OK(es_release(results[0]));
+    CHECK_OK(es_release(results[2]));
+}
+
 void test_result_errors(void) {
     es_scene scene = make_room(0.4);
     es_result full = simulate(scene, ES_FORMAT_MONO, 1), bare = simulate(scene, ES_FORMAT_MONO, 0);
@@ -199,6 +234,7 @@ void test_result_errors(void) {
     es_sound sound = 0;
     size_t shape[4], count = 0;
 
+    test_sofa_errors(scene, bare);
     // What was not asked for.
     CHECK_FAILS(ES_ERROR_FAILED, "responses", es_result_responses(bare, &samples, shape));
     CHECK_FAILS(ES_ERROR_FAILED, "responses", es_result_lengths(bare, &lengths, shape));

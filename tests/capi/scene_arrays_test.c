@@ -2,6 +2,7 @@
 // Scenes that programs make.
 #include "check.h"
 #include <math.h>
+#include <string.h>
 
 static void test_arrays(void) {
     const double vertices[] = {0, 0, 0, 1, 0, 0, 0, 0, 1, 5, 0, 0, 6, 0, 0, 5, 0, 1};
@@ -115,6 +116,54 @@ static void test_arrays(void) {
     CHECK_OK(es_release(scene));
 }
 
+/// Whether a message of es_scene_check() contains a text.
+static int check_tells(es_scene scene, const char* text) {
+    es_messages messages = 0;
+    size_t count = 0;
+    int found = 0;
+    CHECK_OK(es_scene_check(scene, 0.0, &messages));
+    CHECK_OK(es_messages_count(messages, &count));
+    for (size_t i = 0; i < count; ++i) {
+        const char *subject = NULL, *told = NULL;
+        CHECK_OK(es_messages_get(messages, i, &subject, &told));
+        found = found || strstr(told, text) != NULL;
+    }
+    CHECK_OK(es_release(messages));
+    return found;
+}
+
+static void test_coincident_materials(void) {
+    // A square of "wood" whose half of 2 m2 is "wool", too.
+    const double vertices[] = {0, 0, 0, 2, 0, 0, 2, 0, 2, 0, 0, 2};
+    const uint32_t triangles[] = {0, 2, 1, 0, 3, 2, 0, 2, 1};
+    uint32_t materials[] = {0, 0, 1};
+    const char* names[] = {"wood", "wool"};
+    es_scene_arrays arrays;
+    es_scene scene = 0;
+    CHECK_OK(es_scene_arrays_init(&arrays, sizeof arrays));
+    arrays.vertices = vertices;
+    arrays.vertex_count = 4;
+    arrays.triangles = triangles;
+    arrays.triangle_count = 3;
+    arrays.material_of_triangle = materials;
+    arrays.material_names = names;
+    arrays.material_count = 2;
+    CHECK_OK(es_scene_create(&arrays, &scene));
+    CHECK(check_tells(scene, "materials wood and wool lie in one place over 2 m2"));
+    CHECK_OK(es_release(scene));
+    materials[2] = 0;
+    CHECK_OK(es_scene_create(&arrays, &scene));
+    CHECK(!check_tells(scene, "lie in one place"));
+    CHECK_OK(es_release(scene));
+    // What no simulation takes is told, and is no failure of the check: triangles without area.
+    const uint32_t lines[] = {0, 1, 1};
+    arrays.triangles = lines;
+    arrays.triangle_count = 1;
+    CHECK_OK(es_scene_create(&arrays, &scene));
+    CHECK(check_tells(scene, "area"));
+    CHECK_OK(es_release(scene));
+}
+
 static double floor_area(const double* corners, size_t count) {
     es_scene scene = 0;
     CHECK_OK(es_scene_create_extruded(corners, count, 2.5, &scene));
@@ -188,6 +237,7 @@ static void test_shoebox(void) {
 
 void test_scene_arrays(void) {
     test_arrays();
+    test_coincident_materials();
     test_extruded();
     test_shoebox();
 }

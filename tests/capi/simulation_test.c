@@ -284,6 +284,7 @@ void test_simulation_options(void) {
     WRONG(metrics, 2, ES_ERROR_ARGUMENT, "options->metrics");
     WRONG(histograms, 2, ES_ERROR_ARGUMENT, "options->histograms");
     WRONG(keep_traces, 2, ES_ERROR_ARGUMENT, "options->keep_traces");
+    WRONG(sofa, 2, ES_ERROR_ARGUMENT, "options->sofa");
     WRONG(speech, 2, ES_ERROR_ARGUMENT, "options->speech");
     WRONG(speech_level_db, 201.0, ES_ERROR_ARGUMENT, "options->speech_level_db");
     const double noise[7] = {0, 0, 0, NAN, 0, 0, 0};
@@ -327,13 +328,18 @@ void test_simulation_options(void) {
     CHECK_OK(es_release(scene));
 }
 
-/// Run with a library that stands alone: only the reading of SOFA files fails.
+/// Run with a library that stands alone: only what reads or writes SOFA files fails.
 void test_without_module(void) {
     es_scene scene = make_room(0.5);
     es_simulation_options options = early_options(1);
     es_result result = 0;
     options.metrics = 0;
+    options.sofa = 1;
     CHECK_OK(es_simulate(scene, &options, &result));
+    CHECK_FAILS(ES_ERROR_FAILED,
+                "libearshot-sofa.so beside",
+                es_results_write_sofa(&result, 1, "responses.sofa"));
+    CHECK_TEXT(es_error_subject(), "responses.sofa");
     CHECK_OK(es_release(result));
     options.format = ES_FORMAT_BINAURAL;
     options.hrtf_file = "any.sofa";

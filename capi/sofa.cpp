@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/capi/internal/hrir_reader.h"
+#include "earshot/capi/internal/sofa.h"
 
 #include "earshot/base/error.h"
 #include "earshot/capi/earshot.h"
@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
 
 namespace earshot::capi {
 namespace {
@@ -45,25 +46,41 @@ Function function_of(void* module, const char* name) {
     return function;
 }
 
-/// The module stays loaded.
-ReadSofa load_module(const std::string& file) {
+/// The functions of the module, which stays loaded.
+struct Module {
+    ReadSofa read = nullptr;
+    WriteSofa write = nullptr;
+};
+
+/// Throws Error naming the file that it is loaded for.
+Module load_module(const std::string& file) {
     void* const module = open_module();
     if (module == nullptr) {
         const char* reason = dlerror();
         throw Error(file,
-                    std::string("SOFA files are read by a module that cannot be loaded: ") +
+                    std::string("SOFA files are read and written by a module that cannot be "
+                                "loaded: ") +
                         (reason == nullptr ? kSofaModule : reason),
                     std::string("install ") + kSofaModule +
-                        " beside libearshot.so, with HDF5, or use the default HRIR set");
+                        " beside libearshot.so, with HDF5, or do without SOFA files");
     }
     const auto version = function_of<SofaVersion>(module, kSofaVersionSymbol);
-    const auto read = function_of<ReadSofa>(module, kReadSofaSymbol);
-    if (version == nullptr || read == nullptr || version() != ES_VERSION) {
+    const Module functions = {.read = function_of<ReadSofa>(module, kReadSofaSymbol),
+                              .write = function_of<WriteSofa>(module, kWriteSofaSymbol)};
+    if (version == nullptr || functions.read == nullptr || functions.write == nullptr ||
+        version() != ES_VERSION) {
         throw Error(kSofaModule,
                     "is of another version than libearshot.so",
                     "install both from one package");
     }
-    return read;
+    return functions;
+}
+
+void throw_if_failed(const SofaFailure& failure, const std::string& file) {
+    if (failure.has_failed) {
+        throw Error(
+            failure.subject.empty() ? file : failure.subject, failure.problem, failure.remedy);
+    }
 }
 
 }  // namespace
@@ -71,14 +88,22 @@ ReadSofa load_module(const std::string& file) {
 audio::HrirSet read_hrir_set(const char* file, bool raw) {
     const std::string path = file == nullptr ? io::kDefaultHrirSet : file;
     SofaReading reading;
-    load_module(path)(path.c_str(), &reading);
-    if (reading.has_failed) {
-        throw Error(reading.subject, reading.problem, reading.remedy);
-    }
+    load_module(path).read(path.c_str(), &reading);
+    throw_if_failed(reading.failure, path);
     if (!raw) {
         reading.set.centre_delay = audio::common_delay(reading.set);
     }
     return std::move(reading.set);
+}
+
+std::string encode_room_responses(const std::string& file,
+                                  const std::string& title,
+                                  propagation::Channels kind,
+                                  const std::vector<io::RoomMeasurement>& measurements) {
+    SofaWriting writing = {.title = title, .kind = kind, .measurements = measurements};
+    load_module(file).write(&writing);
+    throw_if_failed(writing.failure, file);
+    return std::move(writing.bytes);
 }
 
 }  // namespace earshot::capi
