@@ -28,7 +28,7 @@ from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
 from .materials import LibraryMaterial, Material, band_centres, library
 from .names import Names
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
-from .result import PATH_TYPE, Histogram, Path, Paths, Response, Result, Room
+from .result import PATH_TYPE, Histogram, Path, Paths, Response, Result, Room, write_sofa
 from .scene import Scene, extrude, load, shoebox
 from .simulation import Simulator, simulate
 from .sound import Sound, auralize, mix
@@ -88,4 +88,5 @@ __all__ = [
     "plot_scene",
     "shoebox",
     "simulate",
+    "write_sofa",
 ]

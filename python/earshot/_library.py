@@ -3,7 +3,11 @@
 
 from __future__ import annotations
 
+import operator
+import os
 import pathlib
+import re
+import threading
 import weakref
 from typing import Any
 
@@ -41,17 +45,25 @@ _ERRORS: dict[int, type[Error]] = {
 
 
 def text(pointer: Any) -> str:
-    """A text of the library."""
-    return ffi.string(pointer).decode()
+    """A text of the library; names of files that are not UTF-8 have surrogates, as Python has it."""
+    return ffi.string(pointer).decode(errors="surrogateescape")
+
+
+#: What C programs are told to set, and how Python's options are.
+_OPTION_IN_C = re.compile(r"es_simulation_options::(\w+) = 1")
 
 
 def check(status: int) -> None:
-    """Raises what the status of this thread's last call says."""
+    """Raises what the status of this thread's last call says, in words of Python's callers."""
     if status != lib.ES_OK:
+        subject = text(lib.es_error_subject())
+        if status != lib.ES_ERROR_FAILED:
+            # Of "es_simulate, options->order" the argument is of interest.
+            subject = subject.partition(", ")[2].rpartition("->")[2] or subject
         raise _ERRORS.get(status, Error)(
-            text(lib.es_error_subject()),
+            subject,
             text(lib.es_error_problem()),
-            text(lib.es_error_remedy()),
+            _OPTION_IN_C.sub(r"\1=True", text(lib.es_error_remedy())),
             text(lib.es_status_name(status)),
         )
 
@@ -71,11 +83,13 @@ def new_options(name: str) -> Any:
 
 
 def encoded(string: Any) -> bytes:
-    """A text or a path for the library."""
-    if isinstance(string, (str, bytes, pathlib.PurePath)):
-        data = bytes(string) if isinstance(string, (bytes, pathlib.PurePath)) else string.encode()
-    else:
-        data = str(string).encode()
+    """A text or a path for the library, as UTF-8."""
+    if isinstance(string, pathlib.PurePath):
+        string = os.fspath(string)
+    try:
+        data = string if isinstance(string, bytes) else str(string).encode()
+    except UnicodeEncodeError:
+        raise ArgumentError(repr(string), "is not Unicode", "leave lone surrogates out") from None
     if b"\0" in data:
         raise ArgumentError(repr(string), "holds a zero byte", "leave it out")
     return data
@@ -95,6 +109,20 @@ class Object:
     def __init__(self, handle: int) -> None:
         self._handle = handle
         self._owner = _Owner(handle)
+        #: Held while what another thread may change is copied, and while it is changed.
+        self._lock = threading.Lock()
+
+    def __reduce_ex__(self, _protocol: Any) -> Any:
+        # A handle means nothing, or something else, to another process.
+        raise TypeError(f"a {type(self).__name__} cannot be pickled or copied: it is an object of "
+                        "the library in this process; make another from the same data")
+
+
+def handle_of(value: Any, kind: type, name: str) -> int:
+    """The handle behind an argument that must be of a class."""
+    if not isinstance(value, kind):
+        raise ArgumentError(name, f"is {value!r}", f"give a {kind.__name__}")
+    return value._handle
 
 
 def created(function: Any, *arguments: Any) -> int:
@@ -132,12 +160,20 @@ def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Object) -> npt
     return flat.view(kind).reshape(shape)
 
 
+def real_array(values: npt.ArrayLike, name: str, shape: str) -> npt.NDArray[np.float64]:
+    """Numbers as doubles in C order, without a copy where they are that; `shape` is told."""
+    try:
+        given = np.asarray(values)
+        if given.size and given.dtype.kind not in "fiuO":
+            raise TypeError(f"numbers of type {given.dtype}")
+        return np.ascontiguousarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ArgumentError(name, f"is no array of numbers ({error})", f"give {shape}") from None
+
+
 def points(values: npt.ArrayLike, name: str, count: int | None = None) -> npt.NDArray[np.float64]:
     """Points as (n, 3) doubles; a single point becomes (1, 3)."""
-    try:
-        array = np.ascontiguousarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError(name, f"is not an array of numbers ({error})", "give (n, 3)") from None
+    array = real_array(values, name, "(n, 3)")
     if array.shape == (3,):
         array = array.reshape(1, 3)
     if array.ndim != 2 or array.shape[1] != 3:
@@ -155,7 +191,10 @@ def vector(values: npt.ArrayLike, name: str) -> Any:
 
 def index_array(values: npt.ArrayLike, name: str, columns: int = 0) -> npt.NDArray[np.uint32]:
     """Indices as (n,) or (n, columns) of 32 bits."""
-    given = np.asarray(values)
+    try:
+        given = np.asarray(values)
+    except ValueError as error:
+        raise ArgumentError(name, f"is no array of integers ({error})", "give integers") from None
     if given.size == 0:
         given = given.astype(np.uint32)
     if given.dtype.kind not in "ui":
@@ -184,8 +223,8 @@ def indices(array: npt.NDArray[np.uint32]) -> Any:
 def integer(value: Any, name: str, low: int = -(2**31), high: int = 2**31 - 1) -> int:
     """A whole number that C can hold."""
     try:
-        number = value.__index__()
-    except AttributeError:
+        number = operator.index(value)
+    except TypeError:
         raise ArgumentError(name, f"is {value!r}", "give a whole number") from None
     if not low <= number <= high:
         raise ArgumentError(name, f"is {number}", f"give {low} to {high}")
@@ -195,14 +234,16 @@ def integer(value: Any, name: str, low: int = -(2**31), high: int = 2**31 - 1) -
 def number(value: Any, name: str) -> float:
     """A number that C can hold."""
     try:
+        if isinstance(value, (str, bytes, bytearray)):
+            raise TypeError
         return float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise ArgumentError(name, f"is {value!r}", "give a number") from None
 
 
 def choice(value: str, choices: dict[str, int], name: str) -> int:
     """The number of one of some words."""
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise ArgumentError(name, f"is {value!r}", f"give one of {', '.join(choices)}")
     return choices[value]
 

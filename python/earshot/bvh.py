@@ -17,6 +17,7 @@ from ._library import (
     created,
     doubles,
     ffi,
+    handle_of,
     index_array,
     indices,
     integer,
@@ -128,7 +129,7 @@ class Bvh(Object):
         """Of all triangles of a scene at an instant of its animation, seconds."""
         made = cls.__new__(cls)
         Object.__init__(made, created(
-            lib.es_bvh_create_from_scene, scene._handle, number(time, "time"),
+            lib.es_bvh_create_from_scene, handle_of(scene, Scene, "scene"), number(time, "time"),
             choice(builder, BUILDERS, "builder"), integer(threads, "threads")))
         return made
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import ArgumentError
-from ._library import check, choice, ffi, lib, new_options, text
+from ._library import check, choice, ffi, lib, new_options, number, text
 
 #: A coefficient: one value, or values by frequency in hertz.
 Coefficient = Union[float, Mapping[float, float], Sequence[float]]
@@ -23,6 +23,14 @@ def band_centres(bands: str = "octave") -> npt.NDArray[np.float64]:
     values, count = ffi.new("const double **"), ffi.new("size_t *")
     check(lib.es_bands_nominal(choice(bands, BANDS, "bands"), values, count))
     return np.array(ffi.unpack(values[0], count[0]))
+
+
+def _hertz(frequency: Any) -> float:
+    """A frequency; the keys of mappings from JSON are texts."""
+    try:
+        return float(frequency)
+    except (TypeError, ValueError):
+        raise ArgumentError("frequencies", f"have {frequency!r}", "give hertz") from None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -53,6 +61,8 @@ class Material:
     def _struct(self) -> tuple[Any, list[Any]]:
         """The C struct and what must live as long."""
         grid = sorted(self._frequencies())
+        if grid and not 0.0 < grid[0] <= grid[-1] < np.inf:
+            raise ArgumentError("frequencies", f"are {grid}", "give hertz above 0")
         struct, keep = new_options("es_material"), []
         if grid:
             keep.append(ffi.new("double[]", grid))
@@ -65,25 +75,25 @@ class Material:
         return struct, keep
 
     def _frequencies(self) -> set[float]:
-        found = {float(f) for f in self.frequencies} if self.frequencies is not None else set()
+        found = set() if self.frequencies is None else {*map(_hertz, self.frequencies)}
         for name in ("absorption", "scattering", "transmission"):
             value = getattr(self, name)
             if isinstance(value, Mapping):
-                found |= {float(f) for f in value}
+                found |= {*map(_hertz, value)}
         return found
 
     def _values(self, name: str, grid: list[float]) -> list[float]:
         """A coefficient at the frequencies of the grid; one value if there are none."""
         value: Any = getattr(self, name)
         if isinstance(value, Mapping):
-            known = sorted((float(f), float(v)) for f, v in value.items())
+            known = sorted((_hertz(f), number(v, name)) for f, v in value.items())
         elif np.ndim(value) == 0:
-            return [float(value)] * max(len(grid), 1)
+            return [number(value, name)] * max(len(grid), 1)
         else:
             if self.frequencies is None or len(self.frequencies) != len(value):
                 raise ArgumentError(
                     name, f"has {len(value)} values", "give as many `frequencies`, or a mapping")
-            known = sorted((float(f), float(v)) for f, v in zip(self.frequencies, value))
+            known = sorted((_hertz(f), number(v, name)) for f, v in zip(self.frequencies, value))
         if not known:
             raise ArgumentError(name, "has no value", "give at least one")
         # As the library does between its points: linear over the logarithm of frequency.

@@ -12,7 +12,7 @@ from typing import Any, Iterator, Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import ArgumentError, Error, MissingPackage
+from ._errors import ArgumentError, Error, MissingPackage, OutOfRange
 from ._library import (
     NONE,
     Messages,
@@ -21,6 +21,8 @@ from ._library import (
     created,
     encoded,
     ffi,
+    handle_of,
+    integer,
     lib,
     messages,
     new_struct,
@@ -120,9 +122,9 @@ class Paths(Sequence[Path]):
                 raise ArgumentError("slice", f"has the step {step}", "use `.table` for others")
             start = self._rows.start
             return Paths(self._result, self._arrays, slice(start + begin, start + max(begin, end)))
-        index = key.__index__()
+        index = integer(key, "path")
         if not -len(self) <= index < len(self):
-            raise IndexError(f"{index}: there are {len(self)} paths")
+            raise OutOfRange("path", f"is {index}", f"there are {len(self)}")
         return self._path(self._rows.start + index % len(self))
 
     def _path(self, index: int) -> Path:
@@ -434,14 +436,14 @@ class Result(Object):
         """Why a metric ('t30') has no value in a band (its index; None: the single number), or what
         else is to be known of it."""
         kinds = {kind.key: kind.index for kind in _metric_kinds()}
-        key = metric.removesuffix("_mid")
+        key = str(metric).removesuffix("_mid")
         if key not in kinds:
             raise ArgumentError("metric", f"is {metric!r}", f"give one of {', '.join(kinds)}")
         note = ffi.new("const char **")
         check(lib.es_result_metric_note(
             self._handle, kinds[key], lib.ES_RESPONSE if of_response else lib.ES_EXPECTED,
             self.sources.index(source), self.listeners.index(listener),
-            NONE if band is None else band, note))
+            NONE if band is None else integer(band, "band", 0, NONE - 1), note))
         return text(note[0])
 
     def frame(self, names: Sequence[str] | None = None) -> Any:
@@ -456,6 +458,8 @@ class Result(Object):
         return pandas.DataFrame({name: chosen[name].ravel() for name in chosen}, index=index)
 
     def _single_numbers(self, names: Sequence[str] | None) -> dict[str, npt.NDArray[np.float64]]:
+        if isinstance(names, str):
+            names = [names]
         singles = {name: values for name, values in self.metrics.items() if values.ndim == 2}
         if names is None:
             return singles
@@ -535,6 +539,11 @@ class Result(Object):
             raise ArgumentError("document", f"is {document!r}", f"give one of {', '.join(kinds)}")
         check(lib.es_result_write(self._handle, kinds[document], encoded(os.fspath(file))))
 
+    def write_sofa(self, file: str | os.PathLike[str]) -> None:
+        """Writes all responses to a SOFA file, as ``earshot ir --sofa`` does; simulate with
+        ``sofa=True``. See :func:`earshot.write_sofa`."""
+        write_sofa([self], file)
+
     def plot_metric(self, name: str, source: str | int = 0, **options: Any) -> Any:
         """See :func:`earshot.plot_metric`."""
         from .plots import plot_metric
@@ -545,6 +554,19 @@ class Result(Object):
         info = self._info
         return (f"<Result: {info.sources} sources x {info.listeners} listeners, {info.channels} x "
                 f"{info.samples} samples at {info.sample_rate:g} Hz, {info.paths} paths>")
+
+
+def write_sofa(results: Sequence[Result], file: str | os.PathLike[str]) -> None:
+    """Writes the responses of results of one scene, in order of time, to one SOFA file (AES69,
+    SingleRoomSRIR): the bytes of ``earshot ir --frames ... --sofa``.
+
+    The results must be of simulations with ``sofa=True``, of one format and sample rate. A wheel
+    has no HDF5, by which SOFA files are written: there this is an error.
+    """
+    if isinstance(results, Result):
+        results = [results]
+    handles = ffi.new("es_result[]", [handle_of(one, Result, "results") for one in results])
+    check(lib.es_results_write_sofa(handles, len(results), encoded(os.fspath(file))))
 
 
 def _file_name(name: str) -> str:

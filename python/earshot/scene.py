@@ -28,6 +28,7 @@ from ._library import (
     new_struct,
     number,
     points,
+    real_array,
     text,
     vector,
     view,
@@ -43,6 +44,9 @@ _KINDS = {_SOURCES: "source", _LISTENERS: "listener", _MATERIALS: "material", _M
 
 
 def _names_array(names: Sequence[str | None]) -> tuple[Any, list[Any]]:
+    """A C array of texts, and what must live as long."""
+    if isinstance(names, (str, bytes)):
+        raise ArgumentError(repr(names), "is one name", "give a list of names")
     keep = [ffi.NULL if name is None else ffi.new("char[]", encoded(name)) for name in names]
     return ffi.new("const char *[]", keep), keep
 
@@ -130,6 +134,17 @@ class Scene(Object):
         """An object of its own with the same contents."""
         return Scene(created(lib.es_scene_copy, self._handle))
 
+    def __copy__(self) -> Scene:
+        return self.copy()
+
+    def __deepcopy__(self, _memo: Any) -> Scene:
+        return self.copy()
+
+    def _change(self, function: Any, *arguments: Any) -> None:
+        """A call that changes the scene, while no other thread copies what it holds."""
+        with self._lock:
+            check(function(self._handle, *arguments))
+
     # --- What it consists of
 
     def _count(self, item: int) -> int:
@@ -139,17 +154,19 @@ class Scene(Object):
 
     def _names(self, item: int) -> Names:
         name, names = ffi.new("const char **"), []
-        for index in range(self._count(item)):
-            check(lib.es_scene_item_name(self._handle, item, index, name))
-            names.append(text(name[0]))
+        with self._lock:
+            for index in range(self._count(item)):
+                check(lib.es_scene_item_name(self._handle, item, index, name))
+                names.append(text(name[0]))
         return Names(names, _KINDS[item])
 
     @property
     def name(self) -> str:
         """That of its file, without the folder."""
         name = ffi.new("const char **")
-        check(lib.es_scene_name(self._handle, name))
-        return text(name[0])
+        with self._lock:
+            check(lib.es_scene_name(self._handle, name))
+            return text(name[0])
 
     @property
     def sources(self) -> Names:
@@ -186,7 +203,7 @@ class Scene(Object):
     @vertices.setter
     def vertices(self, positions: npt.ArrayLike) -> None:
         array = points(positions, "vertices")
-        check(lib.es_scene_set_positions(self._handle, doubles(array), len(array)))
+        self._change(lib.es_scene_set_positions, doubles(array), len(array))
 
     def positions(self, time: float = 0.0) -> npt.NDArray[np.float64]:
         """Where its vertices are at an instant of its animation, (n, 3) metres."""
@@ -199,10 +216,11 @@ class Scene(Object):
         """Copies: the scene may change under a view."""
         pointers = [ffi.new("const uint32_t **") for _ in range(3)]
         count = ffi.new("size_t *")
-        check(lib.es_scene_triangles(self._handle, *pointers, count))
-        shapes = ((count[0], 3), (count[0],), (count[0],))
-        return tuple(view(pointer[0], shape, np.uint32, self).copy()
-                     for pointer, shape in zip(pointers, shapes))
+        with self._lock:
+            check(lib.es_scene_triangles(self._handle, *pointers, count))
+            shapes = ((count[0], 3), (count[0],), (count[0],))
+            return tuple(view(pointer[0], shape, np.uint32, self).copy()
+                         for pointer, shape in zip(pointers, shapes))
 
     @property
     def triangles(self) -> npt.NDArray[np.uint32]:
@@ -268,6 +286,9 @@ class Scene(Object):
         int
             The number of matches. A pattern that matches nothing is an error.
         """
+        if not isinstance(materials, Mapping):
+            raise ArgumentError("materials", f"are {materials!r}",
+                                "give a mapping from patterns to materials")
         if default is not None:
             self._assign("*", default)
         matches = 0
@@ -282,17 +303,17 @@ class Scene(Object):
     def _assign(self, pattern: str, material: str | Material | float) -> int:
         matches, shape = ffi.new("size_t *"), encoded(pattern)
         if isinstance(material, str):
-            check(lib.es_scene_assign_library(self._handle, shape, encoded(material), matches))
+            self._change(lib.es_scene_assign_library, shape, encoded(material), matches)
         else:
             data = material if isinstance(material, Material) else Material(material)
             struct, keep = data._struct()
-            check(lib.es_scene_assign(self._handle, shape, struct, matches))
+            self._change(lib.es_scene_assign, shape, struct, matches)
             del keep
         return matches[0]
 
     def assign_file(self, file: Path) -> None:
         """What a file as ``SCENE.materials.json`` says."""
-        check(lib.es_scene_assign_file(self._handle, encoded(os.fspath(file))))
+        self._change(lib.es_scene_assign_file, encoded(os.fspath(file)))
 
     def coefficients(
         self, name: str = "absorption", bands: str = "octave"
@@ -326,11 +347,11 @@ class Scene(Object):
         index = self._add(_SOURCES, points(position, "position", 1), [name])
         try:
             if directivity is not None:
-                check(lib.es_scene_set_directivity(self._handle, index, encoded(directivity)))
+                self._change(lib.es_scene_set_directivity, index, encoded(directivity))
             if look_at is not None:
                 self._look_at(_SOURCES, index, look_at)
         except Error:
-            lib.es_scene_remove(self._handle, _SOURCES, index)
+            self._change(lib.es_scene_remove, _SOURCES, index)
             raise
         return index
 
@@ -343,7 +364,7 @@ class Scene(Object):
             try:
                 self._look_at(_LISTENERS, index, look_at)
             except Error:
-                lib.es_scene_remove(self._handle, _LISTENERS, index)
+                self._change(lib.es_scene_remove, _LISTENERS, index)
                 raise
         return index
 
@@ -361,7 +382,7 @@ class Scene(Object):
 
     def _add(self, item: int, array: npt.NDArray[np.float64], names: Sequence[str | None]) -> int:
         first, (pointers, keep) = ffi.new("uint32_t *"), _names_array(names)
-        check(lib.es_scene_add(self._handle, item, doubles(array), pointers, len(array), first))
+        self._change(lib.es_scene_add, item, doubles(array), pointers, len(array), first)
         del keep
         return first[0]
 
@@ -376,32 +397,32 @@ class Scene(Object):
 
     def remove_source(self, source: str | int) -> None:
         """Takes a source out; those behind it move up."""
-        check(lib.es_scene_remove(self._handle, _SOURCES, self.sources.index(source)))
+        self._change(lib.es_scene_remove, _SOURCES, self.sources.index(source))
 
     def remove_listener(self, listener: str | int) -> None:
         """Takes a listener out; those behind it move up."""
-        check(lib.es_scene_remove(self._handle, _LISTENERS, self.listeners.index(listener)))
+        self._change(lib.es_scene_remove, _LISTENERS, self.listeners.index(listener))
 
     def clear_sources(self) -> None:
         """Takes all sources out."""
-        check(lib.es_scene_remove(self._handle, _SOURCES, ALL))
+        self._change(lib.es_scene_remove, _SOURCES, ALL)
 
     def clear_listeners(self) -> None:
         """Takes all listeners out."""
-        check(lib.es_scene_remove(self._handle, _LISTENERS, ALL))
+        self._change(lib.es_scene_remove, _LISTENERS, ALL)
 
     def move_source(self, source: str | int, position: npt.ArrayLike) -> None:
         """Moves a source to a point, metres."""
-        check(lib.es_scene_set_position(self._handle, _SOURCES, self.sources.index(source),
-                                        vector(position, "position")))
+        self._change(lib.es_scene_set_position, _SOURCES, self.sources.index(source),
+                                        vector(position, "position"))
 
     def move_listener(self, listener: str | int, position: npt.ArrayLike) -> None:
         """Moves a listener to a point, metres."""
-        check(lib.es_scene_set_position(self._handle, _LISTENERS, self.listeners.index(listener),
-                                        vector(position, "position")))
+        self._change(lib.es_scene_set_position, _LISTENERS, self.listeners.index(listener),
+                                        vector(position, "position"))
 
     def _look_at(self, item: int, index: int, point: npt.ArrayLike) -> None:
-        check(lib.es_scene_set_look_at(self._handle, item, index, vector(point, "look_at")))
+        self._change(lib.es_scene_set_look_at, item, index, vector(point, "look_at"))
 
     def _positions(self, item: int, time: float) -> npt.NDArray[np.float64]:
         pose, found = ffi.new("es_pose *"), np.empty((self._count(item), 3))
@@ -431,6 +452,7 @@ class Scene(Object):
         (x0, y0, z0), (x1, _, z1) = self.extent(time)
         if not (number(step, "step") > 0.0 and np.isfinite(step)):
             raise ArgumentError("step", f"is {step}", "give metres above 0")
+        height, clearance = number(height, "height"), number(clearance, "clearance")
         # Centred, so that a symmetrical room has a symmetrical grid.
         xs, zs = (np.arange(int((b - a) / step) + 1) for a, b in ((x0, x1), (z0, z1)))
         xs = 0.5 * (x0 + x1) + step * (xs - 0.5 * (len(xs) - 1))
@@ -492,7 +514,7 @@ def load(
             keep.append(ffi.new("char[]", encoded(value)))
             setattr(options, name, keep[-1])
     options.up = choice(up, {"y": lib.ES_UP_Y, "z": lib.ES_UP_Z}, "up")
-    options.allow_outside = int(allow_outside)
+    options.allow_outside = int(bool(allow_outside))
     scene = Scene(created(lib.es_scene_load, encoded(os.fspath(file)), options))
     if materials is not None:
         scene.assign(materials)
@@ -546,10 +568,7 @@ def extrude(
         As :func:`shoebox`; the materials are "floor", "ceiling", "wall 0" (from corner 0 to
         corner 1), "wall 1", ...
     """
-    try:
-        outline = np.ascontiguousarray(corners, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ArgumentError("corners", f"are no numbers ({error})", "give (n, 2)") from None
+    outline = real_array(corners, "corners", "(n, 2)")
     if outline.ndim != 2 or outline.shape[1] != 2:
         raise ArgumentError("corners", f"has shape {outline.shape}", "give (n, 2)")
     scene = Scene(created(lib.es_scene_create_extruded, doubles(outline), len(outline),

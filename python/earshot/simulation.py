@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import os
+import threading
 from typing import Any, Sequence, Union
 
+import numpy as np
 import numpy.typing as npt
 
-from ._errors import ArgumentError
+from ._errors import ArgumentError, Error
 from ._library import (
     Object,
     check,
@@ -16,20 +18,25 @@ from ._library import (
     created,
     encoded,
     ffi,
+    handle_of,
     integer,
     lib,
     new_options,
     number,
+    real_array,
     vector,
 )
 from ._progress import Progress, run_long
 from .materials import BANDS
+from .names import Names
 from .result import Result
 from .scene import Scene
 from .visible_sets import VisibleSets
 
 #: A-weighted levels of speech 1 m in front of the talker, decibels (IEC 60268-16, ISO 9921).
 SPEECH_LEVELS = {"normal": 60.0, "raised": 66.0, "loud": 72.0}
+
+FORMATS = {"mono": 0, "binaural": 1, "ambisonic": 2}
 
 _MAX_AUTO_RAYS = 1_000_000
 
@@ -48,32 +55,34 @@ def _speech(options: Any, noise: Any, speech: Any) -> list[Any]:
         options.speech_level_db = number(speech, "speech")
     if isinstance(noise, str):
         name = noise.upper().removeprefix("NC").lstrip("-")
-        if not noise.upper().startswith("NC") or not name.isdigit():
+        if not noise.upper().startswith("NC") or not (name.isascii() and name.isdigit()):
             raise ArgumentError("noise", f"is {noise!r}", "give NC-15 ... NC-70, or seven levels")
         levels = ffi.new("double[7]")
         check(lib.es_noise_criterion(float(name), levels))
         keep.append(levels)
     elif noise is not None:
-        levels = [number(level, "noise") for level in noise]
-        if len(levels) != 7:
-            raise ArgumentError("noise", f"has {len(levels)} levels", "give 7, 125 Hz to 8 kHz")
-        keep.append(ffi.new("double[7]", levels))
+        levels = real_array(noise, "noise", "7 octave levels, 125 Hz to 8 kHz")
+        if levels.shape != (7,):
+            raise ArgumentError("noise", f"has shape {np.shape(noise)}",
+                                "give 7 octave levels, 125 Hz to 8 kHz")
+        keep.append(ffi.new("double[7]", levels.tolist()))
     if keep:
         options.noise_db = keep[-1]
     return keep
 
 
 def _format(options: Any, name: str) -> None:
-    kind, _, order = name.partition(":")
-    options.format = choice(kind, {"mono": 0, "binaural": 1, "ambisonic": 2}, "format")
-    if (kind == "ambisonic") != bool(order) or (order and not order.isdigit()):
+    kind, colon, order = name.partition(":") if isinstance(name, str) else ("", "", "")
+    is_order = order.isascii() and order.isdigit() and len(order) < 10
+    if kind not in FORMATS or (kind == "ambisonic") != bool(colon) or bool(colon) != is_order:
         raise ArgumentError("format", f"is {name!r}", "give mono, binaural or ambisonic:N")
+    options.format = FORMATS[kind]
     if order:
         options.ambisonic_order = int(order)
 
 
 def _rays(options: Any, rays: Union[str, int], rays_error: float | None) -> None:
-    if rays == "auto":
+    if isinstance(rays, str) and rays == "auto":
         options.rays = _MAX_AUTO_RAYS
         if rays_error is not None:
             options.rays_error = number(rays_error, "rays_error")
@@ -109,6 +118,7 @@ def _options(
     responses: bool = True,
     metrics: bool = True,
     histograms: bool = False,
+    sofa: bool = False,
     noise: Union[str, Sequence[float], None] = None,
     speech: Union[str, float, None] = None,
     visible_sets: VisibleSets | None = None,
@@ -139,6 +149,7 @@ def _options(
     options.responses = int(bool(responses))
     options.metrics = int(bool(metrics))
     options.histograms = int(bool(histograms))
+    options.sofa = int(bool(sofa))
     options.keep_traces = int(bool(keep_traces))
     options.threads = integer(threads, "threads")
     keep = _speech(options, noise, speech)
@@ -146,9 +157,18 @@ def _options(
         keep.append(ffi.new("char[]", encoded(os.fspath(hrtf))))
         options.hrtf_file = keep[-1]
     if visible_sets is not None:
-        options.visible_sets = visible_sets._handle
+        options.visible_sets = handle_of(visible_sets, VisibleSets, "visible_sets")
         keep.append(visible_sets)
     return options, keep
+
+
+def _prepared(scene: Scene) -> tuple[int, tuple[Names, Names, Names]]:
+    """The handle of a scene with sources and listeners, and the names that its results have."""
+    handle = handle_of(scene, Scene, "scene")
+    for names, role in ((scene.sources, "source"), (scene.listeners, "listener")):
+        if not names:
+            raise Error(scene.name, f"the scene has no {role}", f"add_{role}() gives it one")
+    return handle, (scene.sources, scene.listeners, scene.materials)
 
 
 def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Result:
@@ -187,6 +207,8 @@ def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Resu
         A-weighted decibels 1 m in front of the talker.
     responses, metrics, histograms : bool
         Make responses (True) and metrics (True), keep energies of late sound over time (False).
+    sofa : bool
+        Keep responses of 64 bits, for :meth:`Result.write_sofa` (False).
     visible_sets : VisibleSets
         Leave out paths whose first reflection the source's cell does not see.
     seed, threads : int
@@ -207,11 +229,11 @@ def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Resu
     (1, 1, 1, 4800)
     """
     struct, keep = _options(**options)
-    names = scene.sources, scene.listeners, scene.materials
+    handle, names = _prepared(scene)
 
     def call(callback: Any) -> int:
         struct.progress = callback
-        return created(lib.es_simulate, scene._handle, struct)
+        return created(lib.es_simulate, handle, struct)
 
     result = Result(run_long(call, progress), names)
     del keep
@@ -228,14 +250,14 @@ class Simulator(Object):
     def __init__(self, scene: Scene, *, progress: Progress = None, **options: Any) -> None:
         self._time = number(options.get("time", 0.0), "time")
         struct, self._keep = _options(**options)
-        self.sources, self.listeners = scene.sources, scene.listeners
-        self._materials = scene.materials
+        handle, (self.sources, self.listeners, self._materials) = _prepared(scene)
         self._progress = progress
         self._told: Any = None
+        self._running = threading.Lock()
         # The callback of all runs is one that asks what the present run wants.
         self._callback = ffi.callback("es_progress_callback", self._tell)
         struct.progress = self._callback
-        super().__init__(created(lib.es_simulator_create, scene._handle, struct))
+        super().__init__(created(lib.es_simulator_create, handle, struct))
 
     def _tell(self, data: Any, stage: Any, done: int, total: int) -> int:
         told = self._told
@@ -253,7 +275,14 @@ class Simulator(Object):
                 self._told = None
 
         names = self.sources, self.listeners, self._materials
-        return Result(run_long(call, self._progress), names)
+        if not self._running.acquire(blocking=False):
+            raise Error("simulator", "is running already",
+                        "wait for that run, or give each thread a simulator of its own",
+                        "ES_ERROR_BUSY")
+        try:
+            return Result(run_long(call, self._progress), names)
+        finally:
+            self._running.release()
 
     def move_source(self, source: str | int, position: npt.ArrayLike) -> None:
         """Moves a source for the next run, metres."""

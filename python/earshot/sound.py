@@ -10,7 +10,19 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import ArgumentError
-from ._library import Object, check, created, doubles, encoded, ffi, integer, lib, number, view
+from ._library import (
+    Object,
+    check,
+    created,
+    doubles,
+    encoded,
+    ffi,
+    integer,
+    lib,
+    number,
+    real_array,
+    view,
+)
 
 #: A sound, a file of one, or (samples, sample rate).
 SoundLike = Union["Sound", str, "os.PathLike[str]", "tuple[npt.ArrayLike, float]"]
@@ -28,10 +40,7 @@ class Sound(Object):
     """
 
     def __init__(self, samples: npt.ArrayLike, sample_rate: float) -> None:
-        try:
-            array = np.ascontiguousarray(samples, dtype=np.float64)
-        except (TypeError, ValueError) as error:
-            raise ArgumentError("samples", f"are no numbers ({error})", "give floats") from None
+        array = real_array(samples, "samples", "(frames,) or (frames, channels)")
         if array.ndim == 1:
             array = array.reshape(-1, 1)
         if array.ndim != 2:
@@ -90,11 +99,14 @@ class Sound(Object):
 def _sound(value: Any) -> Sound:
     if isinstance(value, Sound):
         return value
-    if isinstance(value, tuple):
+    if isinstance(value, tuple) and len(value) == 2:
         return Sound(*value)
     if hasattr(value, "sound"):
         return value.sound()
-    return Sound.read(value)
+    if isinstance(value, (str, bytes, os.PathLike)):
+        return Sound.read(value)
+    raise ArgumentError(repr(value), "is no sound",
+                        "give a Sound, a Response, a file or (samples, sample rate)")
 
 
 def auralize(dry: SoundLike, responses: Any, *, threads: int = 0) -> Sound:

@@ -9,7 +9,7 @@ from typing import Any, Iterator, Sequence, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._errors import ArgumentError, UnknownName
+from ._errors import ArgumentError, Error, UnknownName
 from ._library import (
     Object,
     check,
@@ -17,6 +17,7 @@ from ._library import (
     doubles,
     encoded,
     ffi,
+    handle_of,
     index_array,
     indices,
     integer,
@@ -106,7 +107,9 @@ class Contacts(Sequence[Contact]):
 
     def where(self, mesh: MeshLike) -> Contacts:
         """Those of a mesh."""
-        index = self._names.index(mesh) if isinstance(mesh, str) else mesh.__index__()
+        if isinstance(mesh, str) and mesh not in self._names:
+            raise UnknownName(mesh, "there is no such mesh", f"there are {', '.join(self._names)}")
+        index = self._names.index(mesh) if isinstance(mesh, str) else integer(mesh, "mesh")
         chosen = (self.table["a"]["mesh"] == index) | (self.table["b"]["mesh"] == index)
         return Contacts(self.table[chosen], self._names)
 
@@ -175,18 +178,21 @@ class World(Object):
             vertices, triangles = vertices.vertices, vertices.faces
         corners, faces = points(vertices, "vertices"), index_array(triangles, "triangles", 3)
         mesh = ffi.new("uint32_t *")
-        check(lib.es_world_add_mesh(self._handle, encoded(name), doubles(corners), len(corners),
-                                    indices(faces), len(faces), mesh))
-        self._read_names()
+        with self._lock:
+            check(lib.es_world_add_mesh(self._handle, encoded(name), doubles(corners), len(corners),
+                                        indices(faces), len(faces), mesh))
+            self._read_names()
         return MeshInWorld(mesh[0], self._names[mesh[0]])
 
     def add_scene(self, scene: Scene, *, weld: bool = True) -> list[MeshInWorld]:
         """Adds all meshes of a scene, which :meth:`set_time_step` moves. ``weld``: vertices of a
         mesh that are at one position at all times are one."""
-        before, first = len(self._names), ffi.new("uint32_t *")
-        check(lib.es_world_add_scene(self._handle, scene._handle, int(weld), first))
-        self._read_names()
-        return [MeshInWorld(i, self._names[i]) for i in range(before, len(self._names))]
+        first = ffi.new("uint32_t *")
+        with self._lock:
+            check(lib.es_world_add_scene(
+                self._handle, handle_of(scene, Scene, "scene"), int(bool(weld)), first))
+            self._read_names()
+            return [MeshInWorld(i, self._names[i]) for i in range(first[0], len(self._names))]
 
     def _read_names(self) -> None:
         count, name = ffi.new("size_t *"), ffi.new("const char **")
@@ -243,7 +249,7 @@ class World(Object):
         """The meshes of the scene move from where they are at ``begin`` to ``end``, seconds of its
         animation; ``rigid``: those that follow a node turn with it."""
         check(lib.es_world_set_time_step(self._handle, number(begin, "begin"), number(end, "end"),
-                                         int(rigid)))
+                                         int(bool(rigid))))
 
     def _options(
         self,
@@ -255,16 +261,21 @@ class World(Object):
         threads: int = 1,
     ) -> tuple[Any, Any]:
         options = new_options("es_contact_options")
-        options.within_meshes = int(self_contacts)
-        options.moving_only = int(moving_only)
+        options.within_meshes = int(bool(self_contacts))
+        options.moving_only = int(bool(moving_only))
         options.min_separation = number(min_separation, "min_separation")
         if tolerance is not None:
             options.tolerance = number(tolerance, "tolerance")
         options.threads = integer(threads, "threads")
         keep = None
         if pairs is not None:
-            keep = np.array([[self._mesh(a), self._mesh(b)] for a, b in pairs],
-                            np.uint32).reshape(-1, 2)
+            try:
+                numbers = [[self._mesh(a), self._mesh(b)] for a, b in pairs]
+            except (TypeError, ValueError) as error:
+                if isinstance(error, Error):
+                    raise
+                raise ArgumentError("pairs", f"are {pairs!r}", "give pairs of meshes") from None
+            keep = np.array(numbers, np.uint32).reshape(-1, 2)
             options.pairs, options.pair_count = indices(keep), len(keep)
         return options, keep
 

@@ -55,6 +55,25 @@ def test_files_are_the_programs(tmp_path, scenes, program):
             assert (ours / file).read_bytes() == (theirs / file).read_bytes(), file
 
 
+def test_sofa_files_are_the_programs(tmp_path, scenes, program):
+    program("ir", scenes / "door.gltf", "-o", tmp_path / "program", "--quiet", "--order", 1,
+            "--rays", 0, "--frames", "0:2:1", "--length", 0.1, "--sofa")
+    simulator = es.Simulator(es.load(scenes / "door.gltf"), order=1, rays=0, length=0.1, sofa=True)
+    results = [simulator.run(time) for time in (0.0, 1.0, 2.0)]
+    es.write_sofa(results, tmp_path / "all.sofa")
+    assert (tmp_path / "all.sofa").read_bytes() == (
+        tmp_path / "program/responses.sofa").read_bytes()
+    results[0].write_sofa(tmp_path / "first.sofa")
+    program("ir", scenes / "door.gltf", "-o", tmp_path / "first", "--quiet", "--order", 1,
+            "--rays", 0, "--length", 0.1, "--sofa")
+    assert (tmp_path / "first.sofa").read_bytes() == (
+        tmp_path / "first/responses.sofa").read_bytes()
+    with pytest.raises(es.Error, match="64 bits"):
+        es.simulate(es.load(scenes / "door.gltf"), order=0, rays=0).write_sofa(tmp_path / "x.sofa")
+    with pytest.raises(es.ArgumentError, match="count"):
+        es.write_sofa([], tmp_path / "x.sofa")
+
+
 def test_arrays_say_what_the_files_say(tmp_path, scenes):
     result = es.simulate(es.load(scenes / "classroom.gltf"), order=2, rays=20000)
     assert np.isfinite(result.sti).all() and np.isfinite(result.c50).all()

@@ -1,25 +1,26 @@
 # SPDX-License-Identifier: MIT
 """A wheel with its libraries, in environments that have nothing else."""
 
-import os
 import pathlib
 import re
 import shutil
-import subprocess
-import sys
 import zipfile
 
 import pytest
 
 from conftest import PROJECT
+from environments import (
+    BUILD,
+    README_PROGRAM,
+    new_environment,
+    numpy_wheels,
+    run,
+    run_readme,
+    unreachable,
+)
 
-BUILD = os.environ.get("EARSHOT_BUILD", "")
 pytestmark = pytest.mark.skipif(
     not BUILD or not shutil.which("patchelf"), reason="needs a build (EARSHOT_BUILD) and patchelf")
-
-
-def run(*command, **options):
-    return subprocess.run([*map(str, command)], capture_output=True, text=True, **options)
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +28,7 @@ def made(tmp_path_factory):
     """The wheel, and what was told of the libraries that it carries."""
     folder = tmp_path_factory.mktemp("wheel")
     result = run(PROJECT / "scripts/wheel", folder, pathlib.Path(BUILD, "capi"))
-    if "No matching distribution" in result.stderr or "Connection" in result.stderr:
+    if unreachable(result.stderr):
         pytest.skip("the package index cannot be reached")
     assert result.returncode == 0, result.stderr
     wheel, = folder.glob("*.whl")
@@ -51,15 +52,8 @@ def test_carries_the_libraries_of_the_list(made):
     assert not [name for name in names if "sofa" in name or "hdf5" in name]
 
 
-# Run by the environment's own Python: the package's README, and a SOFA file that it cannot read.
-PROGRAM = """
-import re, sys
-import numpy, earshot as es
-assert "site-packages/earshot" in es.__file__, es.__file__
-readme = open(sys.argv[1]).read()
-exec(re.search(r"```python\\n(.*?)```", readme, re.DOTALL)[1])
-assert open("talker__seat.wav", "rb").read(4) == b"RIFF"
-assert es.simulate(room, order=1, rays=0, format="binaural").ir.any()
+# A SOFA file cannot be read, and every library but the system's is the wheel's.
+PROGRAM = README_PROGRAM + """
 try:
     es.simulate(room, format="binaural", hrtf="head.sofa")
 except es.Error as error:
@@ -71,33 +65,15 @@ print(numpy.__version__)
 """
 
 
-def check_in(python, wheel, folder):
-    result = run(python, "-c", PROGRAM, PROJECT / "python/README.md", cwd=folder,
-                 env={"PATH": "/nowhere"})
-    assert result.returncode == 0, result.stderr
-    assert "talker to seat" in result.stdout
-    return result.stdout.split()[-1]
-
-
 def test_runs_beside_the_systems_numpy(made, tmp_path):
-    run(sys.executable, "-m", "venv", "--system-site-packages", tmp_path / "venv", check=True)
-    python = tmp_path / "venv/bin/python"
+    python = new_environment(tmp_path, "--system-site-packages")
     run(python, "-m", "pip", "install", "--no-index", "--no-deps", made[0], check=True)
-    assert check_in(python, made[0], tmp_path)
+    assert run_readme(python, tmp_path, PROGRAM)
 
 
 @pytest.mark.parametrize("version", ["1.26.4", "2.4.6"])
 def test_runs_in_an_empty_environment(made, tmp_path, version):
-    wheels = pathlib.Path(BUILD, "wheels", version)
-    if not wheels.exists():
-        result = run(sys.executable, "-m", "pip", "download", "--no-deps", "--only-binary=:all:",
-                     "--require-hashes", "-d", tmp_path / "wheels",
-                     "-r", PROJECT / f"tests/python/numpy-{version}.txt")
-        if result.returncode != 0:
-            pytest.skip(f"numpy {version} cannot be fetched: {result.stderr.strip()[-200:]}")
-        wheels.parent.mkdir(exist_ok=True)
-        shutil.copytree(tmp_path / "wheels", wheels)
-    run(sys.executable, "-m", "venv", tmp_path / "venv", check=True)
-    python = tmp_path / "venv/bin/python"
+    wheels = numpy_wheels(version, tmp_path)
+    python = new_environment(tmp_path)
     run(python, "-m", "pip", "install", "--no-index", "--find-links", wheels, made[0], check=True)
-    assert check_in(python, made[0], tmp_path) == version
+    assert run_readme(python, tmp_path, PROGRAM).split()[-1] == version
