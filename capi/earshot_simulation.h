@@ -58,7 +58,10 @@ typedef struct es_simulation_options {
     es_progress_callback progress;  ///< null: nobody wants to know (null)
     void* progress_data;            ///< its first argument
     int32_t threads;                ///< 0: one per core; changes no result (0)
-    int32_t sofa;  ///< 1: keep what es_results_write_sofa() needs: responses of 64 bits (0)
+    int32_t sofa;      ///< 1: keep what es_results_write_sofa() needs: responses of 64 bits (0)
+    int32_t paths;     ///< 1: tell the paths; 0: none, in boxes in less time; changes no
+                       ///< response and no metric (1)
+    int32_t reserved;  ///< 0
 } es_simulation_options;
 
 /// Sets all members to their defaults, `struct_size` to `size`.
@@ -161,7 +164,8 @@ typedef struct es_path_arrays {
     size_t band_count;
 } es_path_arrays;
 
-/// All paths as flat arrays. `arrays->struct_size` must be set.
+/// All paths as flat arrays. `arrays->struct_size` must be set. Fails with ES_ERROR_FAILED if they
+/// were not asked for.
 ES_API es_status es_result_paths(es_result result, es_path_arrays* arrays);
 
 typedef enum es_metric {

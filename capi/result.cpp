@@ -28,6 +28,13 @@ void require_responses(const ResultObject& result) {
     }
 }
 
+void require_paths(const ResultObject& result) {
+    if (!result.has_paths) {
+        throw Error(
+            "paths", "were not asked for", "simulate with es_simulation_options::paths = 1");
+    }
+}
+
 void require_metrics(const ResultObject& result) {
     if (result.metrics.empty()) {
         throw Error(
@@ -78,6 +85,7 @@ std::string document_of(const ResultObject& result, std::int32_t document) {
     const io::ResultHeader header = {
         .scene = result.names, .bands = result.bands, .speed_of_sound = result.info.speed_of_sound};
     if (document == ES_PATHS_JSON) {
+        require_paths(result);
         return io::encode_paths(header, result.pairs);
     }
     if (document == ES_METRICS_JSON) {
@@ -190,6 +198,7 @@ es_status es_result_sound(es_result result, size_t source, size_t listener, es_s
 es_status es_result_paths(es_result result, es_path_arrays* arrays) {
     return call(__func__, [&] {
         const Reading<ResultObject> object(result, "result");
+        require_paths(*object);
         give_struct({.struct_size = 0,
                      .paths = object->paths.data(),
                      .path_count = object->paths.size(),

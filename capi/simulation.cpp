@@ -40,7 +40,7 @@ void add_notes(ResultObject& result) {
     for (const PairResult& pair : result.pairs) {
         const std::string name = result.names.sources[pair.source].name + " to " +
                                  result.names.listeners[pair.listener].name;
-        if (pair.paths.empty() && pair.late.energy.empty()) {
+        if (pair.paths.empty() && pair.arrivals.empty() && pair.late.energy.empty()) {
             result.notes.push_back({name, "no path up to the given order: the response is silent"});
         }
         const propagation::LateErrors& errors = pair.late_errors;
@@ -143,6 +143,7 @@ std::shared_ptr<ResultObject> Simulation::run(propagation::Simulator& simulator,
     if (given_.metrics != 0) {
         describe_room(simulator, scene, time, *result, executor);
     }
+    result->has_paths = given_.paths != 0;
     result->has_histograms = given_.histograms != 0;
     for (PairResult& pair : result->pairs) {
         pair.late_replicates = {};

@@ -54,7 +54,9 @@ constexpr es_simulation_options kDefaults = {.struct_size = sizeof(es_simulation
                                              .progress = nullptr,
                                              .progress_data = nullptr,
                                              .threads = 0,
-                                             .sofa = 0};
+                                             .sofa = 0,
+                                             .paths = 1,
+                                             .reserved = 0};
 
 void check_paths(const es_simulation_options& options) {
     require_time(options.time, "options->time");
@@ -104,6 +106,7 @@ void check_form(const es_simulation_options& options) {
     require_flag(options.histograms, "options->histograms");
     require_flag(options.keep_traces, "options->keep_traces");
     require_flag(options.sofa, "options->sofa");
+    require_flag(options.paths, "options->paths");
     require_flag(options.speech, "options->speech");
     require_in(options.speech_level_db, -kMaxLevelDb, kMaxLevelDb, "options->speech_level_db");
     for (std::size_t i = 0; options.noise_db != nullptr && i < audio::kSpeechBands; ++i) {
@@ -136,6 +139,7 @@ propagation::Options simulator_options(const es_simulation_options& options) {
         .specular_order = options.order,
         .mode = options.mode == ES_MODE_SAMPLED ? frustum::Mode::sampled : frustum::Mode::complete,
         .resolution = options.resolution,
+        .report_paths = options.paths != 0,
         .air = {.temperature_c = options.temperature_c,
                 .humidity_percent = options.humidity_percent,
                 .pressure_kpa = options.pressure_kpa},

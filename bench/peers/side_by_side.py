@@ -128,11 +128,14 @@ JOBS = [
 ]
 
 
+SIDES = ("pyroomacoustics", "earshot", "earshot with paths")
+
+
 def compare_times(job, repeats):
-    """Milliseconds of processor time, (repeats, 2), after one turn that warms up."""
-    times = np.empty((repeats + 1, 2))
+    """Milliseconds of processor time, (repeats, 3), after one turn that warms up."""
+    times = np.empty((repeats + 1, len(SIDES)))
     for turn in times:
-        for side, work in enumerate((job.pra, job.es)):
+        for side, work in enumerate((job.pra, lambda: job.es(paths=False), job.es)):
             start = time.process_time()
             work()
             turn[side] = time.process_time() - start
@@ -329,8 +332,8 @@ def main():
     for job in JOBS:
         print(f"\n{job.name}")
         times = compare_times(job, repeats)
-        for side, name in enumerate(("pyroomacoustics", "earshot")):
-            print(f"  {name:<16} {statistics.median(times[:, side]):8.2f} ms, "
+        for side, name in enumerate(SIDES):
+            print(f"  {name:<19}{statistics.median(times[:, side]):8.2f} ms, "
                   f"at least {times[:, side].min():.2f}")
         room, result = job.pra(), job.es()
         compare_paths(room, result)

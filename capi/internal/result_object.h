@@ -43,6 +43,7 @@ struct ResultObject : ObjectOf<ES_KIND_RESULT> {
     std::vector<propagation::PairMetrics> metrics;  ///< per pair, or none
     std::optional<propagation::RoomStatistics> room;
     Warnings notes;
+    bool has_paths = true;
     bool has_histograms = false;
     propagation::Channels channels = propagation::Channels::mono;
     std::vector<io::RoomMeasurement> measurements;  ///< per pair, for a SOFA file, or none

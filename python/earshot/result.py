@@ -243,7 +243,8 @@ class Response:
     def __repr__(self) -> str:
         channels, samples = self.ir.shape
         return (f"<Response {self.source!r} to {self.listener!r}: {channels} x {samples} samples "
-                f"at {self.sample_rate:g} Hz, {len(self.paths)} paths>")
+                f"at {self.sample_rate:g} Hz, {len(self.paths) if self.result._has_paths else 0} "
+                "paths>")
 
 
 class _MetricKind:
@@ -329,9 +330,15 @@ class Result(Object):
         check(lib.es_result_lengths(self._handle, lengths, shape))
         return view(lengths[0], tuple(shape), np.uint64, self)
 
+    @functools.cached_property
+    def _has_paths(self) -> bool:
+        """Whether they were asked for."""
+        given = new_struct("es_path_arrays")
+        return bool(lib.es_result_paths(self._handle, given) == lib.ES_OK)
+
     @property
     def paths(self) -> Paths:
-        """All paths."""
+        """All paths; an error after a simulation with ``paths=False``."""
         given = new_struct("es_path_arrays")
         check(lib.es_result_paths(self._handle, given))
         count = given.path_count
@@ -515,7 +522,7 @@ class Result(Object):
 
     def write(self, folder: str | os.PathLike[str]) -> None:
         """Writes the files of ``earshot ir`` into a folder: SOURCE__LISTENER.wav, paths.json and
-        metrics.json, the same bytes."""
+        metrics.json, the same bytes; of responses, paths and metrics those that there are."""
         place = pathlib.Path(folder)
         place.mkdir(parents=True, exist_ok=True)
         files: dict[str, str] = {}
@@ -528,7 +535,8 @@ class Result(Object):
         for name, response in zip(files, self):
             if self._info.samples:
                 response.write(place / name)
-        self.write_json(place / "paths.json", "paths")
+        if self._has_paths:
+            self.write_json(place / "paths.json", "paths")
         if self.metrics:
             self.write_json(place / "metrics.json", "metrics")
 

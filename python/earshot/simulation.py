@@ -119,6 +119,7 @@ def _options(
     metrics: bool = True,
     histograms: bool = False,
     sofa: bool = False,
+    paths: bool = True,
     noise: Union[str, Sequence[float], None] = None,
     speech: Union[str, float, None] = None,
     visible_sets: VisibleSets | None = None,
@@ -150,6 +151,7 @@ def _options(
     options.metrics = int(bool(metrics))
     options.histograms = int(bool(histograms))
     options.sofa = int(bool(sofa))
+    options.paths = int(bool(paths))
     options.keep_traces = int(bool(keep_traces))
     options.threads = integer(threads, "threads")
     keep = _speech(options, noise, speech)
@@ -209,6 +211,9 @@ def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Resu
         Make responses (True) and metrics (True), keep energies of late sound over time (False).
     sofa : bool
         Keep responses of 64 bits, for :meth:`Result.write_sofa` (False).
+    paths : bool
+        Tell the paths (True). Without them boxes take less time and memory; responses and metrics
+        are the same.
     visible_sets : VisibleSets
         Leave out paths whose first reflection the source's cell does not see.
     seed, threads : int

@@ -44,6 +44,7 @@ es_simulation_options options(Caller& c) {
     options.histograms = c.flag();
     options.keep_traces = c.flag();
     options.sofa = c.flag();
+    options.paths = c.flag();
     options.speech = c.flag();
     options.speech_level_db = c.number(-200.0, 200.0);
     options.visible_sets = c.chance(0.9) ? 0 : c.some(ES_KIND_VISIBLE_SETS);

@@ -201,6 +201,60 @@ static void test_simulator(void) {
 }
 
 /// Of a scene that moves, the instant counts.
+/// Whether two results have the same T30 and C50 of all bands.
+static int same_metrics(es_result a, es_result b) {
+    const int32_t metrics[] = {ES_METRIC_T30, ES_METRIC_C50};
+    for (int i = 0; i < 2; ++i) {
+        const double *x = NULL, *y = NULL;
+        size_t shape[3];
+        CHECK_OK(es_result_metric(a, metrics[i], ES_EXPECTED, ES_PER_BAND, &x, NULL, shape));
+        CHECK_OK(es_result_metric(b, metrics[i], ES_EXPECTED, ES_PER_BAND, &y, NULL, shape));
+        if (memcmp(x, y, shape[0] * shape[1] * shape[2] * sizeof *x) != 0) {
+            return 0;
+        }
+    }
+    return 1;
+}
+
+// Responses and metrics are the same without the paths, in a box answered by its lattice and where
+// a directed source needs the paths.
+static void test_without_paths(void) {
+    es_scene scene = make_room(0.3);
+    for (int directed = 0; directed < 2; ++directed) {
+        es_simulation_options options = early_options(5);
+        options.rays = 500;
+        options.rays_error = 0.0;
+        es_result with = 0, without = 0;
+        CHECK_OK(es_simulate(scene, &options, &with));
+        options.paths = 0;
+        CHECK_OK(es_simulate(scene, &options, &without));
+        CHECK(same_samples(with, without) && same_metrics(with, without));
+
+        es_result_info info = {.struct_size = sizeof info};
+        es_path_arrays arrays = {.struct_size = sizeof arrays};
+        CHECK_OK(es_result_get_info(without, &info));
+        CHECK(info.paths == 0);
+        CHECK_FAILS(ES_ERROR_FAILED, "options::paths", es_result_paths(without, &arrays));
+        CHECK_FAILS(ES_ERROR_FAILED,
+                    "options::paths",
+                    es_result_write(without, ES_PATHS_JSON, "paths.json"));
+        es_messages notes = 0;
+        size_t count = 0;
+        CHECK_OK(es_result_notes(without, &notes));
+        CHECK_OK(es_messages_count(notes, &count));
+        for (size_t i = 0; i < count; ++i) {
+            const char *subject = NULL, *text = NULL;
+            CHECK_OK(es_messages_get(notes, i, &subject, &text));
+            CHECK(strstr(text, "silent") == NULL);
+        }
+        CHECK_OK(es_release(notes));
+        CHECK_OK(es_release(with));
+        CHECK_OK(es_release(without));
+        CHECK_OK(es_scene_set_directivity(scene, 0, "cardioid"));
+    }
+    CHECK_OK(es_release(scene));
+}
+
 static void test_time(void) {
     es_scene scene = 0;
     CHECK_OK(es_scene_load(project_file("scenes/door.gltf"), NULL, &scene));
@@ -226,6 +280,7 @@ void test_simulation(void) {
     test_paths_of_a_shoebox();
     test_progress();
     test_simulator();
+    test_without_paths();
     test_time();
     // The scene of a call that failed for want of a pointer.
     es_result result = 0;
@@ -285,6 +340,7 @@ void test_simulation_options(void) {
     WRONG(histograms, 2, ES_ERROR_ARGUMENT, "options->histograms");
     WRONG(keep_traces, 2, ES_ERROR_ARGUMENT, "options->keep_traces");
     WRONG(sofa, 2, ES_ERROR_ARGUMENT, "options->sofa");
+    WRONG(paths, 2, ES_ERROR_ARGUMENT, "options->paths");
     WRONG(speech, 2, ES_ERROR_ARGUMENT, "options->speech");
     WRONG(speech_level_db, 201.0, ES_ERROR_ARGUMENT, "options->speech_level_db");
     const double noise[7] = {0, 0, 0, NAN, 0, 0, 0};

@@ -219,3 +219,16 @@ def test_frame_has_a_row_per_pair(room):
     frame = es.simulate(room, order=1, rays=500).frame(["t30_mid", "sti"])
     assert isinstance(frame, pandas.DataFrame) and list(frame.columns) == ["t30_mid", "sti"]
     assert list(frame.index) == [("talker", "seat"), ("talker", "desk")]
+
+
+def test_responses_without_paths(room, tmp_path):
+    options = {"order": 4, "rays": 200, "length": 0.2}
+    told, untold = es.simulate(room, **options), es.simulate(room, paths=False, **options)
+    assert np.array_equal(told.ir, untold.ir)
+    assert np.array_equal(told.metrics["t30"], untold.metrics["t30"], equal_nan=True)
+    assert "0 paths" in repr(untold) and "0 paths" in repr(untold[0, 0])
+    with pytest.raises(es.Error, match="paths=True"):
+        untold.paths
+    untold.write(tmp_path)
+    assert sorted(file.name for file in tmp_path.iterdir()) == [
+        "metrics.json", "talker__desk.wav", "talker__seat.wav"]
