@@ -45,8 +45,19 @@ struct Place {
     double upper_weight = 0.0;  // of lower_band + 1
 };
 
+// From each band's centre to the next, on a logarithmic axis.
+std::vector<double> log_distances(std::span<const double> centres) {
+    std::vector<double> distances;
+    for (std::size_t band = 0; band + 1 < centres.size(); ++band) {
+        distances.push_back(math::log(centres[band + 1] / centres[band]));
+    }
+    return distances;
+}
+
 // Where a frequency lies among the band centres, on a logarithmic axis.
-Place place_of(double frequency_hz, std::span<const double> centres) {
+Place place_of(double frequency_hz,
+               std::span<const double> centres,
+               std::span<const double> distances) {
     if (frequency_hz <= centres.front()) {
         return {};
     }
@@ -55,9 +66,7 @@ Place place_of(double frequency_hz, std::span<const double> centres) {
     }
     const auto above = std::upper_bound(centres.begin(), centres.end(), frequency_hz);
     const auto band = static_cast<std::size_t>(above - centres.begin()) - 1;
-    const double weight =
-        math::log(frequency_hz / centres[band]) / math::log(centres[band + 1] / centres[band]);
-    return {band, weight};
+    return {band, math::log(frequency_hz / centres[band]) / distances[band]};
 }
 
 }  // namespace
@@ -71,10 +80,11 @@ ArrivalFilter::ArrivalFilter(const Bands& bands, double sample_rate)
     EARSHOT_ASSERT(bands_in_use_ > 0);
     const auto centres = bands.exact_hz().first(bands_in_use_);
     const RealFft fine(kPhaseOversampling * fft_.size());
+    const std::vector<double> distances = log_distances(centres);
     std::vector<Place> places(fine.bins());
     for (std::size_t k = 0; k < fine.bins(); ++k) {
         const double cycles = static_cast<double>(k) / static_cast<double>(fine.size());
-        places[k] = place_of(cycles * sample_rate, centres);
+        places[k] = place_of(cycles * sample_rate, centres, distances);
     }
     for (std::size_t k = 0; k < fft_.bins(); ++k) {
         const Place& place = places[kPhaseOversampling * k];

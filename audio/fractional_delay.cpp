@@ -86,6 +86,11 @@ DelayTable::DelayTable() : rows_((kFractions + 1) * kDelayTaps, 0.0) {
     }
 }
 
+const DelayTable& DelayTable::shared() {
+    static const DelayTable table;
+    return table;
+}
+
 void DelayTable::impulse(double fraction, std::span<double, kDelayTaps> taps) const {
     EARSHOT_ASSERT(fraction >= 0.0 && fraction < 1.0);
     const double place = fraction * static_cast<double>(kFractions);

@@ -41,7 +41,7 @@ struct AssemblyTables {
     double sample_rate;
     ArrivalFilter filter;
     FilterNodes nodes;
-    DelayTable delays;
+    const DelayTable& delays = DelayTable::shared();
     RealFft piece_fft;  // of a filter and an impulse
     RealFft block_fft;  // of a block of arrivals whose impulses have up to kAllpassTaps
     DelaySpectrum delay_spectrum;

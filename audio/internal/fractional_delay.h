@@ -26,6 +26,9 @@ std::array<double, kDelayTaps> fractional_impulse(double fraction);
 class DelayTable {
 public:
     DelayTable();
+    /// The table that all may share: it depends on nothing, and takes longer to make than a short
+    /// response.
+    static const DelayTable& shared();
     void impulse(double fraction, std::span<double, kDelayTaps> taps) const;
 
 private:
