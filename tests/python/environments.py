@@ -6,6 +6,7 @@ import pathlib
 import shutil
 import subprocess
 import sys
+import tempfile
 
 import pytest
 
@@ -49,8 +50,14 @@ def numpy_wheels(version, folder):
                      "-r", PROJECT / f"tests/python/numpy-{version}.txt")
         if result.returncode != 0:
             pytest.skip(f"numpy {version} cannot be fetched: {result.stderr.strip()[-200:]}")
+        # In one step, as another test may do the same at this moment.
         wheels.parent.mkdir(exist_ok=True)
-        shutil.copytree(folder / "wheels", wheels)
+        place = tempfile.mkdtemp(dir=wheels.parent)
+        shutil.copytree(folder / "wheels", place, dirs_exist_ok=True)
+        try:
+            os.rename(place, wheels)
+        except OSError:
+            shutil.rmtree(place)
     return wheels
 
 
