@@ -261,7 +261,8 @@ es_status build_visible_sets(Caller& c) {
     std::uint32_t boxes[3] = {1 + static_cast<std::uint32_t>(c.below(3)), 1, 2};
     switch (c.below(4)) {
         case 0:
-            options.cells = c.chance(0.97) ? 1 + c.count(4) : c.index(0);  // the latter is wrong
+            options.cells = c.chance(0.97) ? 1 + c.count(4) : std::size_t{1} << 30U;
+            c.wrong = c.wrong || options.cells > 5;
             break;
         case 1:
             options.grid = boxes;
