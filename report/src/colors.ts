@@ -11,7 +11,7 @@ function of_hex(hex: string): Rgb {
 }
 
 export function css(color: Rgb): string {
-    return `rgb(${color.map((c) => Math.round(c)).join(" ")})`;
+    return `rgb(${color.map((c) => Math.round(c)).join(", ")})`;
 }
 
 /** Linear interpolation in a list of colours at equal steps; x is clamped to 0..1. */
@@ -23,14 +23,15 @@ export function interpolate(stops: Rgb[], x: number): Rgb {
     return [0, 1, 2].map((k) => a[k]! + (place - i) * (b[k]! - a[k]!)) as Rgb;
 }
 
-const cividis = ["#00224e", "#123570", "#3b496c", "#575d6d", "#707173", "#8a8678", "#a59c74", "#c3b369", "#e1cc55", "#fee838"]
+// Viridis, by Smith and van der Walt 2015.
+const viridis = ["#440154", "#482878", "#3e4989", "#31688e", "#26828e", "#1f9e89", "#35b779", "#6ece58", "#b5de2b", "#fde725"]
     .map(of_hex);
-const absorption_light = ["#f4efe6", "#cfe0dc", "#93c4c4", "#4f9aa5", "#1f6b7f", "#0a3f54"].map(of_hex);
+const absorption_light = ["#f7efe2", "#cde6e0", "#8fcdcb", "#43a5b1", "#14758d", "#074a66"].map(of_hex);
 const absorption_dark = ["#454a52", "#3f626b", "#3a8088", "#46a3a4", "#72c7bd", "#b5ecd9"].map(of_hex);
 
 /** Metrics of listeners and maps. */
 export function metric_color(x: number): Rgb {
-    return interpolate(cividis, x);
+    return interpolate(viridis, x);
 }
 
 /** Absorption of surfaces: 0 fades into the background. */

@@ -16,6 +16,7 @@ import { overview_section } from "./sections/overview";
 import { provenance_section } from "./sections/provenance";
 import type { Section } from "./sections/section";
 import { sensitivity_section } from "./sections/sensitivity";
+import { spectrum_section } from "./sections/spectrum";
 import { toolbar } from "./sections/toolbar";
 import { verdict_section } from "./sections/verdict";
 import { decode_scene } from "./scene/decoded_scene";
@@ -24,7 +25,7 @@ import { State } from "./state";
 import { start_theme } from "./theme";
 
 const default_band_hz = 1000;
-const default_max_paths = 60;
+const default_max_paths = 30;
 
 function first_choices(data: ReportData): State {
     const band = data.bands?.indexOf(default_band_hz) ?? -1;
@@ -52,6 +53,7 @@ function sections_of(report: Report): Section[] {
         echogram_section(report),
         decay_section(report),
         late_energy_section(report),
+        spectrum_section(report),
         metrics_section(report),
         sensitivity_section(report),
         audio_section(report),

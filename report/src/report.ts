@@ -11,7 +11,10 @@ export interface Report {
 }
 
 export function pair_name(data: ReportData, pair: Pair): string {
-    return `${name_of(data.sources, pair.source)} to ${name_of(data.listeners, pair.listener)}`;
+    const is_repeated = typeof pair.time === "number" &&
+        data.pairs?.some((p) => p.source === pair.source && p.listener === pair.listener && p.time !== pair.time);
+    return `${name_of(data.sources, pair.source)} to ${name_of(data.listeners, pair.listener)}` +
+        (is_repeated ? ` at ${pair.time} s` : "");
 }
 
 export function current_pair(report: Report): Pair | undefined {

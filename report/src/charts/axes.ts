@@ -8,6 +8,8 @@ export interface Axis {
     from: number;
     to: number;
     title: string;
+    /** In place of ticks at round numbers. */
+    labels?: { value: number; text: string }[];
 }
 
 export interface Frame {
@@ -22,6 +24,16 @@ export interface Frame {
 
 const margin = { left: 52, right: 12, top: 10, bottom: 40 };
 
+/** The axis's own labels, every second one or fewer where there is no room. */
+function labels_of(axis: Axis, max_count: number): { value: number; text: string }[] {
+    if (axis.labels) {
+        const every = Math.ceil(axis.labels.length / (1.6 * max_count));
+        return axis.labels.filter((_, i) => i % every === 0);
+    }
+    const digits = tick_digits(tick_step(axis.to - axis.from, max_count));
+    return ticks(axis.from, axis.to, max_count).map((value) => ({ value, text: number(value, digits) }));
+}
+
 export function draw_axes(width: number, height: number, x_axis: Axis, y_axis: Axis): Frame {
     const left = margin.left;
     const right = width - margin.right;
@@ -32,17 +44,15 @@ export function draw_axes(width: number, height: number, x_axis: Axis, y_axis: A
     const group = svg("g", { class: "axes", "aria-hidden": "true" });
     const x_count = Math.max(2, Math.floor((right - left) / 80));
     const y_count = Math.max(2, Math.floor((bottom - top) / 40));
-    const x_digits = tick_digits(tick_step(x_axis.to - x_axis.from, x_count));
-    const y_digits = tick_digits(tick_step(y_axis.to - y_axis.from, y_count));
-    for (const tick of ticks(x_axis.from, x_axis.to, x_count)) {
+    for (const { value, text } of labels_of(x_axis, x_count)) {
         group.append(
-            svg("line", { class: "grid", x1: x(tick), x2: x(tick), y1: top, y2: bottom }),
-            svg("text", { x: x(tick), y: bottom + 16, "text-anchor": "middle" }, number(tick, x_digits)));
+            svg("line", { class: "grid", x1: x(value), x2: x(value), y1: top, y2: bottom }),
+            svg("text", { x: x(value), y: bottom + 16, "text-anchor": "middle" }, text));
     }
-    for (const tick of ticks(y_axis.from, y_axis.to, y_count)) {
+    for (const { value, text } of labels_of(y_axis, y_count)) {
         group.append(
-            svg("line", { class: "grid", x1: left, x2: right, y1: y(tick), y2: y(tick) }),
-            svg("text", { x: left - 8, y: y(tick) + 4, "text-anchor": "end" }, number(tick, y_digits)));
+            svg("line", { class: "grid", x1: left, x2: right, y1: y(value), y2: y(value) }),
+            svg("text", { x: left - 8, y: y(value) + 4, "text-anchor": "end" }, text));
     }
     group.append(
         svg("line", { class: "axis", x1: left, x2: right, y1: bottom, y2: bottom }),

@@ -112,5 +112,6 @@ export function contacts_section(report: Report): Section | null {
     });
     return section("contacts", "Contacts",
         view ? view.viewer.element : el("p", { class: "plain-message", role: "note" }, no_webgl_message),
+        data.left_out ? el("p", { class: "hint" }, `${data.left_out} contacts are left out of this page.`) : null,
         control, summary_table(data.summary ?? []), table);
 }

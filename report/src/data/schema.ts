@@ -28,7 +28,7 @@ export interface Provenance {
     program?: string;
     version?: string;
     command?: string;
-    seed?: number;
+    seed?: number | null;
     scene_digest?: string;
     files?: string[];
 }
@@ -54,6 +54,8 @@ export interface SceneData {
     triangles_u32: string;
     material_u16: string;
     meshes?: { name: string; first_triangle: number; triangle_count: number }[];
+    /** Triangles that are not in the page. */
+    left_out?: number;
 }
 
 export interface Material {
@@ -66,12 +68,15 @@ export interface Material {
 
 export interface Emitter {
     name: string;
-    position: Vector;
+    /** Null where no scene tells it. */
+    position: Vector | null;
 }
 
 export interface Pair {
     source: number;
     listener: number;
+    /** Of the scene's animation. */
+    time?: number;
     metrics?: PairMetrics;
     reference?: PairMetrics;
     paths?: SoundPath[];
@@ -164,6 +169,8 @@ export interface ContactData {
     }[];
     contacts?: Contact[];
     summary?: unknown[];
+    /** Contacts that are not in the page. */
+    left_out?: number;
 }
 
 export interface Contact {

@@ -2,7 +2,7 @@
 // A map as a plan: cells in steps of one just-noticeable difference, walls, sources and listeners,
 // and the contour of the limit.
 import { css, metric_color } from "../colors";
-import type { MetricMap, ReportData, Vector } from "../data/schema";
+import type { Emitter, MetricMap, ReportData, Vector } from "../data/schema";
 import { svg } from "../dom";
 import { number, with_unit } from "../format";
 import { find_metric } from "../metrics/definitions";
@@ -43,16 +43,19 @@ function walls(scene: DecodedScene | null, plane: Plane): [number, number, numbe
 }
 
 function marks(data: ReportData, plane: Plane, x: (u: number) => number, y: (v: number) => number): SVGElement[] {
-    const mark = (kind: string) => (emitter: { name: string; position: Vector }): SVGElement => {
+    const mark = (kind: string) => (emitter: Emitter): SVGElement[] => {
+        if (emitter.position === null) {
+            return [];
+        }
         const [u, v] = on_plane(plane, emitter.position);
         const shape = kind === "source"
             ? svg("path", { d: `M${x(u)} ${y(v) - 8}l8 8l-8 8l-8 -8z` })
             : svg("circle", { cx: x(u), cy: y(v), r: 5 });
-        return svg("g", { class: `plan-${kind}` }, shape,
-            svg("text", { x: x(u) + 10, y: y(v) + 4 }, emitter.name));
+        return [svg("g", { class: `plan-${kind}` }, shape,
+            svg("text", { x: x(u) + 10, y: y(v) + 4 }, emitter.name))];
     };
     const listeners = data.listeners ?? [];
-    return [...(data.sources ?? []).map(mark("source")), ...(listeners.length <= 40 ? listeners.map(mark("listener")) : [])];
+    return [...(data.sources ?? []).flatMap(mark("source")), ...(listeners.length <= 40 ? listeners.flatMap(mark("listener")) : [])];
 }
 
 export function draw_plan(data: ReportData, map: MetricMap, scene: DecodedScene | null, max_width: number): SVGSVGElement | null {

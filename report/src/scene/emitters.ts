@@ -2,7 +2,7 @@
 // Sources and listeners as spheres with names beside them; listeners coloured by a metric.
 import { Color, Mesh, MeshBasicMaterial, OctahedronGeometry, SphereGeometry } from "three";
 import { css, metric_color } from "../colors";
-import type { Emitter } from "../data/schema";
+import type { Emitter, Vector } from "../data/schema";
 import { el } from "../dom";
 import { number, with_unit } from "../format";
 import { find_metric } from "../metrics/definitions";
@@ -18,6 +18,8 @@ interface Marker {
     mesh: Mesh<OctahedronGeometry | SphereGeometry, MeshBasicMaterial>;
     label: HTMLElement | null;
     emitter: Emitter;
+    position: Vector;
+    index: number;
 }
 
 export class Emitters {
@@ -27,20 +29,24 @@ export class Emitters {
     constructor(private readonly viewer: Viewer, private readonly report: Report, size: number) {
         const { sources = [], listeners = [] } = report.data;
         const has_labels = sources.length + listeners.length <= max_labels;
-        const marker = (emitter: Emitter, kind: string): Marker => {
+        const marker = (emitter: Emitter, index: number, kind: string): Marker[] => {
+            const { position } = emitter;
+            if (position === null) {
+                return [];
+            }
             const geometry = kind === "source" ? new OctahedronGeometry(1.3 * size) : new SphereGeometry(size, 20, 14);
             const mesh = new Mesh(geometry, new MeshBasicMaterial({ depthTest: false, transparent: true }));
-            mesh.position.set(...emitter.position);
+            mesh.position.set(...position);
             mesh.renderOrder = 5;
             viewer.scene.add(mesh);
             const label = has_labels ? el("span", { class: `label ${kind}` }, emitter.name) : null;
             if (label) {
                 viewer.element.append(label);
             }
-            return { mesh, label, emitter };
+            return [{ mesh, label, emitter, position, index }];
         };
-        this.sources = sources.map((e) => marker(e, "source"));
-        this.listeners = listeners.map((e) => marker(e, "listener"));
+        this.sources = sources.flatMap((e, i) => marker(e, i, "source"));
+        this.listeners = listeners.flatMap((e, i) => marker(e, i, "listener"));
         viewer.on_frame(() => this.place_labels());
     }
 
@@ -71,7 +77,8 @@ export class Emitters {
         const scale = this.scale();
         const metric = find_metric(this.report.state.now.metric);
         const pair = current_pair(this.report);
-        this.listeners.forEach((marker, i) => {
+        this.listeners.forEach((marker) => {
+            const i = marker.index;
             const value = values[i] ?? null;
             marker.mesh.material.color = value !== null && scale
                 ? new Color(css(metric_color((value - scale.from) / Math.max(scale.to - scale.from, 1e-9))))
@@ -84,7 +91,8 @@ export class Emitters {
                 marker.label.replaceChildren(marker.emitter.name, ...(text ? [el("small", {}, text)] : []));
             }
         });
-        this.sources.forEach((marker, i) => {
+        this.sources.forEach((marker) => {
+            const i = marker.index;
             marker.mesh.material.color = new Color(style_color("--source"));
             marker.mesh.scale.setScalar(pair?.source === i ? 1.5 : 1);
             marker.label?.classList.toggle("chosen", pair?.source === i);
@@ -94,17 +102,17 @@ export class Emitters {
 
     /** The listener at a place of the canvas, in pixels. */
     listener_at(x: number, y: number): number | null {
-        const index = this.listeners.findIndex((marker) => {
+        const found = this.listeners.find((marker) => {
             const p = this.viewer.project(marker.mesh.position);
             return p !== null && Math.hypot(p.x - x, p.y - y) < 12;
         });
-        return index < 0 ? null : index;
+        return found?.index ?? null;
     }
 
     private place_labels(): void {
-        for (const { label, emitter } of [...this.sources, ...this.listeners]) {
+        for (const { label, position } of [...this.sources, ...this.listeners]) {
             if (label) {
-                const p = this.viewer.project(emitter.position);
+                const p = this.viewer.project(position);
                 label.hidden = p === null;
                 if (p) {
                     // Shares of the view, so that labels stay in place on paper.

@@ -9,7 +9,7 @@ import { announce } from "../live_region";
 import { all_metrics, find_metric } from "../metrics/definitions";
 import { is_present } from "../metrics/values";
 import { current_pair, describe_path, pair_name, type Report } from "../report";
-import { order_legend } from "../sections/echogram";
+import { order_legend } from "../sections/order_legend";
 import { section, type Section } from "../sections/section";
 import { on_scheme_change, scheme } from "../theme";
 import type { DecodedScene } from "./decoded_scene";
@@ -202,7 +202,9 @@ export function scene_section(report: Report, scene: DecodedScene): Section {
             const view = new SceneView(report, scene);
             replace_children(place, view.viewer.element, view.controls(),
                 el("p", { class: "hint" }, "Drag to turn, right-drag to move; click the view, then use the wheel to zoom. ",
-                    "Click a path or a listener to choose it. With the keyboard: arrows turn, plus and minus zoom."));
+                    "Click a path or a listener to choose it. With the keyboard: arrows turn, plus and minus zoom."),
+                report.data.scene?.left_out
+                    ? el("p", { class: "hint" }, `${report.data.scene.left_out} triangles are left out of this page.`) : null);
         } catch {
             replace_children(place, el("p", { class: "plain-message", role: "note" }, no_webgl_message));
         }

@@ -6,7 +6,10 @@ import { el } from "../dom";
 import type { Vector } from "../data/schema";
 import { on_scheme_change, scheme, style_color } from "../theme";
 
-const field_of_view_degrees = 42;
+const field_of_view_degrees = 38;
+/** Of the picture's width or height, by the scene at first. */
+const used_share = 0.94;
+const fitting_steps = 4;
 
 export interface ViewPoint {
     /** From the middle of the scene towards the camera. */
@@ -15,7 +18,7 @@ export interface ViewPoint {
 }
 
 export const view_points: ViewPoint[] = [
-    { name: "Corner", direction: [0.75, 0.75, 1] },
+    { name: "Corner", direction: [0.8, 0.72, 1] },
     { name: "Above", direction: [0, 1, 0.001] },
     { name: "Front", direction: [0, 0.12, 1] },
     { name: "Side", direction: [1, 0.12, 0] },
@@ -31,6 +34,9 @@ export class Viewer {
     private readonly before_frame: (() => void)[] = [];
     private readonly middle: Vector3;
     private readonly radius: number;
+    private readonly corners: Vector3[];
+    /** Of the last chosen view point, until the reader turns the view. */
+    private direction: Vector | null = null;
     private frame_is_asked = false;
     private size = { width: 0, height: 0 };
 
@@ -44,6 +50,8 @@ export class Viewer {
         this.element = el("div", { class: "view" }, this.canvas);
         this.middle = new Vector3(...min).add(new Vector3(...max)).multiplyScalar(0.5);
         this.radius = Math.max(new Vector3(...max).sub(new Vector3(...min)).length() / 2, 1e-3);
+        this.corners = [0, 1, 2, 3, 4, 5, 6, 7].map((i) =>
+            new Vector3((i & 1 ? max : min)[0], (i & 2 ? max : min)[1], (i & 4 ? max : min)[2]));
         this.camera.near = this.radius / 200;
         this.camera.far = this.radius * 40;
         this.add_lights();
@@ -55,6 +63,7 @@ export class Viewer {
         this.canvas.addEventListener("pointerdown", () => (this.orbit.enableZoom = true));
         this.canvas.addEventListener("blur", () => (this.orbit.enableZoom = false));
         this.orbit.addEventListener("change", () => this.ask_frame());
+        this.orbit.addEventListener("start", () => (this.direction = null));
         this.canvas.addEventListener("keydown", (event) => this.on_key(event));
         new ResizeObserver(() => this.fit()).observe(this.element);
         on_scheme_change(() => {
@@ -90,10 +99,21 @@ export class Viewer {
     }
 
     look_from(direction: Vector): void {
-        const distance = (this.radius / Math.sin((field_of_view_degrees / 2) * (Math.PI / 180))) *
-            Math.max(1, 0.9 / Math.max(this.camera.aspect, 0.1));
-        this.orbit.target.copy(this.middle);
-        this.camera.position.copy(this.middle).addScaledVector(new Vector3(...direction).normalize(), 0.86 * distance);
+        this.direction = direction;
+        const towards_camera = new Vector3(...direction).normalize();
+        const right = new Vector3(0, 1, 0).cross(towards_camera).normalize();
+        const up = towards_camera.clone().cross(right);
+        const target = this.middle.clone();
+        let distance = 0;
+        // What is close to the camera looks larger, so the middle of the picture is found by steps.
+        for (let step = 0; step < fitting_steps; ++step) {
+            const heights = this.corners.map((corner) => corner.clone().sub(target));
+            distance = this.fitting_distance(heights, right, up, towards_camera);
+            const slopes = heights.map((offset) => offset.dot(up) / Math.max(distance - offset.dot(towards_camera), 1e-9));
+            target.addScaledVector(up, ((Math.max(...slopes) + Math.min(...slopes)) / 2) * distance);
+        }
+        this.orbit.target.copy(target);
+        this.camera.position.copy(target).addScaledVector(towards_camera, distance);
         this.orbit.update();
         this.ask_frame();
     }
@@ -121,6 +141,14 @@ export class Viewer {
         return this.size.height;
     }
 
+    /** From where all corners of the scene's extent are in the picture. */
+    private fitting_distance(offsets: Vector3[], right: Vector3, up: Vector3, towards_camera: Vector3): number {
+        const slope_up = used_share * Math.tan((field_of_view_degrees / 2) * (Math.PI / 180));
+        const slope_right = slope_up * this.camera.aspect;
+        return Math.max(...offsets.map((offset) => offset.dot(towards_camera) +
+            Math.max(Math.abs(offset.dot(right)) / slope_right, Math.abs(offset.dot(up)) / slope_up)));
+    }
+
     private add_lights(): void {
         this.scene.add(new HemisphereLight(0xffffff, 0xb9b4ab, 2.4));
         const sun = new DirectionalLight(0xffffff, 1.1);
@@ -143,6 +171,9 @@ export class Viewer {
         this.renderer.setSize(width, height, false);
         this.camera.aspect = width / height;
         this.camera.updateProjectionMatrix();
+        if (this.direction !== null) {
+            this.look_from(this.direction);
+        }
         // Setting the size clears the canvas: draw at once, so that nothing flickers.
         this.draw();
     }
@@ -164,6 +195,7 @@ export class Viewer {
         if (turn && !event.ctrlKey && !event.metaKey && !event.altKey) {
             event.preventDefault();
             turn();
+            this.direction = null;
             this.camera.position.copy(this.orbit.target).add(offset);
             this.orbit.update();
             this.ask_frame();

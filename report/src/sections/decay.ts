@@ -5,7 +5,7 @@ import { type Curve, curve_chart, type CurveChart } from "../charts/curves";
 import { checkbox, el } from "../dom";
 import { band, number } from "../format";
 import { current_pair, type Report } from "../report";
-import { fit_time, line_values } from "./decay_fits";
+import { extended_values, fit_time, line_values } from "./decay_fits";
 import { section, type Section } from "./section";
 
 const lowest_level_db = -70;
@@ -15,13 +15,15 @@ function fit_curves(decay: Decay, band_index: number, times: number[]): Curve[] 
     const fits = decay.fits?.[band_index] ?? {};
     return (["edt", "t20", "t30"] as const).flatMap((name) => {
         const fit = fits[name];
-        return fit ? [{
-            label: `${name.toUpperCase()} ${number(fit_time(fit), 2)} s`,
-            color: fit_colors[name],
-            values: line_values(fit, times),
-            width: 2,
-            dash: [8, 4],
-        }] : [];
+        return fit ? [
+            { color: fit_colors[name], values: extended_values(fit, times, lowest_level_db), width: 1.2, dash: [3, 5] },
+            {
+                label: `${name.toUpperCase()} ${number(fit_time(fit), 2)} s`,
+                color: fit_colors[name],
+                values: line_values(fit, times),
+                width: 2.2,
+            },
+        ] : [];
     });
 }
 
@@ -47,11 +49,11 @@ function chart(report: Report, show_all: boolean): CurveChart | null {
         x_title: "Time after the direct sound (ms)",
         y_title: "Level (dB)",
         x: times.map((t) => 1000 * t),
-        x_digits: 0,
+        x_unit: "ms",
         y_range: [lowest_level_db, 2],
         curves: [
             ...others.map(({ list, i }) => ({ label: band(bands[i] ?? 0), color: "--faint-curve", values: clip(list), width: 1 })),
-            { label: band(bands[band_index] ?? 0), color: "--curve", values: clip(chosen), width: 2.5 },
+            { label: band(bands[band_index] ?? 0), color: "--wide-curve", values: clip(chosen), width: 7 },
             ...fit_curves(decay, band_index, times),
         ],
     };
@@ -77,6 +79,6 @@ export function decay_section(report: Report): Section | null {
     });
     return section("decay", "Decay", el("div", { class: "controls" }, all),
         el("figure", {}, place, empty,
-            el("figcaption", {}, "Energy that is still to arrive, in the chosen band, with the lines fitted for EDT, T20 and T30. ",
-                "Drag to zoom, double-click to zoom out. The values stand in the table of metrics.")));
+            el("figcaption", {}, "Energy that is still to arrive, in the chosen band, and the lines fitted for EDT, T20 and T30, dotted beyond what they were fitted to. ",
+                "Drag to zoom, double-click to zoom out.")));
 }

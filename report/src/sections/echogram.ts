@@ -7,9 +7,10 @@ import { on_width } from "../charts/resize";
 import { css, order_color } from "../colors";
 import { button, el, next_id, replace_children, svg } from "../dom";
 import { announce } from "../live_region";
-import { current_pair, describe_path, order_name, orders_of, path_level, type Report } from "../report";
+import { current_pair, describe_path, path_level, type Report } from "../report";
 import { on_scheme_change, scheme } from "../theme";
 import { closest_stem } from "./closest_stem";
+import { order_legend } from "./order_legend";
 import { section, type Section } from "./section";
 
 const height = 300;
@@ -36,6 +37,8 @@ class Echogram {
     private stems: Stem[] = [];
     private order_of_slider: number[] = [];
     private width = 0;
+    private frame: Frame | null = null;
+    private time_line: SVGLineElement | null = null;
 
     constructor(private readonly report: Report) {
         on_width(this.place, (width) => {
@@ -46,6 +49,7 @@ class Echogram {
         this.slider.addEventListener("input", () => this.choose(this.order_of_slider[Number(this.slider.value)] ?? null));
         report.state.subscribe(["pair", "band", "hidden_orders"], () => this.draw());
         report.state.subscribe(["path"], () => this.mark());
+        report.state.subscribe(["time"], () => this.show_time());
     }
 
     controls(): HTMLElement {
@@ -91,13 +95,40 @@ class Echogram {
             "aria-label": `Echogram of ${paths.length} paths; the slider below steps through them`,
         }, frame.group);
         this.stems = this.order_of_slider.map((i) => this.stem(paths[i]!, i, levels[i]!, top, frame));
-        drawing.append(...this.stems.map((s) => s.element));
+        drawing.append(this.limits(paths, frame), ...this.stems.map((s) => s.element));
+        this.frame = frame;
+        this.time_line = svg("line", { class: "time-line", y1: frame.top, y2: frame.bottom });
+        drawing.append(this.time_line);
+        this.show_time();
         drawing.addEventListener("click", (event) => {
             const box = drawing.getBoundingClientRect();
             this.choose(closest_stem(this.stems, event.clientX - box.left, event.clientY - box.top));
         });
         replace_children(this.place, drawing);
         this.mark();
+    }
+
+    /** Where the early energy of clarity ends: 50 and 80 ms after the direct sound. */
+    private limits(paths: SoundPath[], frame: Frame): SVGGElement {
+        const first = Math.min(...paths.map((p) => p.delay));
+        const limit = (ms: number): SVGElement[] => {
+            const x = frame.x(1000 * first + ms);
+            return x > frame.right ? [] : [
+                svg("line", { x1: x, x2: x, y1: frame.top, y2: frame.bottom }),
+                svg("text", { x: x + 4, y: frame.top + 12 }, `${ms} ms after the first`),
+            ];
+        };
+        return svg("g", { class: "limits", "aria-hidden": "true" }, ...limit(50), ...limit(80));
+    }
+
+    private show_time(): void {
+        const { time } = this.report.state.now;
+        if (this.time_line && this.frame) {
+            const x = String(this.frame.x(1000 * (time ?? 0)));
+            this.time_line.setAttribute("x1", x);
+            this.time_line.setAttribute("x2", x);
+            this.time_line.style.display = time === null ? "none" : "";
+        }
     }
 
     private stem(path: SoundPath, index: number, level: number, top: number, frame: Frame): Stem {
@@ -122,39 +153,8 @@ class Echogram {
         this.detail.textContent = data ? `Path ${describe_path(data, band)}` : "No path is chosen.";
         this.slider.setAttribute("aria-valuetext", this.detail.textContent);
         const place = this.order_of_slider.indexOf(path ?? -1);
-        if (place >= 0) {
-            this.slider.value = String(place);
-        }
+        this.slider.value = String(Math.max(place, 0));
     }
-}
-
-/** Check boxes of the orders, which are the legend of paths and stems too. */
-export function order_legend(report: Report): HTMLElement {
-    const place = el("fieldset", { class: "legend orders" });
-    const draw = (): void => {
-        const { hidden_orders } = report.state.now;
-        const paths = current_pair(report)?.paths ?? [];
-        replace_children(place, el("legend", {}, "Orders of reflection"), ...orders_of(paths).map((order) => {
-            const input = el("input", { type: "checkbox", checked: !hidden_orders.has(order) });
-            input.addEventListener("change", () => {
-                const hidden = new Set(report.state.now.hidden_orders);
-                if (input.checked) {
-                    hidden.delete(order);
-                } else {
-                    hidden.add(order);
-                }
-                report.state.set({ hidden_orders: hidden });
-            });
-            const swatch = el("span", { class: "swatch", "aria-hidden": "true" });
-            swatch.style.backgroundColor = css(order_color(order, scheme()));
-            const count = paths.filter((p) => p.order === order).length;
-            return el("label", { class: "check" }, input, swatch, `${order_name(order)} (${count})`);
-        }));
-    };
-    draw();
-    report.state.subscribe(["pair"], draw);
-    on_scheme_change(draw);
-    return place;
 }
 
 export function echogram_section(report: Report): Section | null {
@@ -169,7 +169,7 @@ export function echogram_section(report: Report): Section | null {
     };
     update();
     report.state.subscribe(["pair"], update);
-    return section("echogram", "Echogram",
+    return section("echogram", "Echogram", el("div", { class: "controls" }, order_legend(report)),
         el("figure", {}, echogram.place,
             el("figcaption", {}, "Level and delay of each path in the chosen band; click a stem to see its path in the room.")),
         echogram.controls(), echogram.detail, left_out);

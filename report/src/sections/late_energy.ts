@@ -26,18 +26,18 @@ function chart(histogram: Histogram | undefined, band: number): CurveChart | nul
         x_title: "Time after emission (ms)",
         y_title: "Energy (dB)",
         x: levels.map((_, i) => 1000 * histogram.step * (i + 0.5)),
-        x_digits: 1,
+        x_unit: "ms",
         y_range: y_range(levels),
         curves: [
-            { label: "+2 errors", color: "--clear", values: error_levels(levels, errors, 2), width: 0 },
-            { label: "+1 error", color: "--clear", values: error_levels(levels, errors, 1), width: 0 },
-            { label: "\u22121 error", color: "--clear", values: lower(1), width: 0 },
-            { label: "\u22122 errors", color: "--clear", values: lower(2), width: 0 },
-            { label: "energy", color: "--curve", values: levels, width: 1.5 },
+            { color: "--clear", values: error_levels(levels, errors, 2), width: 0 },
+            { color: "--clear", values: error_levels(levels, errors, 1), width: 0 },
+            { color: "--clear", values: lower(1), width: 0 },
+            { color: "--clear", values: lower(2), width: 0 },
+            { label: "Energy", color: "--curve", values: levels, width: 1.5 },
         ],
         areas: [
-            { between: [0, 3], color: "--error-2" },
-            { between: [1, 2], color: "--error-1" },
+            { between: [0, 3], color: "--error-2", label: "\u00b1 2 standard errors" },
+            { between: [1, 2], color: "--error-1", label: "\u00b1 1 standard error" },
         ],
     };
 }

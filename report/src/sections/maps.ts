@@ -13,6 +13,9 @@ import type { Report } from "../report";
 import type { DecodedScene } from "../scene/decoded_scene";
 import { section, type Section } from "./section";
 
+const legend_width = 170;
+const min_plan_width = 280;
+
 function map_choice_name(report: Report, map: MetricMap): string {
     const source = typeof map.source === "number" ? `, from ${name_of(report.data.sources, map.source)}` : "";
     return map_name(map) + source;
@@ -69,10 +72,11 @@ export function maps_section(report: Report, scene: DecodedScene | null): Sectio
         draw();
     });
     draw();
-    on_width(place, (next) => {
-        width = next;
+    const figure = el("figure", { class: "map" }, place, legend);
+    on_width(figure, (next) => {
+        width = Math.max(next - legend_width, min_plan_width);
         draw();
     });
     return section("maps", "Map", el("div", { class: "controls" }, chooser.field), words,
-        el("figure", { class: "map" }, place, legend));
+        figure);
 }

@@ -6,23 +6,10 @@ import { el, replace_children, select } from "../dom";
 import { band, dash, error, number, signed } from "../format";
 import { band_metrics, type Metric, sti } from "../metrics/definitions";
 import { difference_in_jnd, jnd_class } from "../metrics/difference";
+import { Reasons } from "../metrics/reasons";
 import { type BandChoice, error_of, is_present, reason_of, value_of } from "../metrics/values";
 import { current_pair, pair_name, type Report } from "../report";
 import { scrolling, section, type Section } from "./section";
-
-/** Numbers the reasons of withheld values in the order of their first use. */
-class Reasons {
-    readonly texts: string[] = [];
-
-    mark(text: string): HTMLElement {
-        let index = this.texts.indexOf(text);
-        if (index < 0) {
-            index = this.texts.push(text) - 1;
-        }
-        return el("a", { class: "reason-mark", href: `#reason-${index + 1}`, title: text, "aria-label": `no value, reason ${index + 1}` },
-            `${dash}\u2009`, el("sup", {}, String(index + 1)));
-    }
-}
 
 function reference_of(report: Report): PairMetrics | undefined {
     const { reference } = report.state.now;
@@ -78,18 +65,16 @@ function draw(report: Report, place: HTMLElement): void {
         replace_children(place, el("p", { class: "empty" }, "This pair has no metrics."));
         return;
     }
-    const reasons = new Reasons();
+    const reasons = new Reasons("metrics-reason");
     const rows = band_metrics.filter((m) => is_present(pair.metrics, m)).map((m) => row(report, m, reasons));
     const table = el("table", { class: "numbers metrics" },
         el("caption", {}, `${pair_name(report.data, pair)}: expected values \u00b1 standard error`),
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Metric"),
             el("th", { scope: "col", title: "mean of the octaves 500 Hz and 1 kHz" }, "Mid"),
-            ...bands.map((f) => el("th", { scope: "col" }, band(f))))),
+            ...bands.map((f, i) => el("th", { scope: "col", class: i === report.state.now.band ? "chosen-column" : null }, band(f))))),
         el("tbody", {}, sti_line(report, reasons), ...rows));
     replace_children(place, scrolling("Metrics of the pair", table),
-        reasons.texts.length > 0 && el("h3", {}, "Why values are missing"),
-        reasons.texts.length > 0 && el("ol", { class: "reasons" },
-            ...reasons.texts.map((text, i) => el("li", { id: `reason-${i + 1}` }, text))));
+        reasons.list());
 }
 
 function jnd_legend(): HTMLElement {
@@ -121,7 +106,7 @@ export function metrics_section(report: Report): Section | null {
         draw(report, place);
     };
     update();
-    report.state.subscribe(["pair", "reference"], update);
+    report.state.subscribe(["pair", "reference", "band"], update);
     return section("metrics", "Metrics",
         el("div", { class: "controls" }, compare.field, legend), place,
         el("p", { class: "hint" }, "JND: just-noticeable difference (ISO 3382-1; STI 0.03). ",

@@ -4,6 +4,7 @@ import { button, el } from "../dom";
 import { error, number } from "../format";
 import { announce } from "../live_region";
 import { find_metric, type Metric } from "../metrics/definitions";
+import { Reasons } from "../metrics/reasons";
 import { error_of, reason_of, value_of } from "../metrics/values";
 import { pair_name, type Report } from "../report";
 import type { Pair } from "../data/schema";
@@ -12,15 +13,14 @@ import { scrolling, section, type Section } from "./section";
 const shown = ["t30", "edt", "c50", "c80", "sti"]
     .map(find_metric).filter((m): m is Metric => m !== undefined);
 
-function cell(report: Report, pair: Pair, metric: Metric): HTMLElement {
+function cell(report: Report, pair: Pair, metric: Metric, reasons: Reasons): HTMLElement {
     const value = value_of(pair.metrics, metric, "mid");
     const standard_error = error_of(pair.metrics, metric, "mid");
     const reason = reason_of(pair.metrics, metric, "mid", report.data.bands ?? []);
     const shown_value = value === null ? null : value * metric.scale;
-    return el("td", value === null ? { class: "missing" } : {}, number(shown_value, metric.digits),
+    return el("td", value === null ? { class: "missing" } : {}, value === null && reason !== null ? reasons.mark(reason) : number(shown_value, metric.digits),
         value !== null && standard_error !== null &&
-            el("span", { class: "error" }, ` \u00b1\u00a0${error(standard_error * metric.scale, metric.digits)}`),
-        value === null && reason !== null && el("span", { class: "reason" }, reason));
+            el("span", { class: "error" }, ` \u00b1\u00a0${error(standard_error * metric.scale, metric.digits)}`));
 }
 
 export function overview_section(report: Report): Section | null {
@@ -28,12 +28,13 @@ export function overview_section(report: Report): Section | null {
     if (!pairs.some((pair) => pair.metrics)) {
         return null;
     }
+    const reasons = new Reasons("pair-reason");
     const rows = pairs.map((pair, index) => {
         const choose = button(pair_name(report.data, pair), () => {
             report.state.set({ pair: index });
             announce(`The report now shows ${pair_name(report.data, pair)}.`);
         }, { class: "link" });
-        return el("tr", {}, el("th", { scope: "row" }, choose), ...shown.map((metric) => cell(report, pair, metric)));
+        return el("tr", {}, el("th", { scope: "row" }, choose), ...shown.map((metric) => cell(report, pair, metric, reasons)));
     });
     const mark = (): void => rows.forEach((row, index) => {
         row.classList.toggle("chosen", index === report.state.now.pair);
@@ -46,5 +47,5 @@ export function overview_section(report: Report): Section | null {
         el("thead", {}, el("tr", {}, el("th", { scope: "col" }, "Pair"),
             ...shown.map((m) => el("th", { scope: "col", title: m.description }, m.unit === "" ? m.name : `${m.name} (${m.unit})`)))),
         el("tbody", {}, ...rows));
-    return section("overview", "All pairs", scrolling("Metrics of all pairs", table));
+    return { ...section("overview", "All pairs", scrolling("Metrics of all pairs", table), reasons.list()), short_title: "Pairs" };
 }

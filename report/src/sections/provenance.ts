@@ -14,7 +14,7 @@ export function provenance_section(data: ReportData): Section {
     };
     line("Program", [origin.program, origin.version].filter(Boolean).join(" "));
     line("Command", origin.command, true);
-    line("Seed", origin.seed === undefined ? undefined : String(origin.seed));
+    line("Seed", origin.seed === undefined || origin.seed === null ? undefined : String(origin.seed));
     line("Files", origin.files?.join(", "));
     line("Digest of the scene", origin.scene_digest, true);
     return section("provenance", "Provenance", list,

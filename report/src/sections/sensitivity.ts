@@ -58,5 +58,5 @@ export function sensitivity_section(report: Report): Section | null {
     const update = (): void => draw(report, place);
     update();
     report.state.subscribe(["pair", "band"], update);
-    return section("sensitivity", "Which surface matters", place);
+    return { ...section("sensitivity", "Which surface matters", place), short_title: "Surfaces" };
 }

@@ -24,7 +24,7 @@ export function toolbar(report: Report, sections: Section[]): HTMLElement {
             pair_choice.input.value = String(state.now.pair);
         }
     });
-    const links = sections.map((s) => el("li", {}, el("a", { href: `#${s.id}` }, s.title)));
+    const links = sections.map((s) => el("li", {}, el("a", { href: `#${s.id}` }, s.short_title)));
     return el("div", { class: "toolbar" },
         el("nav", { "aria-label": "Contents" }, el("ul", {}, ...links)),
         (pair_choice || band_choice) && el("div", { class: "choices", role: "group", "aria-label": "What is shown" },

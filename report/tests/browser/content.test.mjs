@@ -18,7 +18,7 @@ test("opens without complaints, requests or a size above the bound", async () =>
     const { page, complaints, file } = await open(browser, "rooms", rooms_report());
     assert.equal(await page.title(), "Box classroom \u2013 sound report");
     assert.deepEqual(await page.locator("h2").allTextContents(), [
-        "Verdict", "All pairs", "Room", "Map", "Echogram", "Decay", "Late energy", "Metrics", "Which surface matters",
+        "Verdict", "All pairs", "Room", "Map", "Echogram", "Decay", "Late energy", "Over frequency", "Metrics", "Which surface matters",
         "Listening", "Provenance",
     ]);
     await screenshot(page, "rooms");

@@ -6,7 +6,7 @@ import { contacts_at, frame_at } from "../../src/contacts/contact_frames";
 import { map_cells, map_scale } from "../../src/maps/map_values";
 import { strongest_paths } from "../../src/report";
 import { closest_stem } from "../../src/sections/closest_stem";
-import { fit_time, line_values } from "../../src/sections/decay_fits";
+import { extended_values, fit_time, line_values } from "../../src/sections/decay_fits";
 import { error_levels } from "../../src/sections/error_levels";
 import { material_rows } from "../../src/sections/material_rows";
 import { State } from "../../src/state";
@@ -30,6 +30,7 @@ test("a fitted line tells its reverberation time and ends where the fit ends", (
     const fit = { from: 0.1, to: 0.3, level_from: -5, level_to: -25 };
     assert.ok(Math.abs(fit_time(fit) - 0.6) < 1e-12);
     assert.deepEqual(line_values(fit, [0, 0.1, 0.2, 0.3, 0.4]).map((v) => v === null ? null : Math.round(v)), [null, -5, -15, -25, null]);
+    assert.deepEqual(extended_values(fit, [0, 0.1, 0.4, 0.7], -60).map((v) => v === null ? null : Math.round(v)), [5, -5, -35, null]);
 });
 
 test("bands of standard errors are those of the energy, not of the level", () => {
