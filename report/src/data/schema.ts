@@ -137,12 +137,18 @@ export interface Sensitivity {
     pairs: PairSensitivity[];
 }
 
-/** Lists run over the report's materials; derivatives are per +1 of absorption. */
+/**
+ * Lists run over the report's materials; derivatives are per +1 of absorption. Energy is that which
+ * reaches the listener: the share that a material reflected at least once.
+ */
 export interface PairSensitivity {
     source: number;
     listener: number;
     energy?: { name?: string; before_80ms?: PerBand; after_80ms?: PerBand }[];
-    derivatives?: Partial<Record<"t30" | "c80" | "sti", (PerBand | null)[]>>;
+    derivatives?: Partial<Record<"t30" | "c80" | "sti", (PerBand | null)[]>> & {
+        /** Of single numbers, absorption of all bands together. */
+        single?: Record<string, (number | null)[]>;
+    };
 }
 
 export interface MetricMap {
@@ -150,7 +156,10 @@ export interface MetricMap {
     unit?: string;
     source?: number | null;
     jnd?: number | null;
+    /** Then `jnd` is a share of the value. */
+    jnd_is_relative?: boolean;
     limit?: number | null;
+    limit_is_minimum?: boolean;
     share?: number | null;
     plane?: { origin: Vector; u: Vector; v: Vector };
     points?: Vector[];

@@ -42,7 +42,9 @@ export function map_scale(map: MetricMap): MapScale {
     const metric = find_metric(map.metric);
     const low = values.length > 0 ? Math.min(...values) : 0;
     const high = values.length > 0 ? Math.max(...values) : 1;
-    let step = map.jnd ?? (metric?.jnd_is_share ? metric.jnd * ((low + high) / 2) : (metric?.jnd ?? 0) / (metric?.scale ?? 1));
+    const is_share = typeof map.jnd === "number" ? map.jnd_is_relative === true : metric?.jnd_is_share === true;
+    const difference = map.jnd ?? (metric?.jnd ?? 0) / (metric?.scale ?? 1);
+    let step = is_share ? difference * ((low + high) / 2) : difference;
     if (!(step > 0)) {
         step = (high - low) / 8 || 1;
     }

@@ -16,7 +16,7 @@ export interface MaterialRow {
 
 const at = (list: PerBand | null | undefined, band: number): number | null => list?.[band] ?? null;
 
-/** Change of STI if the absorption of all octaves grows; null if any is withheld. */
+/** Change of STI if the absorption of all octaves grows. */
 function sum(list: PerBand | null | undefined): number | null {
     const present = (list ?? []).filter((v): v is number => v !== null);
     return present.length === 0 ? null : present.reduce((a, b) => a + b, 0);
@@ -25,14 +25,15 @@ function sum(list: PerBand | null | undefined): number | null {
 export function material_rows(sensitivity: PairSensitivity, names: string[], band: number): MaterialRow[] {
     const step = (value: number | null): number | null => (value === null ? null : absorption_step * value);
     const { energy = [], derivatives = {} } = sensitivity;
-    const count = Math.max(energy.length, ...Object.values(derivatives).map((list) => list?.length ?? 0));
+    const { t30 = [], c80 = [], sti = [] } = derivatives;
+    const count = Math.max(energy.length, t30.length, c80.length, sti.length);
     const rows = Array.from({ length: count }, (_, i): MaterialRow => ({
         name: energy[i]?.name ?? names[i] ?? `material ${i}`,
         before: at(energy[i]?.before_80ms, band),
         after: at(energy[i]?.after_80ms, band),
         t30: step(at(derivatives.t30?.[i], band)),
         c80: step(at(derivatives.c80?.[i], band)),
-        sti: step(sum(derivatives.sti?.[i])),
+        sti: step(derivatives.single?.["sti"]?.[i] ?? sum(derivatives.sti?.[i])),
     }));
     return rows.sort((a, b) => (b.after ?? 0) - (a.after ?? 0) || (b.before ?? 0) - (a.before ?? 0));
 }

@@ -37,7 +37,7 @@ function draw(report: Report, place: HTMLElement): void {
     const scale = Math.max(...rows.flatMap((r) => [r.before ?? 0, r.after ?? 0]));
     const step = `+${absorption_step}`;
     const table = el("table", { class: "numbers sensitivity" },
-        el("caption", {}, `${pair_name(report.data, pair)}, ${band_name(frequency)}: share of the energy that each material reflected, ` +
+        el("caption", {}, `${pair_name(report.data, pair)}, ${band_name(frequency)}: share of the energy at the listener that each material reflected at least once, ` +
             `and the change for ${step} of its absorption coefficient`),
         el("thead", {}, el("tr", {},
             ...["Material", "Energy before 80 ms", "Energy after 80 ms", "T30 (s)", "C80 (dB)", "STI, all octaves"]

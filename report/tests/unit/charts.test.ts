@@ -44,6 +44,8 @@ test("a map's scale has steps of one just-noticeable difference that a limit div
     assert.notEqual(scale.share(0.599), scale.share(0.6));
     assert.equal(scale.share(0.601), scale.share(0.629));
     assert.equal(map_scale({ metric: "t30", values: [1, 1] }).share(1), 0.5);
+    const relative = map_scale({ metric: "t30", jnd: 0.05, jnd_is_relative: true, values: [0.9, 1.1] });
+    assert.ok(Math.abs(relative.step - 0.05) < 1e-12);
     const wide = map_scale({ metric: "c80", jnd: 1, limit: null, values: [0, 40] });
     assert.equal(wide.step, 3);
 });
