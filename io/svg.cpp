@@ -76,6 +76,20 @@ double SvgAxis::at(double value) const noexcept {
     return begin + fraction * (end - begin);
 }
 
+double svg_text_width(std::string_view text, double font_size) noexcept {
+    // Widths in units of the font size: the mean of lower-case letters and digits, and the full
+    // square of East Asian scripts, whose characters take three bytes or more.
+    constexpr double kNarrow = 0.62, kWide = 1.0;
+    double width = 0.0;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte & 0xc0U) != 0x80U) {  // no continuation of a character
+            width += byte < 0xe0U ? kNarrow : kWide;
+        }
+    }
+    return width * font_size;
+}
+
 SvgPicture::SvgPicture(double width, double height, double font_size, std::string_view title) {
     body_ = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number(width) + " " +
             number(height) + "\" font-family=\"sans-serif\"" +

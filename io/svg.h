@@ -36,6 +36,10 @@ struct SvgTextStyle {
     bool halo = false;             ///< white around the letters, where they stand on lines
 };
 
+/// The width of a text in a sans-serif font as wide as common ones get (DejaVu Sans), estimated:
+/// fonts differ from viewer to viewer.
+double svg_text_width(std::string_view text, double font_size) noexcept;
+
 /// A picture in SVG 1.1, drawn in the order of the calls, one element per line. Coordinates are
 /// rounded to a tenth of a unit; texts are escaped.
 class SvgPicture {

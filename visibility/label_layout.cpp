@@ -282,7 +282,7 @@ public:
     std::vector<std::optional<Candidate>> run() {
         std::vector<std::optional<Candidate>> placed(candidates_.size());
         for (;;) {
-            const std::size_t next = least_feasible(placed);
+            const std::size_t next = next_object(placed);
             if (next == candidates_.size()) {
                 return placed;
             }
@@ -300,14 +300,20 @@ public:
     }
 
 private:
-    /// Section 5.1: the shortest leader line to a side, which follows from the anchor.
-    Candidate candidate(const dvec2& anchor) const {
-        const double left = interior_.side(true).x(anchor.y);
-        const double right = interior_.side(false).x(anchor.y);
-        const bool is_left =
-            options_.sides == LabelSides::left ||
-            (options_.sides == LabelSides::both && anchor.x - left <= right - anchor.x);
-        return {.anchor = anchor, .end = {is_left ? left : right, anchor.y}, .is_left = is_left};
+    /// The leader lines of an anchor, the shorter one first; a side that labels must not stand at
+    /// has none.
+    Candidates lines_of(const dvec2& anchor) const {
+        const auto line = [&](bool is_left) {
+            return Candidate{.anchor = anchor,
+                             .end = {interior_.side(is_left).x(anchor.y), anchor.y},
+                             .is_left = is_left};
+        };
+        const Candidate left = line(true), right = line(false);
+        if (options_.sides != LabelSides::both) {
+            return {options_.sides == LabelSides::left ? left : right};
+        }
+        return anchor.x - left.end.x <= right.end.x - anchor.x ? Candidates{left, right}
+                                                               : Candidates{right, left};
     }
 
     void collect(const IdImage& image, std::span<const LabelledObject> objects) {
@@ -320,21 +326,39 @@ private:
             }
         }
         for (std::size_t object = 0; object < objects.size(); ++object) {
+            fixed_.push_back(objects[object].anchor);
             if (objects[object].anchor) {
-                candidates_[object].push_back(candidate(*objects[object].anchor));
+                candidates_[object] = lines_of(*objects[object].anchor);
             } else if (!pixels[object].empty()) {
                 const Area area(image, static_cast<std::uint32_t>(object), pixels[object]);
                 for (const std::size_t pixel : pixels[object]) {
+                    // Section 5.1: the shorter leader line, which follows from the anchor.
                     candidates_[object].push_back(
-                        candidate({static_cast<double>(pixel % image.width) + 0.5,
-                                   static_cast<double>(pixel / image.width) + 0.5}));
+                        lines_of({static_cast<double>(pixel % image.width) + 0.5,
+                                  static_cast<double>(pixel / image.width) + 0.5})
+                            .front());
                     candidates_[object].back().salience = area.distance_outside(pixel, image.width);
                 }
             }
         }
     }
 
-    /// Equations (2), (3), (8) and (9), aggregated by (12).
+    /// How far a line stays away from the fixed anchors of other objects.
+    double clearance(const Candidate& line, std::size_t object) const noexcept {
+        double nearest = std::numeric_limits<double>::infinity();
+        const double low = std::min(line.anchor.x, line.end.x);
+        const double high = std::max(line.anchor.x, line.end.x);
+        for (std::size_t other = 0; other < fixed_.size(); ++other) {
+            if (other != object && fixed_[other]) {
+                const dvec2& point = *fixed_[other];
+                nearest = std::min(
+                    nearest, distance(point, {std::clamp(point.x, low, high), line.anchor.y}));
+            }
+        }
+        return nearest;
+    }
+
+    /// Equations (2), (3), (8) and (9), aggregated by (12), and the clearance of lines.
     void rate(const LabelLayout* previous) {
         double longest = 0.0;
         for (const Candidates& candidates : candidates_) {
@@ -353,6 +377,8 @@ private:
                     line.feasibility = weighted(1.0 - length, weights.leader_length) *
                                        weighted(line.salience / longest, weights.anchor_salience);
                 }
+                const double clear = clearance(line, object) / options_.box_height;
+                line.feasibility *= weighted(std::min(clear, 1.0), weights.line_clearance);
                 if (before != nullptr) {
                     const double moved = distance(line.anchor, before->anchor) / diagonal_;
                     const double end_moved = distance(line.end, before->end) / diagonal_;
@@ -365,9 +391,10 @@ private:
 
     /// Section 5.4: first comes the object that has the least feasible candidates. Equation (14) as
     /// printed, with the greatest sum of 1 - F first, prefers large areas, which the text excludes.
-    std::size_t least_feasible(const std::vector<std::optional<Candidate>>& placed) const {
+    /// Fixed anchors have the least freedom and precede all others.
+    std::size_t next_object(const std::vector<std::optional<Candidate>>& placed) const {
         std::size_t best = candidates_.size();
-        double best_sum = std::numeric_limits<double>::infinity();
+        std::pair best_rank(true, std::numeric_limits<double>::infinity());  // floats, sum
         for (std::size_t object = 0; object < candidates_.size(); ++object) {
             if (placed[object] || candidates_[object].empty()) {
                 continue;
@@ -376,8 +403,9 @@ private:
             for (const Candidate& line : candidates_[object]) {
                 sum += line.feasibility;
             }
-            if (sum < best_sum) {
-                best_sum = sum;
+            const std::pair rank(!fixed_[object].has_value(), sum);
+            if (rank < best_rank) {
+                best_rank = rank;
                 best = object;
             }
         }
@@ -404,6 +432,7 @@ private:
     const Interior& interior_;
     double diagonal_;
     std::vector<Candidates> candidates_;
+    std::vector<std::optional<dvec2>> fixed_;  // anchors
 };
 
 /// Rows nearest to `wanted`, which ascend, that are `spacing` apart: isotonic regression by pooling

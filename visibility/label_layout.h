@@ -44,6 +44,7 @@ struct LabelWeights {
     double anchor_salience = 1.0;  ///< distance from the outline of the area
     double anchor_distance = 1.0;  ///< between anchors
     double end_distance = 1.0;     ///< between ends of leader lines
+    double line_clearance = 1.0;   ///< between leader lines and the fixed anchors of others
     double anchor_coherence = 0.7;
     double end_coherence = 0.7;
 };

@@ -21,6 +21,13 @@ TEST(SvgAxis, IsLinearBetweenItsEnds) {
     EXPECT_EQ((SvgAxis{.first = 2.0, .last = 2.0, .begin = 0.0, .end = 8.0}.at(2.0)), 4.0);
 }
 
+TEST(SvgPicture, TextWidthsCountCharacters) {
+    EXPECT_EQ(svg_text_width("", 10.0), 0.0);
+    EXPECT_DOUBLE_EQ(svg_text_width("wall", 10.0), 4 * 6.2);
+    EXPECT_DOUBLE_EQ(svg_text_width("M\u00fcll", 10.0), 4 * 6.2);
+    EXPECT_DOUBLE_EQ(svg_text_width("\u5ef3\U0001f50a", 10.0), 2 * 10.0);
+}
+
 TEST(SvgPicture, IsADocumentOfOneElementPerLine) {
     SvgPicture picture(200.0, 100.0, 12.0, "a & b");
     picture.line({0.0, 1.25}, {10.04, -0.01}, "red");

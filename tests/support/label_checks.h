@@ -101,9 +101,9 @@ inline testing::AssertionResult boxes_clear_drawing(const visibility::LabelLayou
             const visibility::Label& label = *layout.labels[i];
             const double near = label.box.y - options.box_height / 2.0 - options.margin + 1e-9;
             const double far = label.box.y + options.box_height / 2.0 + options.margin - 1e-9;
-            const bool is_beside = row + 1.0 > near && row < far;
+            const bool is_level = row + 1.0 > near && row < far;
             const double gap = label.is_left ? column - label.box.x : label.box.x - (column + 1.0);
-            if (is_beside && gap < options.margin - 1e-9) {
+            if (is_level && gap < options.margin - 1e-9) {
                 return testing::AssertionFailure()
                        << "box " << i << " is " << gap << " from pixel " << column << ", " << row;
             }
