@@ -7,9 +7,8 @@
 
 namespace earshot::scenes {
 
-/// An isometric drawing as SVG: the edges of all faces that look towards the viewer, as far as no
-/// other such face hides them, so that a room is seen into through its near walls and its ceiling.
-/// Sources are red dots, listeners blue ones. What moves is shown at the middle of its key frames.
+/// An isometric drawing as SVG, io::ScenePictures, with the sources, the listeners and the first
+/// reflectors of the scene. What moves is shown at the middle of its key frames.
 std::string draw_picture(const SceneDraft& draft);
 
 }  // namespace earshot::scenes
