@@ -61,6 +61,12 @@ public:
         app()
             .add_option("-o,--output", directory_, "folder for the results; created if missing")
             ->required();
+        app()
+            .add_option("--plan",
+                        plan_,
+                        "also draw a plan with labels of sources, listeners and the surfaces that "
+                        "reflect first; .svg")
+            ->type_name("FILE");
         emitters_.add_to(app());
         materials_.add_to(app());
         add_tracing_options();
@@ -77,6 +83,9 @@ public:
         const std::vector<double> instants = scene_.times(app());
         const std::size_t rays = ray_count();
         propagation::ResponseFormat format = response_format();
+        if (!plan_.empty() && !plan_.ends_with(".svg")) {
+            throw wrong_usage(app(), "--plan", "'" + plan_ + "' does not end in .svg");
+        }
         override_simd_target(common().simd);
 
         io::LoadedScene loaded = scene_.load();
@@ -93,6 +102,7 @@ public:
                                  .format = std::move(format),
                                  .write_sofa = writes_sofa_,
                                  .write_histograms = writes_histograms_,
+                                 .plan = plan_,
                                  .check_visibility = checks_visibility_,
                                  .times = instants,
                                  .is_sequence = scene_.is_sequence(),
@@ -343,7 +353,7 @@ private:
     }
 
     SceneChoice scene_;
-    std::string directory_, mode_ = "complete", bands_ = "octave";
+    std::string directory_, plan_, mode_ = "complete", bands_ = "octave";
     std::string format_ = "mono", hrtf_file_;
     EmitterOptions emitters_;
     MaterialOptions materials_;

@@ -7,6 +7,7 @@
 #include "earshot/io/metrics.h"
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
+#include "earshot/io/scene_picture.h"
 #include "earshot/io/whole_file.h"
 #include "earshot/propagation/decay_notes.h"
 #include "earshot/propagation/plausibility.h"
@@ -60,6 +61,9 @@ public:
         summary_.notes = simulator.warnings(executor_);
         progress_.report("preparing", 1, 1);
         make_directory(job_.directory);  // before the long work, but not for a scene without sense
+        if (!job_.plan.empty()) {
+            io::require_writable(plan_of(0));
+        }
         for (std::size_t frame = 0; frame < job_.times.size(); ++frame) {
             simulator.set_time(job_.times[frame], executor_);
             const double prepare_seconds = seconds_since(start);
@@ -96,6 +100,7 @@ public:
         }
         summary_.prepare_seconds += describe_geometry(simulator);
         write_tables();
+        write_plans();
         summary_.response_seconds += seconds_since(start);
         return std::move(summary_);
     }
@@ -236,6 +241,24 @@ private:
         if (job_.write_sofa) {
             write("responses.sofa",
                   io::encode_room_responses(job_.scene.name, job_.format.channels, measurements_));
+        }
+    }
+
+    std::filesystem::path plan_of(std::size_t frame) const {
+        std::filesystem::path name = job_.plan.stem();
+        name += job_.is_sequence ? frame_suffix(frame) : "";
+        name += job_.plan.extension();
+        return job_.plan.parent_path() / name;
+    }
+
+    void write_plans() {
+        if (job_.plan.empty()) {
+            return;
+        }
+        io::ScenePictures pictures(job_.scene, job_.times, all_pairs_, {}, executor_);
+        for (std::size_t frame = 0; frame < job_.times.size(); ++frame) {
+            summary_.files.push_back(plan_of(frame));
+            io::write_whole_file(summary_.files.back(), pictures.draw(frame, executor_).svg);
         }
     }
 

@@ -19,6 +19,9 @@ struct ResponseJob {
     propagation::ResponseFormat format;
     bool write_sofa = false;        ///< responses.sofa besides
     bool write_histograms = false;  ///< histograms.json besides
+    /// Plans of the scene with labels besides, one per time, of a sequence with the number of the
+    /// time before the suffix; empty: none.
+    std::filesystem::path plan{};
     /// Also count the paths that simulation.visible_sets cost; takes a complete search.
     bool check_visibility = false;
     std::vector<double> times{0.0};  ///< seconds
@@ -48,8 +51,8 @@ struct ResponseSummary {
 };
 
 /// Simulates, writes SOURCE__LISTENER.wav per pair (and time), paths.json and metrics.json,
-/// if ResponseFormat::report_metrics, and responses.sofa if asked. Throws Error; every file that
-/// exists afterwards is whole.
+/// if ResponseFormat::report_metrics, and responses.sofa and plans if asked. Throws Error; every
+/// file that exists afterwards is whole.
 ResponseSummary run_response_job(const ResponseJob& job, Executor& executor, Progress& progress);
 
 }  // namespace earshot::cli
