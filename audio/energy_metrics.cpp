@@ -17,28 +17,6 @@ namespace {
 
 constexpr double kNoFilterHz = 1e9;  // bandwidth of energies: no filter rings
 
-// Nothing if an octave is silent.
-std::optional<SpeechCourse> speech_of(const Bands& bands,
-                                      const EnergyCourse& course,
-                                      const std::optional<SpeechConditions>& conditions) {
-    std::vector<std::vector<double>> octaves;
-    for (std::size_t octave = 0; octave < kSpeechBands; ++octave) {
-        const OctaveBands parts = bands_of_speech_octave(bands, octave);
-        std::vector<double>& energy = octaves.emplace_back(course.energy[parts.first].size());
-        for (std::size_t i = 0; i < parts.count; ++i) {
-            for (std::size_t n = 0; n < energy.size(); ++n) {
-                energy[n] += course.energy[parts.first + i][n] / static_cast<double>(parts.count);
-            }
-        }
-    }
-    SpeechCourse speech = {.octaves = modulation_sums(octaves, course.sample_rate),
-                           .conditions = conditions};
-    const bool complete = std::all_of(speech.octaves.begin(),
-                                      speech.octaves.end(),
-                                      [](const ModulationSums& sums) { return sums.energy > 0.0; });
-    return complete ? std::optional(speech) : std::nullopt;
-}
-
 double index_of(const SpeechCourse& speech) {
     SpeechSpectrum energy{};
     for (std::size_t octave = 0; octave < kSpeechBands; ++octave) {
@@ -144,7 +122,7 @@ RoomMetrics energy_metrics(const Bands& bands,
 
     std::optional<SpeechCourse> speech;
     if (!reader.note_early_ends()) {
-        speech = speech_of(bands, course, options.speech);
+        speech = speech_course(bands, course, options.speech);
         if (speech) {
             metrics.speech_transmission_index = index_of(*speech);
         } else {

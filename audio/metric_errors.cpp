@@ -333,13 +333,6 @@ std::optional<double> error_of(const std::optional<double>& value,
 
 }  // namespace
 
-OctaveBands bands_of_speech_octave(const Bands& bands, std::size_t octave) {
-    constexpr std::size_t kFirstSpeechThird = 7;  // 100 Hz
-    return bands.count() == Bands::octaves().count()
-               ? OctaveBands{kFirstSpeechOctave + octave, 1}
-               : OctaveBands{kFirstSpeechThird + 3 * octave, 3};
-}
-
 MetricValues metric_errors(const Bands& bands,
                            const MetricValues& values,
                            const EnergyCourse& course,

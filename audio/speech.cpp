@@ -5,6 +5,7 @@
 #include "earshot/audio/internal/modulation.h"
 #include "earshot/audio/internal/modulation_kernel.h"
 #include "earshot/audio/internal/noise_floor.h"
+#include "earshot/audio/internal/speech_model.h"
 #include "earshot/audio/speech_levels.h"
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
@@ -19,20 +20,9 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586;
 
-// IEC 60268-16:2011, tables A.1 and A.3.
-constexpr SpeechSpectrum kWeight = {0.085, 0.127, 0.230, 0.233, 0.309, 0.224, 0.173};
-constexpr std::array<double, kSpeechBands - 1> kRedundancy = {
-    0.085, 0.078, 0.065, 0.011, 0.047, 0.095};
-constexpr SpeechSpectrum kThresholdDb = {46.0, 27.0, 12.0, 6.5, 7.5, 8.0, 12.0};
-constexpr double kMaxRatioDb = 15.0;
-
 /// Energies over so short a time that the fastest modulation hardly changes in it: it is reduced by
 /// less than 2e-5.
 constexpr double kStep = 2.5e-4;  // seconds
-
-std::size_t samples_per_step(double sample_rate) {
-    return static_cast<std::size_t>(std::max(1.0, std::floor(kStep * sample_rate)));
-}
 
 std::vector<double> energy_per_step(std::span<const double> squared, double sample_rate) {
     const std::size_t length = samples_per_step(sample_rate);
@@ -99,11 +89,8 @@ std::size_t size_before_noise(std::span<const double> squared,
     return floor.energy > 0.0 ? floor.cross_point : squared.size();
 }
 
-double intensity(double level_db) {
-    return math::pow10(level_db / 10.0);
-}
+}  // namespace
 
-/// How far below an octave's level the masking of the next octave lies (table A.2).
 double masking_db(double level_db) {
     if (level_db < 63.0) {
         return 0.5 * level_db - 65.0;
@@ -114,7 +101,6 @@ double masking_db(double level_db) {
     return level_db < 100.0 ? 0.5 * level_db - 59.8 : -10.0;
 }
 
-/// What noise, masking and the threshold of hearing leave of any modulation in an octave.
 double level_factor(const SpeechLevels& levels, std::size_t band) {
     const auto total = [&](std::size_t k) {
         return intensity(levels.speech_db[k]) + intensity(levels.noise_db[k]);
@@ -136,7 +122,9 @@ double transmission_index(double modulation) {
     return (std::clamp(ratio_db, -kMaxRatioDb, kMaxRatioDb) + kMaxRatioDb) / (2.0 * kMaxRatioDb);
 }
 
-}  // namespace
+std::size_t samples_per_step(double sample_rate) {
+    return static_cast<std::size_t>(std::max(1.0, std::floor(kStep * sample_rate)));
+}
 
 std::array<ModulationSums, kSpeechBands> modulation_sums(
     std::span<const std::vector<double>> squared, double sample_rate) {

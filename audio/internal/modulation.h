@@ -24,6 +24,9 @@ struct ModulationSums {
     std::array<double, kModulationHz.size()> in_quadrature{};
 };
 
+/// Samples of which modulation_sums() adds the energies up before it looks at their modulation.
+std::size_t samples_per_step(double sample_rate);
+
 /// Of each octave's energy per sample.
 std::array<ModulationSums, kSpeechBands> modulation_sums(
     std::span<const std::vector<double>> squared, double sample_rate);
