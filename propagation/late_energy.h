@@ -6,6 +6,7 @@
 #include "earshot/propagation/air.h"
 #include "earshot/propagation/directivity.h"
 #include "earshot/propagation/late_errors.h"
+#include "earshot/propagation/late_materials.h"
 #include "earshot/propagation/material.h"
 #include "earshot/propagation/pose.h"
 
@@ -62,6 +63,7 @@ struct RayOptions {
     /// other.
     double rain_radius = std::numeric_limits<double>::infinity();
     bool report_directions = false;  ///< the histograms hold EnergyHistogram::directions
+    bool report_materials = false;   ///< LateSound::materials is filled
 };
 
 /// Where the energy that left the source went, per band: emitted + roulette_surplus = absorbed +
@@ -81,6 +83,7 @@ struct LateSound {
     /// Batches of rays, in groups of equally many successive ones. Empty with fewer than four
     /// batches; with more than 64, some of the last may be in no group.
     audio::HistogramReplicates replicates{};
+    LateMaterials materials{};    ///< empty unless RayOptions::report_materials
     double visible_volume = 0.0;  ///< of the source, cubic metres; see LateEnergy
 };
 
@@ -95,7 +98,8 @@ struct LateEnergy {
     std::vector<audio::EnergyHistogram> listeners;       ///< one each, see LateSound
     std::vector<LateErrors> errors;                      ///< likewise
     std::vector<audio::HistogramReplicates> replicates;  ///< likewise
-    EnergyBalance balance;                               ///< without the air
+    std::vector<LateMaterials> materials;  ///< likewise; empty unless RayOptions::report_materials
+    EnergyBalance balance;                 ///< without the air
     /// Volume that is visible from the source, cubic metres: that of the cones of its rays up to
     /// their first surface, without those that hit none.
     double visible_volume = 0.0;

@@ -105,7 +105,12 @@ public:
           is_active_(listeners, 1),
           end_(listeners, 0) {
         for (std::size_t k = 0; k < listeners; ++k) {
-            sums_.emplace_back(options, air_loss_, k, tracer.bins(), tracer.direction_intervals());
+            sums_.emplace_back(options,
+                               air_loss_,
+                               k,
+                               tracer.bins(),
+                               tracer.direction_intervals(),
+                               tracer.reported_materials());
         }
     }
 
@@ -143,6 +148,9 @@ public:
         LateSound result{.histogram = sums_[k].histogram(),
                          .errors = sums_[k].errors(),
                          .replicates = sums_[k].replicates()};
+        if (options_.report_materials) {
+            result.materials = sums_[k].materials();
+        }
         // Images of a room of volume V lie one to each V (Kuttruff 2009, section 4.2).
         const double volume = visible_volume_ / volume_rays_;
         result.visible_volume = volume;
@@ -217,6 +225,7 @@ double late_length(const RayScene& scene,
     RayOptions few = options;
     few.rays = std::min<std::size_t>(options.rays, 512);
     few.max_error = 0.0;
+    few.report_materials = false;
     few.bin = kMaxLength;
     few.length = kMinLength;
     check(few);
@@ -269,10 +278,14 @@ LateEnergy trace_late_rays(const RayScene& scene,
     result.listeners.resize(listeners.size());
     result.errors.resize(listeners.size());
     result.replicates.resize(listeners.size());
+    result.materials.resize(options.report_materials ? listeners.size() : 0);
     const auto keep = [&](std::size_t k, LateSound&& sound) {
         result.listeners[k] = std::move(sound.histogram);
         result.errors[k] = sound.errors;
         result.replicates[k] = std::move(sound.replicates);
+        if (options.report_materials) {
+            result.materials[k] = std::move(sound.materials);
+        }
     };
     const LateTotals totals =
         visit_late_sound(scene, source, listeners, keep, options, executor, progress);

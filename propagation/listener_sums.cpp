@@ -50,7 +50,8 @@ ListenerSums::ListenerSums(const RayOptions& options,
                            std::span<const double> air_loss,
                            std::size_t listener,
                            std::size_t bins,
-                           std::size_t direction_intervals)
+                           std::size_t direction_intervals,
+                           std::size_t materials)
     : options_(options),
       listener_(listener),
       bins_(bins),
@@ -58,7 +59,8 @@ ListenerSums::ListenerSums(const RayOptions& options,
       air_loss_(air_loss),
       energy_(bins * options.bands.count()),
       squares_(bins * options.bands.count()),
-      replicates_(bins, options.bin, options.bands.count()) {
+      replicates_(bins, options.bin, options.bands.count()),
+      materials_(options, listener, bins, materials) {
     if (options.report_directions) {
         directions_.resize(direction_intervals * audio::kDirectionParts * options.bands.count());
     }
@@ -74,6 +76,7 @@ void ListenerSums::add(const BatchResult& batch, std::size_t rays) {
         squares_[i] += weight * (energy[i] * energy[i]);
     }
     replicates_.add({energy, energy_.size()}, air_loss_, weight);
+    materials_.add(batch, weight);
     const double* directions = batch.directions.data() + listener_ * directions_.size();
     for (std::size_t i = 0; i < directions_.size(); ++i) {
         directions_[i] += weight * directions[i];

@@ -287,8 +287,10 @@ std::uint32_t NearField::Builder::factor_of(const Reflections& reflections) {
     if (is_new) {
         audio::Spectrum factor;
         factor.fill(1.0);
+        std::vector<std::uint32_t>& materials = field_.factor_materials_.emplace_back();
         for (const std::size_t plane : reflections) {
             const Patch& patch = field_.patches_[patches_of_plane_[plane].front()];
+            materials.push_back(material_of_triangle_[patch.triangle]);
             const audio::Spectrum& specular = surface_of(patch.triangle).specular;
             for (std::size_t band = 0; band < factor.size(); ++band) {
                 factor[band] *= specular[band];

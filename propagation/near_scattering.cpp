@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <numeric>
 #include <optional>
@@ -29,6 +30,8 @@ struct SpecularRay {
     TriangleId origin_triangle = 0;
     double travelled = 0.0;
     Spectrum energy{};  // re the start
+    std::array<std::uint32_t, kMaxNearReflections + 1> materials{};
+    std::size_t reflections = 0;
 };
 
 /// One of the places of a ray, each chosen with the probability of its share of the scattered
@@ -55,7 +58,9 @@ void add_place(const geometry::Hit& hit,
                         .ray = ray.ray,
                         .hit = hit,
                         .travelled = ray.travelled,
-                        .energy = ray.energy};
+                        .energy = ray.energy,
+                        .reflections = ray.reflections};
+        std::copy_n(ray.materials.begin(), ray.reflections, choice.place.materials.begin());
     }
     for (std::size_t band = 0; band < ray.energy.size(); ++band) {
         ray.energy[band] *= surface.specular[band];
@@ -127,6 +132,7 @@ std::vector<NearScattering> RayTracer::find_near_scattering(const Vec3& from,
                       ray,
                       choices[ray.start]);
             if (*std::max_element(ray.energy.begin(), ray.energy.end()) > 0.0) {
+                ray.materials[ray.reflections++] = triangle_surfaces_[hits[i]->triangle].front / 2;
                 reflect(*hits[i],
                         triangle_surfaces_[hits[i]->triangle].normal,
                         self_intersection_offset_,

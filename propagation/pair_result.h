@@ -6,6 +6,7 @@
 #include "earshot/audio/impulse_response.h"
 #include "earshot/geometry/types.h"
 #include "earshot/propagation/late_errors.h"
+#include "earshot/propagation/late_materials.h"
 
 #include <cstdint>
 #include <string_view>
@@ -28,6 +29,8 @@ struct Path {
     std::vector<geometry::TriangleId>
         triangles{};                         ///< of the scene in file order, one per interaction
     std::vector<std::uint32_t> materials{};  ///< index into Scene::materials, one per interaction
+    /// 1 for each interaction that transmits; empty if none does.
+    std::vector<std::uint8_t> transmitted{};
     /// Linear amplitude per band, spreading, air and the source's directivity included; negative in
     /// every band where the source radiates with the other sign.
     audio::Spectrum pressure{};
@@ -50,7 +53,8 @@ struct PairResult {
     audio::EnergyHistogram late{};
     LateErrors late_errors{};                      ///< of that
     audio::HistogramReplicates late_replicates{};  ///< of `late`; empty without rays
-    double visible_volume = 0.0;                   ///< of the source, cubic metres; see LateEnergy
+    LateMaterials late_materials{};  ///< of `late`; empty unless Options::report_materials
+    double visible_volume = 0.0;     ///< of the source, cubic metres; see LateEnergy
 };
 
 /// The arrivals of a pair's paths, in their order; PairResult::arrivals where there are no paths.

@@ -49,6 +49,7 @@ void RayBatch<kBands>::emit(std::uint64_t id, const Vec3& direction) {
     rays_.push_back({source.pose.position, direction});
     origin_triangles_.push_back(0);
     paths_.push_back({.id = id});
+    reflections_.resize(reflections_.size() + materials_);
     Energies& energy = energies_.emplace_back();
     for (std::size_t band = 0; band < kBands; ++band) {
         energy[band] = start_energy_ * (pressure[band] * pressure[band]);
@@ -59,6 +60,7 @@ void RayBatch<kBands>::emit(std::uint64_t id, const Vec3& direction) {
 template <std::size_t kBands>
 void RayBatch<kBands>::scatter_near(std::span<const NearScattering> places, double energy) {
     secondary_sources_.resize(std::max(secondary_sources_.size(), places.size()));
+    rain_reflections_.resize(secondary_sources_.size() * materials_);
     secondary_source_count_ = 0;
     const RandomStream random(options_.seed, kDirectionStream);
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -81,7 +83,16 @@ void RayBatch<kBands>::scatter_near(std::span<const NearScattering> places, doub
         for (std::size_t band = 0; band < kBands; ++band) {
             energies[band] = energy * place.energy[band];
         }
+        const std::uint32_t material = triangle.front / 2;
+        reflections_.resize(reflections_.size() + materials_);
+        for (std::size_t k = 0; k < place.reflections && materials_ > 0; ++k) {
+            ++reflections_of(i)[place.materials[k]];
+        }
         add_secondary_source(point, path, std::abs(along), surface, 1.0, energies);
+        set_rain_reflections(i, material);
+        if (materials_ > 0) {
+            ++reflections_of(i)[material];
+        }
         for (std::size_t band = 0; band < kBands; ++band) {
             energies[band] *= surface.scattered[band];
         }
@@ -106,6 +117,7 @@ template <std::size_t kBands>
 void RayBatch<kBands>::advance(std::uint64_t bounce) {
     find_hits(bounce);
     secondary_sources_.resize(std::max(secondary_sources_.size(), rays_.size()));
+    rain_reflections_.resize(secondary_sources_.size() * materials_);
     secondary_source_count_ = 0;
     const RandomStreams random = {
         .branch = {options_.seed, kStreams * bounce + 1},
@@ -134,6 +146,7 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
                 origin_triangles_[kept] = origin_triangles_[i];
                 paths_[kept] = paths_[i];
                 energies_[kept] = energies_[i];
+                std::copy_n(reflections_of(i), materials_, reflections_of(kept));
             }
             ++kept;
         }
@@ -143,6 +156,7 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
     origin_triangles_.resize(kept);
     paths_.resize(kept);
     energies_.resize(kept);
+    reflections_.resize(kept * materials_);
 }
 
 /// The branching probabilities, from the sums over all bands. Rain is cast with the square root of
@@ -185,6 +199,10 @@ bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     Energies& energy = energies_[i];
     const double along = glm::dot(triangle.normal, ray.direction);
     const RaySurface& surface = surfaces_[triangle.front + (along > 0.0 ? 1 : 0)];
+    const std::uint32_t material = triangle.front / 2;
+    if (materials_ > 0 && !reversed_) {
+        record_absorption(material, path.travelled + hit.t, surface, energy);
+    }
     const Probabilities probabilities = probabilities_at(surface, energy);
     if (probabilities.specular + probabilities.scattered + probabilities.transmitted == 0.0) {
         add(1.0, energy, balance_.absorbed.data());
@@ -205,10 +223,14 @@ bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     if (number < probabilities.rain) {
         add_secondary_source(
             point, path, std::abs(along), surface, 1.0 / probabilities.rain, energy);
+        set_rain_reflections(i, material);
     }
     path.recorded_by_rain = number < probabilities.scattered;
     const bool passes =
         !path.recorded_by_rain && number < probabilities.scattered + probabilities.transmitted;
+    if (materials_ > 0 && !passes) {
+        ++reflections_of(i)[material];
+    }
     if (path.recorded_by_rain) {
         attenuate(surface, surface.scattered, probabilities.scattered, energy);
         scatter(i, point, std::abs(along), random.direction.bits(path.id));
@@ -388,6 +410,9 @@ BatchResult RayTracer::trace(std::uint64_t index,
     if (options_.report_directions) {
         result.directions.assign(
             receivers_.size() * direction_intervals() * audio::kDirectionParts * bands_, 0.0);
+    }
+    if (options_.report_materials) {
+        result.materials = empty_materials();
     }
     const std::uint64_t first_id = index * kMaxBatchRays;
     const glm::dmat3 rotation = random_rotation(options_.seed, 0, index);

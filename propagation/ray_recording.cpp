@@ -118,7 +118,8 @@ void RayBatch<kBands>::record_chords(const RandomStream& trials) {
                    chord.travelled,
                    chord.towards,
                    energies_[chord.ray],
-                   chord.share * image_weight(chord, trials));
+                   chord.share * image_weight(chord, trials),
+                   reflections_of(chord.ray));
         }
     }
 }
@@ -187,12 +188,20 @@ void RayBatch<kBands>::record_near_field(std::size_t i,
         // A plane wave in the direction of the ray reaches the point seen by so much later.
         const double later = glm::dot(rays_[i].direction, near.point - hit_point);
         const Vec3 towards = near.image - receivers_[0].position;
+        if (materials_ > 0) {
+            near_reflections_.assign(reflections_of(i), reflections_of(i) + materials_);
+            ++near_reflections_[tracer_.triangle_surfaces_[hits_[i]->triangle].front / 2];
+            for (const std::uint32_t material : field.reflection_materials(near.reflections)) {
+                ++near_reflections_[material];
+            }
+        }
         record(0,
                paths_[i].id,
                paths_[i].travelled + later + glm::length(towards),
                towards,
                scattered,
-               near.weight);
+               near.weight,
+               near_reflections_.data());
     }
 }
 
@@ -202,16 +211,17 @@ void RayBatch<kBands>::record(std::size_t receiver,
                               double travelled,
                               const Vec3& towards,
                               const Energies& energy,
-                              double share) {
+                              double share,
+                              const std::uint32_t* reflections) {
     if (!reversed_) {
-        record_at_listener(receiver, travelled, towards, energy, share);
+        record_at_listener(receiver, travelled, towards, energy, share, reflections);
         return;
     }
     // Sound leaves the source where the reversed ray arrives, and arrives where that one started.
     const Vec3& direction = reversed_->directions[id - reversed_->first_id];
     const RaySource& source = tracer_.source_;
     if (source.directivity.is_omnidirectional()) {
-        record_at_listener(reversed_->listener, travelled, direction, energy, share);
+        record_at_listener(reversed_->listener, travelled, direction, energy, share, reflections);
         return;
     }
     const audio::Spectrum pressure =
@@ -220,7 +230,7 @@ void RayBatch<kBands>::record(std::size_t receiver,
     for (std::size_t band = 0; band < kBands; ++band) {
         emitted[band] = energy[band] * (pressure[band] * pressure[band]);
     }
-    record_at_listener(reversed_->listener, travelled, direction, emitted, share);
+    record_at_listener(reversed_->listener, travelled, direction, emitted, share, reflections);
 }
 
 template <std::size_t kBands>
@@ -228,13 +238,17 @@ void RayBatch<kBands>::record_at_listener(std::size_t listener,
                                           double travelled,
                                           const Vec3& towards,
                                           const Energies& energy,
-                                          double share) {
+                                          double share,
+                                          const std::uint32_t* reflections) {
     const double position = travelled * tracer_.bins_per_metre_;
     if (!(position < static_cast<double>(tracer_.bins_))) {
         return;
     }
     const auto bin = static_cast<std::size_t>(std::max(0.0, position));
     add(share, energy, result_.energy.data() + (listener * tracer_.bins_ + bin) * kBands);
+    if (materials_ > 0) {
+        record_materials(listener, bin, energy, share, reflections);
+    }
     if (result_.directions.empty()) {
         return;
     }
@@ -313,7 +327,8 @@ void RayBatch<kBands>::cast_diffuse_rain(const RandomStream& random) {
                -to_receiver,
                secondary.energy,
                rain_[j].weight * glm::dot(to_receiver, secondary.point.normal) /
-                   (math::kPi * squared * distance));
+                   (math::kPi * squared * distance),
+               rain_reflections_.data() + rain_[j].source * materials_);
     }
 }
 

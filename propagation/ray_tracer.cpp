@@ -108,6 +108,9 @@ void RayTracer::set_length() {
     bins_per_metre_ = 1.0 / (speed_of_sound(options_.air) * options_.bin);
     bins_ = static_cast<std::size_t>(std::ceil(options_.length / options_.bin));
     limit_roulette();
+    if (options_.report_materials) {
+        describe_intervals();
+    }
 }
 
 // Sound after a scattering comes from many places: its energy density varies less from place to

@@ -6,10 +6,7 @@
 #include <utility>
 
 namespace earshot::propagation {
-namespace {
 
-/// Intervals of about 4 ms, as fine as a decay or the limit of an early time need, up to 0.4 s;
-/// then ever longer, as a decay that lasts so long is slow.
 std::vector<std::size_t> coarse_intervals(std::size_t bins, double bin) {
     constexpr double kShortest = 0.004, kEqualUntil = 0.4;  // seconds
     constexpr double kGrowth = 1.03;
@@ -27,8 +24,6 @@ std::vector<std::size_t> coarse_intervals(std::size_t bins, double bin) {
     }
     return first_bin;
 }
-
-}  // namespace
 
 ReplicateSums::ReplicateSums(std::size_t bins, double bin, std::size_t bands)
     : bands_(bands), first_bin_(coarse_intervals(bins, bin)) {}

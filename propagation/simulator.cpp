@@ -149,7 +149,8 @@ RayOptions Simulator::State::ray_options(const RaySource& source, Executor& exec
                        .air_absorption = options.air_absorption,
                        .transmission = options.transmission,
                        .rain_radius = options.rain_radius,
-                       .report_directions = options.late_directions};
+                       .report_directions = options.late_directions,
+                       .report_materials = options.report_materials};
     constexpr double kDecades = 6.5;  // that late_length() holds
     const double decay_length = late_length(geometry.ray_scene(), source, rays, executor);
     rays.length = options.late_length > 0.0 ? options.late_length : decay_length;
@@ -194,6 +195,7 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular,
             path.pressure[band] *= air_pressures[band];
         }
     }
+    path.transmitted = specular.transmitted;
     path.triangles.reserve(specular.triangles.size());
     path.materials.reserve(specular.triangles.size());
     for (std::size_t i = 0; i < specular.triangles.size(); ++i) {
@@ -468,6 +470,7 @@ void Simulator::State::add_late_sound(const RaySource& sender,
                 pair.late = std::move(late.histogram);
                 pair.late.full_decay = options.late_length == 0.0;
                 pair.late_replicates = std::move(late.replicates);
+                pair.late_materials = std::move(late.materials);
             }
             visit(std::move(pair));
         };

@@ -48,6 +48,9 @@ struct Options {
     double rain_radius = std::numeric_limits<double>::infinity();
     double late_length = 0.0;  ///< seconds; 0: as long as the decay, see propagation::late_length
     bool late_directions = false;  ///< tell where late sound comes from
+    /// Tell which materials late sound has met (PairResult::late_materials), for
+    /// pair_sensitivity(). Costs time and memory and changes no other result.
+    bool report_materials = false;
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
     /// does not. Costs memory and changes no result.
     bool keep_traces = false;

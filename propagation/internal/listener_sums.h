@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/audio/energy_histogram.h"
+#include "earshot/propagation/internal/material_sums.h"
 #include "earshot/propagation/internal/ray_tracer.h"
 #include "earshot/propagation/internal/replicate_sums.h"
 
@@ -19,14 +20,15 @@ std::vector<double> air_losses(const RayOptions& options, std::size_t bins);
 /// one experiment, so their spread tells the standard errors.
 class ListenerSums {
 public:
-    /// `bins` and `direction_intervals` as in the results, in which the listener has number
-    /// `listener`. `air_loss`: air_losses(), which all listeners share; it and the options must
-    /// outlive the sums.
+    /// `bins`, `direction_intervals` and the reported `materials` as in the results, in which the
+    /// listener has number `listener`. `air_loss`: air_losses(), which all listeners share; it and
+    /// the options must outlive the sums.
     ListenerSums(const RayOptions& options,
                  std::span<const double> air_loss,
                  std::size_t listener,
                  std::size_t bins,
-                 std::size_t direction_intervals);
+                 std::size_t direction_intervals,
+                 std::size_t materials);
 
     void add(const BatchResult& batch, std::size_t rays);
 
@@ -36,6 +38,8 @@ public:
     /// Of 500 Hz and 1 kHz, the larger error; of the late sound alone.
     LateErrors errors() const;
     audio::HistogramReplicates replicates() const { return replicates_.replicates(); }
+    /// Precondition: materials are reported.
+    LateMaterials materials() const { return materials_.result(); }
 
 private:
     LateErrors errors_of(std::size_t band) const;
@@ -51,6 +55,7 @@ private:
     double rays_ = 0.0;
     std::size_t batches_ = 0;
     ReplicateSums replicates_;  // air included
+    MaterialSums materials_;
 };
 
 }  // namespace earshot::propagation

@@ -54,6 +54,10 @@ public:
     const audio::Spectrum& reflection_factor(std::uint32_t reflections) const noexcept {
         return factors_[reflections];
     }
+    /// Materials of those reflections, as often as each reflects.
+    std::span<const std::uint32_t> reflection_materials(std::uint32_t reflections) const noexcept {
+        return factor_materials_[reflections];
+    }
 
 private:
     class Builder;
@@ -77,6 +81,7 @@ private:
     std::vector<std::uint32_t> first_of_cell_;  // into contributions_; one more than cells
     std::vector<NearContribution> contributions_;
     std::vector<audio::Spectrum> factors_;
+    std::vector<std::vector<std::uint32_t>> factor_materials_;  // of each
 };
 
 }  // namespace earshot::propagation

@@ -40,6 +40,7 @@ public:
           receivers_(tracer.receivers_),
           active_(active),
           start_energy_(start_energy),
+          materials_(tracer.reported_materials()),
           result_(result),
           balance_(result.balance) {}
     /// Reversed rays, which go on from their first scattering with about the energy
@@ -56,6 +57,7 @@ public:
           receivers_(&tracer.source_receiver_, 1),
           reversed_(&reversed),
           start_energy_(start_energy),
+          materials_(tracer.reported_materials()),
           result_(result),
           balance_(balance) {}
 
@@ -159,12 +161,32 @@ private:
                 double travelled,
                 const geometry::Vec3& towards,
                 const Energies& energy,
-                double share);
+                double share,
+                const std::uint32_t* reflections);
     void record_at_listener(std::size_t listener,
                             double travelled,
                             const geometry::Vec3& towards,
                             const Energies& energy,
-                            double share);
+                            double share,
+                            const std::uint32_t* reflections);
+    void record_materials(std::size_t listener,
+                          std::size_t bin,
+                          const Energies& energy,
+                          double share,
+                          const std::uint32_t* reflections);
+    void record_absorption(std::size_t material,
+                           double travelled,
+                           const RaySurface& surface,
+                           const Energies& energy);
+    /// Of a ray, per material; of no use where nobody asked.
+    std::uint32_t* reflections_of(std::size_t ray) {
+        return reflections_.data() + ray * materials_;
+    }
+    const std::uint32_t* reflections_of(std::size_t ray) const {
+        return reflections_.data() + ray * materials_;
+    }
+    /// The last secondary source has the reflections of a ray, and one by a material.
+    void set_rain_reflections(std::size_t ray, std::uint32_t material);
     static void add(double share, const Energies& energy, double* to) {
         for (std::size_t band = 0; band < kBands; ++band) {
             to[band] += share * energy[band];
@@ -178,7 +200,8 @@ private:
     std::span<const Receiver> receivers_;
     std::span<const std::uint8_t> active_{};  // per receiver
     const ReversedRays* reversed_ = nullptr;
-    double start_energy_;  // of a ray
+    double start_energy_;    // of a ray
+    std::size_t materials_;  // that are reported
     BatchResult& result_;
     EnergyBalance& balance_;
 
@@ -187,11 +210,14 @@ private:
     std::vector<geometry::TriangleId> origin_triangles_;  // the triangle that the ray leaves
     std::vector<Path> paths_;
     std::vector<Energies> energies_;
+    std::vector<std::uint32_t> reflections_;  // per ray and material
 
     std::vector<std::optional<geometry::Hit>> hits_;
     std::vector<Chord> chords_;
     std::vector<SecondarySource> secondary_sources_;  // at least one per ray
     std::size_t secondary_source_count_ = 0;
+    std::vector<std::uint32_t> rain_reflections_;  // per secondary source and material
+    std::vector<std::uint32_t> near_reflections_;  // per material, of one contribution
     std::vector<geometry::Segment> shadow_rays_;
     std::vector<geometry::TriangleId> shadow_ray_origins_;
     std::vector<Rain> rain_;  // per shadow ray

@@ -26,10 +26,22 @@ inline constexpr std::uint64_t kBallStream = kNearScatteringStream + 1;
 inline constexpr std::uint64_t kFirstTrialStream = std::uint64_t{1} << 62;  // one per reflection
 inline constexpr std::uint64_t kFirstRainStream = std::uint64_t{1} << 61;   // likewise
 
+/// What a batch tells of materials, in the intervals of coarse_intervals(); empty where nobody
+/// asked.
+struct BatchMaterials {
+    /// Listener, interval, material, band: energy times its reflections by the material, and energy
+    /// that the material reflected at least once.
+    std::vector<double> reflections, touched;
+    /// Window of LateMaterials::absorbed, material, band: energy that the material absorbs, the
+    /// loss in air before it included.
+    std::vector<double> absorbed;
+};
+
 /// The result of a batch of rays.
 struct BatchResult {
     std::vector<double> energy;      ///< listener after listener, bin after bin, band after band
     std::vector<double> directions;  ///< listener, interval, part, band; empty where nobody asked
+    BatchMaterials materials;
     EnergyBalance balance;
     double visible_volume = 0.0;  ///< of the source, cubic metres
 };
@@ -85,6 +97,9 @@ struct NearScattering {
     double travelled = 0.0;    ///< metres from the listener to the place, along the reflections
     audio::Spectrum energy{};  ///< at the place, re the start
     double share = 0.0;  ///< of the energy at the start that is scattered, in the loudest band
+    /// Of the reflections before the place, as many as that.
+    std::array<std::uint32_t, kMaxNearReflections> materials{};
+    std::size_t reflections = 0;
 };
 
 /// Traces rays of one source through one scene. Only reads what it was given, which must outlive
@@ -102,6 +117,10 @@ public:
 
     std::size_t bins() const noexcept { return bins_; }
     std::size_t direction_intervals() const noexcept;
+    /// Materials that batches report; 0 where nobody asked.
+    std::size_t reported_materials() const noexcept {
+        return options_.report_materials ? scene_.materials.size() : 0;
+    }
 
     /// Batch `index`, which has `rays` rays and the whole energy of the source: a replicate of the
     /// experiment, independent of other batches.
@@ -126,7 +145,10 @@ private:
         const double step = std::min(travelled, max_distance_) * roulette_steps_per_metre_;
         return roulette_thresholds_[static_cast<std::size_t>(step)];
     }
+    std::size_t material_intervals() const noexcept { return interval_of_bin_.back() + 1; }
     void describe_surfaces();
+    void describe_intervals();
+    BatchMaterials empty_materials() const;
     void describe_triangles();
     double scattered_radius() const;
     Receiver describe_receiver(const geometry::Vec3& position) const;
@@ -182,6 +204,9 @@ private:
     /// Russian roulette begins below this share of a ray's first energy, per step of distance.
     std::vector<double> roulette_thresholds_;
     double roulette_steps_per_metre_ = 0.0;
+    // For materials; empty where nobody asked.
+    std::vector<std::size_t> interval_of_bin_;
+    std::vector<double> air_loss_;  // of energy, per bin and band
 };
 
 }  // namespace earshot::propagation

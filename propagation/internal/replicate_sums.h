@@ -9,6 +9,11 @@
 
 namespace earshot::propagation {
 
+/// Coarse intervals of a histogram: the first bin of each, and the number of bins. They last about
+/// 4 ms, as fine as a decay or the limit of an early time need, up to 0.4 s; then ever longer, as a
+/// decay that lasts so long is slow.
+std::vector<std::size_t> coarse_intervals(std::size_t bins, double bin);
+
 /// Sums of the batches of one listener in coarse intervals and in groups of equally many successive
 /// batches: replicates of the experiment. A group has as many batches, a power of two, as it takes
 /// for at most kMaxReplicates complete groups; the batches after the last complete group belong to
