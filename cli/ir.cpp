@@ -44,7 +44,9 @@ constexpr const char* kFooter =
     "  earshot ir scenes/concert_hall.gltf --format binaural --look-at 0,1.5,0 -o out\n"
     "      binaural responses of listeners that face a point\n"
     "  earshot ir scenes/door.gltf --frames 0:2:0.1 -o out\n"
-    "      one response per instant of an animation\n\n"
+    "      one response per instant of an animation\n"
+    "  earshot ir scenes/classroom.gltf --sensitivity -o out\n"
+    "      which surface to treat: what each material's absorption changes\n\n"
     "Binaural responses without --hrtf use measurements of a KEMAR manikin by Bill Gardner and\n"
     "Keith Martin, Copyright 1994 by the MIT Media Laboratory. It is provided free with no\n"
     "restrictions on use, provided the authors are cited when the data is used in any research or\n"
@@ -103,6 +105,7 @@ public:
                                  .write_sofa = writes_sofa_,
                                  .write_histograms = writes_histograms_,
                                  .plan = plan_,
+                                 .write_sensitivity = writes_sensitivity_,
                                  .check_visibility = checks_visibility_,
                                  .times = instants,
                                  .is_sequence = scene_.is_sequence(),
@@ -245,6 +248,11 @@ private:
                        no_metrics_,
                        "write no metrics.json; saves time where there are many pairs");
         speech_.add_to(app(), "1 m in front of the talker");
+        app().add_flag("--sensitivity",
+                       writes_sensitivity_,
+                       "also write which surfaces matter to sensitivity.json: the energy that each "
+                       "material reflects and absorbs before and after 80 ms, and the derivatives "
+                       "of the metrics by its absorption");
     }
 
     propagation::Options simulation_options(std::size_t rays) const {
@@ -262,6 +270,7 @@ private:
             .seed = static_cast<std::uint64_t>(common().seed),
             .late_length = length_,
             .late_directions = format_ != "mono",
+            .report_materials = writes_sensitivity_,
             .keep_traces = scene_.is_sequence(),
             .visible_sets = visible_sets_ ? &*visible_sets_ : nullptr,
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
@@ -360,6 +369,7 @@ private:
     bool raw_hrtf_ = false;
     bool writes_sofa_ = false;
     bool writes_histograms_ = false;
+    bool writes_sensitivity_ = false;
     std::string visibility_file_;
     std::optional<visibility::VisibleSets> visible_sets_;
     bool checks_visibility_ = false;

@@ -8,6 +8,7 @@
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
 #include "earshot/io/scene_picture.h"
+#include "earshot/io/sensitivity.h"
 #include "earshot/io/whole_file.h"
 #include "earshot/propagation/decay_notes.h"
 #include "earshot/propagation/plausibility.h"
@@ -94,6 +95,9 @@ public:
             start = std::chrono::steady_clock::now();
             write_responses(pairs, frame);
             explain_decays(simulator, frame);
+            if (job_.write_sensitivity) {
+                add_sensitivity(pairs);
+            }
             std::move(pairs.begin(), pairs.end(), std::back_inserter(all_pairs_));
             summary_.response_seconds += seconds_since(start);
             start = std::chrono::steady_clock::now();
@@ -221,6 +225,20 @@ private:
         }
     }
 
+    /// Pairs are independent.
+    void add_sensitivity(const std::vector<PairResult>& pairs) {
+        std::vector<propagation::PairSensitivity> found(pairs.size());
+        executor_.for_each(pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                found[i] = propagation::pair_sensitivity(
+                    job_.scene,
+                    pairs[i],
+                    {.bands = job_.simulation.bands, .speech = job_.format.speech});
+            }
+        });
+        std::move(found.begin(), found.end(), std::back_inserter(summary_.sensitivity));
+    }
+
     void write_tables() {
         const io::ResultHeader header = {
             .scene = job_.scene,
@@ -237,6 +255,14 @@ private:
         }
         if (job_.write_histograms) {
             write("histograms.json", io::encode_histograms(header, all_pairs_));
+        }
+        if (job_.write_sensitivity) {
+            summary_.material_areas = propagation::material_areas(job_.scene, job_.times.front());
+            write("sensitivity.json",
+                  io::encode_sensitivity({.scene = job_.scene,
+                                          .bands = job_.simulation.bands,
+                                          .areas = summary_.material_areas},
+                                         summary_.sensitivity));
         }
         if (job_.write_sofa) {
             write("responses.sofa",

@@ -4,6 +4,7 @@
 #include "earshot/base/progress.h"
 #include "earshot/propagation/response.h"
 #include "earshot/propagation/room_statistics.h"
+#include "earshot/propagation/sensitivity.h"
 #include "earshot/propagation/simulator.h"
 
 #include <filesystem>
@@ -22,6 +23,8 @@ struct ResponseJob {
     /// Plans of the scene with labels besides, one per time, of a sequence with the number of the
     /// time before the suffix; empty: none.
     std::filesystem::path plan{};
+    /// sensitivity.json besides; needs simulation.report_materials.
+    bool write_sensitivity = false;
     /// Also count the paths that simulation.visible_sets cost; takes a complete search.
     bool check_visibility = false;
     std::vector<double> times{0.0};  ///< seconds
@@ -44,7 +47,10 @@ struct ResponseSummary {
     /// Per pair and time, as files; empty unless ResponseFormat::report_metrics.
     std::vector<propagation::PairMetrics> metrics;
     std::optional<propagation::RoomStatistics> room;  ///< at the first time, with metrics
-    double prepare_seconds = 0.0;                     ///< clean-up, facets and hierarchy
+    /// Per pair and time; empty unless ResponseJob::write_sensitivity.
+    std::vector<propagation::PairSensitivity> sensitivity;
+    std::vector<double> material_areas;  ///< likewise, at the first time, square metres
+    double prepare_seconds = 0.0;        ///< clean-up, facets and hierarchy
     double trace_seconds = 0.0;
     std::vector<double> update_seconds;  ///< preparing and tracing, per time
     double response_seconds = 0.0;       ///< synthesis, metrics and writing

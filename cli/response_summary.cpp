@@ -3,6 +3,7 @@
 
 #include "earshot/cli/output.h"
 #include "earshot/cli/pair_metrics_table.h"
+#include "earshot/cli/sensitivity_table.h"
 #include "earshot/cli/update_summary.h"
 #include "earshot/propagation/plausibility.h"
 
@@ -120,7 +121,7 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
     for (const std::filesystem::path& file : summary.files) {
         text += "  " + file.string() + "\n";
     }
-    return text + pair_metrics_text(job, summary);
+    return text + pair_metrics_text(job, summary) + sensitivity_text(job, summary);
 }
 
 std::string summary_json(const ResponseJob& job, const ResponseSummary& summary) {
@@ -165,6 +166,7 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
     json["hierarchy"]["builds"] =
         summary.hierarchies.triangle_builds + summary.hierarchies.facet_builds;
     json.update(pair_metrics_json(job, summary));
+    json.update(sensitivity_json(job, summary));
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
