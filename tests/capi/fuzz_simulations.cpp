@@ -27,7 +27,11 @@ es_simulation_options options(Caller& c) {
     options.mode = c.choice(2);
     options.transmission = c.flag();
     options.max_length = c.number(0.0, 1e9, {0.0, 30.0});
+    const bool was_wrong = c.wrong;
     options.min_level_db = c.number(-1000.0, 1000.0, {-90.0, -20.0});
+    if (options.min_level_db == -std::numeric_limits<double>::infinity()) {
+        c.wrong = was_wrong;  // no limit
+    }
     options.rays = c.chance(0.03) ? 64 : 0;
     options.rays_error = c.chance(0.9) ? 0.0 : c.number(0.001, 1.0);
     options.temperature_c = c.number(-50.0, 70.0);
