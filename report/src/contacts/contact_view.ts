@@ -10,6 +10,8 @@ import { printed_picture } from "../scene/printed_picture";
 import { on_scheme_change, scheme, style_color } from "../theme";
 import { contacts_at, frame_at } from "./contact_frames";
 
+const dot_pixels = 9;
+
 interface MovingMesh {
     mesh: Mesh<BufferGeometry, MeshLambertMaterial>;
     frames: { time: number; positions: Float32Array }[];
@@ -22,7 +24,7 @@ function decode_frames(data: ContactData): Float32Array[][] {
 export class ContactView {
     readonly viewer: Viewer;
     private readonly meshes: MovingMesh[];
-    private readonly dots = new Points(new BufferGeometry(), new PointsMaterial({ size: 9, sizeAttenuation: false, depthTest: false }));
+    private readonly dots = new Points(new BufferGeometry(), new PointsMaterial({ size: dot_pixels, sizeAttenuation: false, depthTest: false }));
     private readonly normals = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ depthTest: false }));
     private readonly normal_length: number;
 

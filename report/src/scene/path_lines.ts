@@ -13,15 +13,16 @@ import { distance_to_segment, front_at, passed_points } from "./path_motion";
 import type { Viewer } from "./viewer";
 
 const reach_in_pixels = 9;
+const dot_pixels = 9;
 
 function color_of(path: SoundPath): Color {
     return new Color(css(order_color(path.order, scheme())));
 }
 
-/** Round dots of a size in pixels. */
-function dot_material(pixels: number): ShaderMaterial {
+/** Round dots; their size is in pixels of the canvas. */
+function dot_material(): ShaderMaterial {
     return new ShaderMaterial({
-        uniforms: { size: { value: pixels * Math.min(window.devicePixelRatio, 2) } },
+        uniforms: { size: { value: dot_pixels } },
         vertexColors: true,
         depthTest: false,
         transparent: true,
@@ -85,10 +86,11 @@ export class PathLines {
         this.all = new Lines(viewer, 1.6, 0.9, 1);
         this.passed = new Lines(viewer, 2, 1, 2);
         this.chosen = new Lines(viewer, 4.5, 1, 3);
-        this.fronts = new Points(new BufferGeometry(), dot_material(9));
+        this.fronts = new Points(new BufferGeometry(), dot_material());
         this.fronts.renderOrder = 4;
         this.fronts.frustumCulled = false;
         viewer.scene.add(this.fronts);
+        viewer.on_frame(() => (this.fronts.material.uniforms["size"]!.value = dot_pixels * viewer.pixel_ratio));
     }
 
     /** Draws what the reader has chosen. */

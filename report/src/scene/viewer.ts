@@ -5,11 +5,14 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { el } from "../dom";
 import type { Vector } from "../data/schema";
 import { on_scheme_change, scheme, style_color } from "../theme";
+import { pixel_ratios } from "./rendering_speed";
 
 const field_of_view_degrees = 38;
 /** Of the picture's width or height, by the scene at first. */
 const used_share = 0.94;
 const fitting_steps = 4;
+/** Without a change the view is at rest. */
+const rest_milliseconds = 250;
 
 export interface ViewPoint {
     /** From the middle of the scene towards the camera. */
@@ -37,12 +40,15 @@ export class Viewer {
     private readonly corners: Vector3[];
     /** Of the last chosen view point, until the reader turns the view. */
     private direction: Vector | null = null;
+    private readonly ratios = pixel_ratios();
+    private is_dragged = false;
+    private rest_timer: number | undefined;
     private frame_is_asked = false;
     private size = { width: 0, height: 0 };
 
     /** Throws if the browser has no WebGL. */
     constructor(label: string, min: Vector, max: Vector) {
-        this.renderer = new WebGLRenderer({ antialias: true, powerPreference: "low-power" });
+        this.renderer = new WebGLRenderer({ antialias: this.ratios.smooth_edges, powerPreference: "low-power" });
         this.canvas = this.renderer.domElement;
         this.canvas.setAttribute("tabindex", "0");
         this.canvas.setAttribute("role", "img");
@@ -63,8 +69,16 @@ export class Viewer {
         this.canvas.addEventListener("pointerdown", () => (this.orbit.enableZoom = true));
         this.canvas.addEventListener("blur", () => (this.orbit.enableZoom = false));
         this.orbit.addEventListener("change", () => this.ask_frame());
-        this.orbit.addEventListener("start", () => (this.direction = null));
+        this.orbit.addEventListener("start", () => {
+            this.direction = null;
+            this.is_dragged = true;
+        });
+        this.orbit.addEventListener("end", () => {
+            this.is_dragged = false;
+            this.ask_frame();
+        });
         this.canvas.addEventListener("keydown", (event) => this.on_key(event));
+        this.renderer.setPixelRatio(this.ratios.still);
         new ResizeObserver(() => this.fit()).observe(this.element);
         on_scheme_change(() => {
             this.set_background();
@@ -82,8 +96,13 @@ export class Viewer {
     ask_frame(): void {
         if (!this.frame_is_asked) {
             this.frame_is_asked = true;
-            requestAnimationFrame(() => this.draw());
+            requestAnimationFrame(() => this.draw_moving());
         }
+    }
+
+    /** Pixels of the canvas per pixel of the page. */
+    get pixel_ratio(): number {
+        return this.renderer.getPixelRatio();
     }
 
     draw(): void {
@@ -149,6 +168,24 @@ export class Viewer {
             Math.max(Math.abs(offset.dot(right)) / slope_right, Math.abs(offset.dot(up)) / slope_up)));
     }
 
+    private draw_moving(): void {
+        if (this.ratios.moving !== this.ratios.still) {
+            window.clearTimeout(this.rest_timer);
+            this.rest_timer = window.setTimeout(() => this.draw_still(), rest_milliseconds);
+            if (this.pixel_ratio !== this.ratios.moving) {
+                this.renderer.setPixelRatio(this.ratios.moving);
+            }
+        }
+        this.draw();
+    }
+
+    private draw_still(): void {
+        if (!this.is_dragged && !this.frame_is_asked) {
+            this.renderer.setPixelRatio(this.ratios.still);
+            this.draw();
+        }
+    }
+
     private add_lights(): void {
         this.scene.add(new HemisphereLight(0xffffff, 0xb9b4ab, 2.4));
         const sun = new DirectionalLight(0xffffff, 1.1);
@@ -167,7 +204,6 @@ export class Viewer {
             return;
         }
         this.size = { width, height };
-        this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
         this.renderer.setSize(width, height, false);
         this.camera.aspect = width / height;
         this.camera.updateProjectionMatrix();
