@@ -5,14 +5,17 @@
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
+#include "earshot/cli/report_output.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/contacts.h"
+#include "earshot/io/report_contacts.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/io/whole_file.h"
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -86,11 +89,18 @@ public:
                    options_.tolerance,
                    {1e-12, 1e6},
                    "how much farther apart may count as closer, with --min-separation, metres");
+        app().add_flag("--report",
+                       writes_report_,
+                       "also write a page for the browser that shows the contacts, named like the "
+                       "output, .html");
         app().footer(kFooter);
     }
 
     void run() override {
         check_options();
+        if (writes_report_) {
+            require_report(page_file());
+        }
         override_simd_target(common().simd);
         Executor executor(static_cast<int>(common().threads));
         Warnings warnings;
@@ -103,6 +113,9 @@ public:
             search(motion, executor, progress, report, totals);
         }
         write(report, executor);
+        if (writes_report_) {
+            write_page(report, warnings);
+        }
         if (!discrete_ && !rigid_ && files_.size() == 1) {
             const Warnings turns = warn_of_turns(motion, files_.front());
             warnings.insert(warnings.end(), turns.begin(), turns.end());
@@ -148,6 +161,9 @@ private:
             io::LoadedScene loaded = io::load_scene(file, scene_options());
             warnings.insert(warnings.end(), loaded.warnings.begin(), loaded.warnings.end());
             meshes.push_back(std::move(loaded.scene.mesh));
+        }
+        if (writes_report_) {
+            shown_ = meshes;
         }
         if (files_.size() > 1) {
             return motion_of_poses(files_, meshes, !keep_split_);
@@ -257,7 +273,35 @@ private:
         }
     }
 
+    std::filesystem::path page_file() const {
+        return std::filesystem::path(output_).replace_extension(".html");
+    }
+
+    /// Poses are one mesh, whatever their files divide it into.
+    void write_page(const io::ContactReport& report, const Warnings& warnings) const {
+        const geometry::AnimatedMesh& mesh = shown_.front();
+        const bool has_poses = shown_.size() > 1;
+        const std::vector<std::uint32_t> one_mesh(has_poses ? mesh.triangles().size() : 0, 0);
+        io::ContactsPage page{
+            .title = std::filesystem::path(files_.front()).stem().string(),
+            .provenance = {.version = program_version(), .command = command_line()},
+            .contacts = report,
+            .triangles = mesh.triangles(),
+            .mesh_of_triangle = has_poses ? one_mesh : mesh.mesh_of_triangle(),
+            .warnings = warnings};
+        for (const std::string& file : files_) {
+            page.provenance.files.push_back(std::filesystem::path(file).filename().string());
+        }
+        page.positions_at = [&](double time) {
+            return has_poses ? shown_[static_cast<std::size_t>(time)].positions_at(0.0)
+                             : mesh.positions_at(time);
+        };
+        write_report(page_file(), io::encode_contacts_page(page));
+    }
+
     std::vector<std::string> files_;
+    bool writes_report_ = false;
+    std::vector<geometry::AnimatedMesh> shown_;  // for the page
     std::string output_, frames_, animation_;
     bool within_ = false, discrete_ = false, rigid_ = false, distance_ = false;
     bool keep_split_ = false, allow_outside_ = false;

@@ -21,7 +21,8 @@ Command::Command(CLI::App& program,
     app_->group("Commands");
 }
 
-void Command::execute() {
+void Command::execute(const std::string& command_line) {
+    command_line_ = command_line;
     for (const std::string* file : outputs_) {
         if (!file->empty()) {
             io::require_writable(*file);
@@ -53,7 +54,7 @@ CommandGroup::CommandGroup(CLI::App& program,
 void CommandGroup::run() {
     for (const std::unique_ptr<Command>& command : commands_) {
         if (command->is_chosen()) {
-            command->execute();
+            command->execute(command_line());
         }
     }
 }

@@ -26,8 +26,9 @@ public:
     /// wrong in a way that only the command can tell.
     virtual void run() = 0;
 
-    /// run(), once it is known that the files of add_output() can be written.
-    void execute();
+    /// run(), once it is known that the files of add_output() can be written. `command_line`: the
+    /// whole, for pages that tell how they were made.
+    void execute(const std::string& command_line);
 
     bool is_chosen() const { return app_->parsed(); }
 
@@ -46,10 +47,12 @@ protected:
                             const std::string& description);
 
     const CommonOptions& common() const { return common_; }
+    const std::string& command_line() const { return command_line_; }
 
 private:
     CLI::App* app_ = nullptr;  // owned by the program it was added to
     CommonOptions common_;
+    std::string command_line_;
     std::vector<const std::string*> outputs_;  // members of the command; empty: not given
 };
 

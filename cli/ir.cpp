@@ -6,6 +6,7 @@
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
 #include "earshot/cli/pvs_coverage.h"
+#include "earshot/cli/report_output.h"
 #include "earshot/cli/response_job.h"
 #include "earshot/cli/response_summary.h"
 #include "earshot/cli/scene_choice.h"
@@ -19,6 +20,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <optional>
 #include <string>
@@ -31,6 +33,7 @@ namespace {
 
 constexpr std::string_view kAuto = "auto";
 constexpr std::size_t kMaxAutoRays = 1000000;
+constexpr const char* kReportName = "report.html";
 
 constexpr const char* kFooter =
     "Writes SOURCE__LISTENER.wav (32-bit float) per pair, paths.json and metrics.json, and prints\n"
@@ -88,6 +91,10 @@ public:
         if (!plan_.empty() && !plan_.ends_with(".svg")) {
             throw wrong_usage(app(), "--plan", "'" + plan_ + "' does not end in .svg");
         }
+        const std::vector<io::ReportLimit> limits = limits_.limits(app());
+        if (writes_report_) {
+            require_report(kReportName);
+        }
         override_simd_target(common().simd);
 
         io::LoadedScene loaded = scene_.load();
@@ -106,6 +113,7 @@ public:
                                  .write_histograms = writes_histograms_,
                                  .plan = plan_,
                                  .write_sensitivity = writes_sensitivity_,
+                                 .keep_texts = writes_report_,
                                  .check_visibility = checks_visibility_,
                                  .times = instants,
                                  .is_sequence = scene_.is_sequence(),
@@ -116,9 +124,14 @@ public:
             ProgressBar progress(common().quiet);
             summary = run_response_job(job, executor, progress);
         }
+        if (!common().quiet || writes_report_) {
+            warn_of_doubtful_model(instants.front(), summary, loaded);
+        }
+        if (writes_report_) {
+            make_page(loaded, instants.front(), limits, summary);
+        }
         // Not before the work is done: what fails says one line and no more.
         if (!common().quiet) {
-            warn_of_doubtful_model(instants.front(), summary, loaded);
             print_warnings(loaded.warnings);
             print_warnings(io::warnings_of_acoustics(loaded));
             print_notes(summary.notes);
@@ -203,6 +216,11 @@ private:
                        "use the HRIR set as it was measured: without equalisation, and with the "
                        "delay that all of its responses have in common");
         app().add_flag("--sofa", writes_sofa_, "also write all responses to responses.sofa");
+        CLI::Option* report =
+            app().add_flag("--report",
+                           writes_report_,
+                           "also write report.html, a page for the browser that shows the results");
+        limits_.add_to(app())->needs(report);
     }
 
     void add_limits() {
@@ -270,7 +288,7 @@ private:
             .seed = static_cast<std::uint64_t>(common().seed),
             .late_length = length_,
             .late_directions = format_ != "mono",
-            .report_materials = writes_sensitivity_,
+            .report_materials = writes_sensitivity_ || writes_report_,
             .keep_traces = scene_.is_sequence(),
             .visible_sets = visible_sets_ ? &*visible_sets_ : nullptr,
             .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
@@ -351,6 +369,33 @@ private:
             loaded.acoustic_warnings.end(), misplaced.begin(), misplaced.end());
     }
 
+    /// report.html beside the other results.
+    void make_page(const io::LoadedScene& loaded,
+                   double time,
+                   const std::vector<io::ReportLimit>& limits,
+                   ResponseSummary& summary) const {
+        io::RoomReport report{
+            .title = std::filesystem::path(loaded.scene.name).stem().string(),
+            .provenance = {.version = program_version(),
+                           .command = command_line(),
+                           .seed = static_cast<std::uint64_t>(common().seed),
+                           .files = {loaded.scene.name}},
+            .metrics = {"metrics.json", std::move(summary.texts.metrics)},
+            .paths = {"paths.json", std::move(summary.texts.paths)},
+            .histograms = {"histograms.json", std::move(summary.texts.histograms)},
+            .sensitivity = {"sensitivity.json", std::move(summary.texts.sensitivity)},
+            .scene = &loaded.scene,
+            .time = time,
+            .default_materials = loaded.default_materials,
+            .limits = limits,
+            .warnings = loaded.warnings};
+        for (const Warnings& more : {io::warnings_of_acoustics(loaded), summary.notes}) {
+            report.warnings.insert(report.warnings.end(), more.begin(), more.end());
+        }
+        summary.files.push_back(std::filesystem::path(directory_) / kReportName);
+        write_report(summary.files.back(), io::encode_room_report(report));
+    }
+
     static void print_notes(const Warnings& notes) {
         constexpr std::size_t kMaxNotes = 8;
         Warnings shown(notes.begin(),
@@ -370,6 +415,8 @@ private:
     bool writes_sofa_ = false;
     bool writes_histograms_ = false;
     bool writes_sensitivity_ = false;
+    bool writes_report_ = false;
+    LimitOption limits_;
     std::string visibility_file_;
     std::optional<visibility::VisibleSets> visible_sets_;
     bool checks_visibility_ = false;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/cli/command_line.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 
@@ -16,6 +17,7 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_ir_command,
     make_metrics_command,
     make_auralize_command,
+    make_report_command,
     make_bvh_command,
     make_los_command,
     make_visible_command,
@@ -54,9 +56,11 @@ void run(int argc, const char* const* argv) {
         write_output(version.what() + std::string("\n"));
         return;
     }
+    const std::string command_line =
+        command_line_without_folders({argv, static_cast<std::size_t>(argc)});
     for (const std::unique_ptr<Command>& command : commands) {
         if (command->is_chosen()) {
-            command->execute();
+            command->execute(command_line);
         }
     }
 }

@@ -95,7 +95,7 @@ public:
             start = std::chrono::steady_clock::now();
             write_responses(pairs, frame);
             explain_decays(simulator, frame);
-            if (job_.write_sensitivity) {
+            if (job_.simulation.report_materials) {
                 add_sensitivity(pairs);
             }
             std::move(pairs.begin(), pairs.end(), std::back_inserter(all_pairs_));
@@ -244,25 +244,34 @@ private:
             .scene = job_.scene,
             .bands = job_.simulation.bands,
             .speed_of_sound = propagation::speed_of_sound(job_.simulation.air)};
-        write("paths.json", io::encode_paths(header, all_pairs_));
+        ResponseTexts texts{.paths = io::encode_paths(header, all_pairs_)};
+        write("paths.json", texts.paths);
         if (job_.format.report_metrics) {
-            write("metrics.json",
-                  io::encode_metrics({.scene = job_.scene,
-                                      .bands = job_.simulation.bands,
-                                      .room = summary_.room,
-                                      .speech = job_.format.speech},
-                                     summary_.metrics));
+            texts.metrics = io::encode_metrics({.scene = job_.scene,
+                                                .bands = job_.simulation.bands,
+                                                .room = summary_.room,
+                                                .speech = job_.format.speech},
+                                               summary_.metrics);
+            write("metrics.json", texts.metrics);
+        }
+        if (job_.write_histograms || job_.keep_texts) {
+            texts.histograms = io::encode_histograms(header, all_pairs_);
         }
         if (job_.write_histograms) {
-            write("histograms.json", io::encode_histograms(header, all_pairs_));
+            write("histograms.json", texts.histograms);
+        }
+        if (job_.simulation.report_materials) {
+            summary_.material_areas = propagation::material_areas(job_.scene, job_.times.front());
+            texts.sensitivity = io::encode_sensitivity({.scene = job_.scene,
+                                                        .bands = job_.simulation.bands,
+                                                        .areas = summary_.material_areas},
+                                                       summary_.sensitivity);
         }
         if (job_.write_sensitivity) {
-            summary_.material_areas = propagation::material_areas(job_.scene, job_.times.front());
-            write("sensitivity.json",
-                  io::encode_sensitivity({.scene = job_.scene,
-                                          .bands = job_.simulation.bands,
-                                          .areas = summary_.material_areas},
-                                         summary_.sensitivity));
+            write("sensitivity.json", texts.sensitivity);
+        }
+        if (job_.keep_texts) {
+            summary_.texts = std::move(texts);
         }
         if (job_.write_sofa) {
             write("responses.sofa",

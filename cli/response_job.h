@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace earshot::cli {
@@ -25,11 +26,18 @@ struct ResponseJob {
     std::filesystem::path plan{};
     /// sensitivity.json besides; needs simulation.report_materials.
     bool write_sensitivity = false;
+    bool keep_texts = false;        ///< ResponseSummary::texts, for a page
     /// Also count the paths that simulation.visible_sets cost; takes a complete search.
     bool check_visibility = false;
     std::vector<double> times{0.0};  ///< seconds
     bool is_sequence = false;        ///< file names carry the number of the time
     std::filesystem::path directory;
+};
+
+/// The texts of files, whether written or not.
+struct ResponseTexts {
+    std::string paths{}, metrics{}, histograms{};
+    std::string sensitivity{};  ///< with Options::report_materials
 };
 
 /// What came of a job, for the summary.
@@ -47,9 +55,10 @@ struct ResponseSummary {
     /// Per pair and time, as files; empty unless ResponseFormat::report_metrics.
     std::vector<propagation::PairMetrics> metrics;
     std::optional<propagation::RoomStatistics> room;  ///< at the first time, with metrics
-    /// Per pair and time; empty unless ResponseJob::write_sensitivity.
+    /// Per pair and time; empty unless Options::report_materials.
     std::vector<propagation::PairSensitivity> sensitivity;
     std::vector<double> material_areas;  ///< likewise, at the first time, square metres
+    ResponseTexts texts;                 ///< if ResponseJob::keep_texts
     double prepare_seconds = 0.0;        ///< clean-up, facets and hierarchy
     double trace_seconds = 0.0;
     std::vector<double> update_seconds;  ///< preparing and tracing, per time

@@ -24,12 +24,15 @@ std::vector<std::string> unit_names() {
 
 void SceneChoice::add_to(CLI::App& app, const std::string& of_each_frame) {
     app.add_option("SCENE", file_, "a .gltf, .glb, .obj, .ply, .stl or .off file")->required();
-    CLI::Option* time =
-        add_number(app, "--time", time_, {}, "time in the scene's animation, seconds");
+    add_reading_to(app);
     if (!of_each_frame.empty()) {
         app.add_option("--frames", frames_, "instants A:B:STEP in seconds, " + of_each_frame)
-            ->excludes(time);
+            ->excludes(app.get_option("--time"));
     }
+}
+
+void SceneChoice::add_reading_to(CLI::App& app) {
+    add_number(app, "--time", time_, {}, "time in the scene's animation, seconds");
     app.add_option(
         "--animation", animation_, "name or number of the animation; default: the first");
     app.add_option("--units",

@@ -18,6 +18,10 @@ public:
     /// without it there is only one.
     void add_to(CLI::App& app, const std::string& of_each_frame = "");
 
+    /// The same but for the scene itself, whose file set_file() tells, and frames.
+    void add_reading_to(CLI::App& app);
+    void set_file(const std::string& file) { file_ = file; }
+
     const std::string& file() const noexcept { return file_; }
 
     /// Throws Error as io::load_scene().

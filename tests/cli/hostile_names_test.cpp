@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Names are text: whatever a scene calls its parts, nothing is obeyed by a terminal, breaks a
 // format, or writes outside of the folder that was asked for.
+#include "earshot/io/report_page.h"
+
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
@@ -158,6 +160,22 @@ TEST_F(HostileNames, ThatGiveOneFileAreRefusedBeforeAnythingIsWritten) {
     const RunResult result = run({"ir", scene, "-o", out("two"), "--order", "1"}, 1);
     EXPECT_NE(result.err.find("would hold the response of two pairs"), std::string::npos);
     EXPECT_FALSE(fs::exists(out("two/paths.json")));
+}
+
+TEST_F(HostileNames, AreTextInReports) {
+    run({"ir", scene_, "-o", out("results"), "--order", "1", "--rays", "100", "--length", "0.05"});
+    run({"report", out("results"), scene_, "-o", out("data.json")});
+    const Json data = json_file("data.json");
+    EXPECT_EQ(data["sources"][0]["name"], kEscape + kPath);
+    EXPECT_EQ(data["listeners"][1]["name"], kMarkup + kC1);
+    EXPECT_EQ(data["materials"][0]["name"], kEscape + kLines + kC1 + kMarkup);
+    expect_harmless(contents(out("data.json")), "data.json");
+    if (io::has_report_page()) {
+        run({"report", out("results"), scene_, "-o", out("page.html")});
+        const std::string page = contents(out("page.html"));
+        EXPECT_EQ(page.find("<img src=x"), std::string::npos);
+        EXPECT_EQ(page.find("alert(1)>"), std::string::npos);
+    }
 }
 
 TEST_F(HostileNames, DoNothingInGeometricCommands) {
