@@ -126,6 +126,10 @@ Json provenance_block(const ReportProvenance& provenance, const std::string& dig
 
 std::string encode_room_report(const RoomReport& report) {
     ResultFiles results = read_result_files(report);
+    if (report.scene != nullptr && results.materials.is_array() &&
+        results.materials.size() != report.scene->materials.size()) {
+        refuse_result_file(report.sensitivity, "has other materials than the scene");
+    }
     Warnings warnings = report.warnings;
     warn_of_missing(report, warnings);
     if (results.pairs.size() > kMaxReportPairs) {
@@ -150,24 +154,30 @@ std::string encode_room_report(const RoomReport& report) {
     if (report.scene != nullptr) {
         document.add("scene", scene_block(*report.scene, report.time, warnings));
         document.add("materials", materials_block(report, results.bands));
+    } else if (results.materials.is_array()) {
+        document.add("materials", results.materials);
     }
-    document.add("warnings", warnings_block(warnings));
-
     results.pairs.resize(std::min(results.pairs.size(), kMaxReportPairs));
     const PairDetail detail = detail_of(report, results);
     EmitterList sources;
     EmitterList listeners;
     std::string pairs;
+    std::vector<std::size_t> source_of;
+    std::vector<std::size_t> listener_of;
     for (const ResultPair& pair : results.pairs) {
-        const std::size_t source = sources.add(pair.source, pair.source_position);
-        const std::size_t listener = listeners.add(pair.listener, pair.listener_position);
+        source_of.push_back(sources.add(pair.source, pair.source_position));
+        listener_of.push_back(listeners.add(pair.listener, pair.listener_position));
         pairs += (pairs.empty() ? "\n" : ",\n") +
-                 pair_block(pair, results.bands, source, listener, detail);
+                 pair_block(pair, results.bands, source_of.back(), listener_of.back(), detail);
     }
     document.add("sources", sources.json(report.scene, &propagation::Scene::sources, report.time));
     document.add("listeners",
                  listeners.json(report.scene, &propagation::Scene::listeners, report.time));
     document.add_text("pairs", "[" + pairs + "]");
+    if (results.materials.is_array()) {
+        document.add("sensitivity", sensitivity_block(results, source_of, listener_of, warnings));
+    }
+    document.add("warnings", warnings_block(warnings));
     return std::move(document).finish();
 }
 

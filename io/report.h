@@ -42,10 +42,12 @@ ReportLimit parse_report_limit(std::string_view text);
 struct RoomReport {
     std::string title{};
     ReportProvenance provenance{};
-    ReportFile metrics{};     ///< metrics.json
-    ReportFile paths{};       ///< paths.json
-    ReportFile histograms{};  ///< histograms.json
-    ReportFile reference{};   ///< metrics.json of another run, to compare with
+    ReportFile metrics{};          ///< metrics.json
+    ReportFile paths{};            ///< paths.json
+    ReportFile histograms{};       ///< histograms.json
+    ReportFile sensitivity{};      ///< sensitivity.json
+    ReportFile reference{};        ///< metrics.json of another run, to compare with
+    std::string reference_name{};  ///< that the page gives to it
     /// For the view of the walls at a time in seconds; must outlive the call.
     const propagation::Scene* scene = nullptr;
     double time = 0.0;
@@ -60,6 +62,8 @@ inline constexpr std::size_t kMaxReportTriangles = 200000;  ///< the largest
 inline constexpr std::size_t kMaxReportPairs = 1000;        ///< the first
 inline constexpr std::size_t kMaxReportPathsOfPair = 500;   ///< the strongest
 inline constexpr std::size_t kMaxReportPaths = 12000;       ///< of all pairs, 20 of each at least
+
+inline constexpr std::size_t kMaxReportSensitivities = 20000;  ///< materials, of all pairs
 
 /// Throws Error naming the file if one is not of the form that it should have.
 std::string encode_room_report(const RoomReport& report);

@@ -28,7 +28,7 @@ Json line_json(const std::optional<audio::DecayLine>& line,
                std::size_t band) {
     // A metric that is withheld has no line either.
     const bool is_told = metrics.is_object() && metrics.contains(metric) &&
-                         metrics.at(metric).size() > band &&
+                         metrics.at(metric).is_array() && metrics.at(metric).size() > band &&
                          metrics.at(metric).at(band).is_number();
     if (!line || !is_told) {
         return nullptr;

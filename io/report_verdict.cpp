@@ -239,6 +239,10 @@ Json verdict_block(const RoomReport& report, const ResultFiles& results) {
     if (has_metrics) {
         verdict.push_back(reverberation_line(results));
         verdict.push_back(speech_line(results.pairs));
+        const std::size_t worst = values_of(results.pairs, *find_metric("sti")).lowest_pair;
+        if (const auto treatment = treatment_line(results, worst, place_of(results.pairs, worst))) {
+            verdict.push_back(*treatment);
+        }
         for (const ReportLimit& limit : report.limits) {
             verdict.push_back(limit_line(limit, results.pairs));
         }

@@ -117,7 +117,7 @@ public:
     }
 
     /// A pair of the reference that is none of the results' is left out.
-    void read_reference(const ReportFile& file) {
+    void read_reference(const ReportFile& file, const std::string& name) {
         const Json json = parse_result_file(file);
         read_result_file(file, [&] {
             bands_ = bands_in(file, json, bands_);
@@ -125,7 +125,10 @@ public:
             for (const Json& pair : json.at("pairs")) {
                 const auto known = index_.find(key_of(pair));
                 if (known != index_.end()) {
-                    files_.pairs[known->second].reference = pair;
+                    Json& reference = files_.pairs[known->second].reference = pair;
+                    if (!name.empty()) {
+                        reference["name"] = name;
+                    }
                     fits = true;
                 }
             }
@@ -168,6 +171,29 @@ public:
             bands_ = bands_in(file, json, bands_);
             for (const Json& pair : json.at("pairs")) {
                 pair_of(pair).late = histogram_in(file, pair);
+            }
+        });
+    }
+
+    void read_sensitivity(const ReportFile& file) {
+        const Json json = parse_result_file(file);
+        read_result_file(file, [&] {
+            bands_ = bands_in(file, json, bands_);
+            files_.materials = json.at("materials");
+            if (!files_.materials.is_array()) {
+                refuse_result_file(file, "has no list of materials");
+            }
+            for (const Json& material : files_.materials) {
+                static_cast<void>(material.at("name").get<std::string>());
+            }
+            for (const Json& pair : json.at("pairs")) {
+                Json& known = pair_of(pair).sensitivity;
+                for (const char* const key : {"energy", "derivatives", "standard_error"}) {
+                    known[key] = pair.at(key);
+                }
+                if (known["energy"].size() != files_.materials.size()) {
+                    refuse_result_file(file, "does not have all materials of a pair");
+                }
             }
         });
     }
@@ -335,8 +361,11 @@ ResultFiles read_result_files(const RoomReport& report) {
     if (!report.histograms.text.empty()) {
         reader.read_histograms(report.histograms);
     }
+    if (!report.sensitivity.text.empty()) {
+        reader.read_sensitivity(report.sensitivity);
+    }
     if (!report.reference.text.empty()) {
-        reader.read_reference(report.reference);
+        reader.read_reference(report.reference, report.reference_name);
     }
     return std::move(reader).finish();
 }

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,19 @@ std::string pair_block(const ResultPair& pair,
                        std::size_t source,
                        std::size_t listener,
                        const PairDetail& detail);
+
+/// Which surfaces matter, of the first pairs. Appends a warning if pairs are left out.
+/// `source_of`, `listener_of`: indices of each pair.
+nlohmann::ordered_json sensitivity_block(const ResultFiles& results,
+                                         std::span<const std::size_t> source_of,
+                                         std::span<const std::size_t> listener_of,
+                                         Warnings& warnings);
+
+/// Which surface is worth treating for a pair; nothing if its sensitivity is not known. `place`:
+/// how the pair is called.
+std::optional<nlohmann::ordered_json> treatment_line(const ResultFiles& results,
+                                                     std::size_t pair,
+                                                     const std::string& place);
 
 /// A line per question: size, reverberation, speech, limits that were asked for.
 nlohmann::ordered_json verdict_block(const RoomReport& report, const ResultFiles& results);

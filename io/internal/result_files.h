@@ -38,12 +38,15 @@ struct ResultPair {
     /// The objects of paths.json that bring most energy, in their order.
     std::vector<std::string> strongest_paths{};
     audio::EnergyHistogram late{};  ///< without directions
+    /// `energy`, `derivatives` and `standard_error` of the object of sensitivity.json, or null.
+    nlohmann::ordered_json sensitivity{};
 };
 
 /// What the files of a report hold, pairs in the order of the first file that has them.
 struct ResultFiles {
     audio::Bands bands = audio::Bands::octaves();
-    nlohmann::ordered_json room{};  ///< of metrics.json, or null
+    nlohmann::ordered_json room{};       ///< of metrics.json, or null
+    nlohmann::ordered_json materials{};  ///< of sensitivity.json, or null
     std::vector<ResultPair> pairs{};
 };
 
