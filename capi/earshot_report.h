@@ -11,9 +11,9 @@
 /// brackets.
 typedef struct es_report_options {
     size_t struct_size;
-    es_scene scene;      ///< whose walls are shown at the result's time; 0: none (0)
-    const char* title;   ///< null: the name of the result's scene (null)
-    const char* command;  ///< how the result was made, as the page tells it; null: "" (null)
+    es_scene scene;              ///< whose walls are shown at the result's time; 0: none (0)
+    const char* title;           ///< null: the name of the result's scene (null)
+    const char* command;         ///< how the result was made, as the page tells it; null: "" (null)
     const char* reference_file;  ///< a metrics.json to compare with; null: none (null)
     const char* const* limits;   ///< (limit_count): what metrics are to be, "sti=0.6" (null)
     size_t limit_count;          ///< 0 ... 1000 (0)

@@ -3,8 +3,11 @@
 #include "earshot/cli/material_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/report_output.h"
+#include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/report_contacts.h"
+#include "earshot/io/sound_signal.h"
+#include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
 
 #include <nlohmann/json.hpp>
@@ -23,9 +26,9 @@ namespace {
 constexpr const char* kFooter =
     "The page is complete in itself: it needs no network and no other file. With the scene it "
     "shows\n"
-    "the walls; with --histograms of earshot ir the decay curves. earshot ir --report makes the "
-    "same\n"
-    "page at once.\n\n"
+    "the walls; with --histograms of earshot ir the decay curves, with --sensitivity which "
+    "surface\n"
+    "matters. earshot ir --report makes the page at once, with all of them.\n\n"
     "Examples:\n"
     "  earshot report out scenes/classroom.gltf -o classroom.html\n"
     "      what earshot ir wrote into the folder out, in the room that it is of\n"
@@ -38,8 +41,8 @@ constexpr const char* kFooter =
     "  earshot report out -o data.json\n"
     "      the data of the page alone";
 
-constexpr std::array<const char*, 3> kResultNames = {
-    "metrics.json", "paths.json", "histograms.json"};
+constexpr std::array<const char*, 4> kResultNames = {
+    "metrics.json", "paths.json", "histograms.json", "sensitivity.json"};
 
 bool is_scene(const std::filesystem::path& file) {
     std::string suffix = file.extension().string();
@@ -71,6 +74,12 @@ public:
                         against_,
                         "metrics to compare with: a folder of earshot ir, or a metrics.json")
             ->type_name("DIR");
+        app()
+            .add_option("--audio",
+                        dry_file_,
+                        "a dry recording, of which the page plays what each listener hears; its "
+                        "first 10 s, with the responses of a folder")
+            ->type_name("DRY.wav");
         limits_.add_to(app());
         scene_.add_reading_to(app());
         materials_.add_to(app());
@@ -97,7 +106,11 @@ public:
                 is_folder ? std::filesystem::path(against_) / kResultNames[0]
                           : std::filesystem::path(against_);
             report.reference = {file.string(), io::read_whole_file(file)};
+            report.reference_name = name_of(against_);
             report.provenance.files.push_back(name_of(against_));
+        }
+        if (!dry_file_.empty()) {
+            add_audio(report);
         }
         report.title = title(loaded);
         report.provenance.version = program_version();
@@ -157,7 +170,35 @@ private:
         return io::encode_contacts_page(page);
     }
 
+    /// Of each pair the file that `earshot ir` has named after it.
+    void add_audio(io::RoomReport& report) {
+        if (folder_.empty()) {
+            throw wrong_usage(app(), "--audio", "goes with a folder of earshot ir");
+        }
+        report.audio_of = [dry = io::signal_of(io::read_sound(dry_file_)),
+                           folder = folder_,
+                           file = dry_file_](const std::string& source,
+                                             const std::string& listener,
+                                             double) -> std::optional<io::ReportAudio> {
+            propagation::Scene names;
+            names.sources = {{.name = source}};
+            names.listeners = {{.name = listener}};
+            const std::filesystem::path sound = folder / (ResultNames(names).of(0, 0) + ".wav");
+            if (!std::filesystem::exists(sound)) {
+                return std::nullopt;
+            }
+            const audio::Signal response = io::signal_of(io::read_sound(sound));
+            if (!audio::channels_fit(dry, response)) {
+                throw Error(file,
+                            "has another number of channels than " + sound.string(),
+                            "give a recording of one channel");
+            }
+            return io::make_report_audio(dry, response);
+        };
+    }
+
     void add_folder(const std::filesystem::path& folder, io::RoomReport& report) {
+        folder_ = folder;
         bool has_results = false;
         for (const char* const name : kResultNames) {
             if (std::filesystem::exists(folder / name)) {
@@ -180,6 +221,7 @@ private:
         const auto has = [&](std::string_view key) { return head.find(key) != head.npos; };
         io::ReportFile& place = has("\"steps\"")            ? contacts_
                                 : has("\"speed_of_sound\"") ? report.paths
+                                : has("\"area\"")           ? report.sensitivity
                                 : has("\"bin\"")            ? report.histograms
                                                             : report.metrics;
         if (!place.name.empty()) {
@@ -213,6 +255,8 @@ private:
 
     std::vector<std::string> files_;
     std::string output_, against_;
+    std::string dry_file_;
+    std::filesystem::path folder_;
     io::ReportFile contacts_;  // a contacts.json, if one is given
     LimitOption limits_;
     SceneChoice scene_;

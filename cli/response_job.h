@@ -26,7 +26,7 @@ struct ResponseJob {
     std::filesystem::path plan{};
     /// sensitivity.json besides; needs simulation.report_materials.
     bool write_sensitivity = false;
-    bool keep_texts = false;        ///< ResponseSummary::texts, for a page
+    bool keep_texts = false;  ///< ResponseSummary::texts, for a page
     /// Also count the paths that simulation.visible_sets cost; takes a complete search.
     bool check_visibility = false;
     std::vector<double> times{0.0};  ///< seconds

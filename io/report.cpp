@@ -153,7 +153,9 @@ std::string encode_room_report(const RoomReport& report) {
                                           results.bands.nominal_hz().end())));
     if (report.scene != nullptr) {
         document.add("scene", scene_block(*report.scene, report.time, warnings));
-        document.add("materials", materials_block(report, results.bands));
+        document.add(
+            "materials",
+            materials_block(*report.scene, report.time, report.default_materials, results.bands));
     } else if (results.materials.is_array()) {
         document.add("materials", results.materials);
     }
@@ -167,8 +169,13 @@ std::string encode_room_report(const RoomReport& report) {
     for (const ResultPair& pair : results.pairs) {
         source_of.push_back(sources.add(pair.source, pair.source_position));
         listener_of.push_back(listeners.add(pair.listener, pair.listener_position));
-        pairs += (pairs.empty() ? "\n" : ",\n") +
-                 pair_block(pair, results.bands, source_of.back(), listener_of.back(), detail);
+        std::optional<ReportAudio> audio;
+        if (report.audio_of && source_of.size() <= kMaxReportSounds) {
+            audio = report.audio_of(pair.source, pair.listener, pair.time);
+        }
+        pairs +=
+            (pairs.empty() ? "\n" : ",\n") +
+            pair_block(pair, results.bands, source_of.back(), listener_of.back(), detail, audio);
     }
     document.add("sources", sources.json(report.scene, &propagation::Scene::sources, report.time));
     document.add("listeners",

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "earshot/base/error.h"
+#include "earshot/io/report_audio.h"
 #include "earshot/propagation/scene.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -54,6 +56,11 @@ struct RoomReport {
     /// Indices of materials without acoustic data.
     std::vector<std::uint32_t> default_materials{};
     std::vector<ReportLimit> limits{};
+    /// What the page plays of a source and a listener at a time, asked for of the first
+    /// kMaxReportSounds pairs; empty: nothing.
+    std::function<std::optional<ReportAudio>(
+        const std::string& source, const std::string& listener, double time)>
+        audio_of{};
     Warnings warnings{};
 };
 

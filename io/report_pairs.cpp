@@ -110,7 +110,8 @@ std::string pair_block(const ResultPair& pair,
                        const audio::Bands& bands,
                        std::size_t source,
                        std::size_t listener,
-                       const PairDetail& detail) {
+                       const PairDetail& detail,
+                       const std::optional<ReportAudio>& audio) {
     std::string text = "{\"source\":" + std::to_string(source) +
                        ",\"listener\":" + std::to_string(listener) +
                        ",\"time\":" + json_number(pair.time);
@@ -136,6 +137,9 @@ std::string pair_block(const ResultPair& pair,
     }
     if (!pair.late.energy.empty()) {
         add("histogram", json_text(histogram_json(pair, bands, detail)));
+    }
+    if (audio) {
+        add("audio", json_text({{"dry", audio->dry}, {"wet", audio->wet}}));
     }
     return text + "}";
 }

@@ -139,9 +139,11 @@ Json scene_block(const propagation::Scene& scene, double time, Warnings& warning
             {"meshes", meshes_of(scene.mesh, shown)}};
 }
 
-Json materials_block(const RoomReport& report, const audio::Bands& bands) {
-    const propagation::Scene& scene = *report.scene;
-    const std::vector<Vec3> positions = scene.mesh.positions_at(report.time);
+Json materials_block(const propagation::Scene& scene,
+                     double time,
+                     std::span<const std::uint32_t> default_materials,
+                     const audio::Bands& bands) {
+    const std::vector<Vec3> positions = scene.mesh.positions_at(time);
     const std::vector<double> areas = areas_of(scene.mesh, positions);
     std::vector<double> area_of_material(scene.materials.size(), 0.0);
     for (std::size_t triangle = 0; triangle < areas.size(); ++triangle) {
@@ -154,9 +156,8 @@ Json materials_block(const RoomReport& report, const audio::Bands& bands) {
     };
     Json materials = Json::array();
     for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-        const bool guessed =
-            std::find(report.default_materials.begin(), report.default_materials.end(), i) !=
-            report.default_materials.end();
+        const bool guessed = std::find(default_materials.begin(), default_materials.end(), i) !=
+                             default_materials.end();
         materials.push_back({{"name", scene.materials[i].name},
                              {"area", area_of_material[i]},
                              {"absorption", list(scene.materials[i].absorption)},

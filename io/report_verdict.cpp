@@ -240,7 +240,8 @@ Json verdict_block(const RoomReport& report, const ResultFiles& results) {
         verdict.push_back(reverberation_line(results));
         verdict.push_back(speech_line(results.pairs));
         const std::size_t worst = values_of(results.pairs, *find_metric("sti")).lowest_pair;
-        if (const auto treatment = treatment_line(results, worst, place_of(results.pairs, worst))) {
+        if (const auto treatment = treatment_line(
+                results, worst, "the worst seat (" + place_of(results.pairs, worst) + ")")) {
             verdict.push_back(*treatment);
         }
         for (const ReportLimit& limit : report.limits) {

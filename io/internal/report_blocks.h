@@ -34,7 +34,10 @@ nlohmann::ordered_json scene_block(const propagation::Scene& scene,
                                    Warnings& warnings);
 
 /// Each material with its area and coefficients.
-nlohmann::ordered_json materials_block(const RoomReport& report, const audio::Bands& bands);
+nlohmann::ordered_json materials_block(const propagation::Scene& scene,
+                                       double time,
+                                       std::span<const std::uint32_t> default_materials,
+                                       const audio::Bands& bands);
 
 /// What is told of a pair.
 struct PairDetail {
@@ -48,7 +51,8 @@ std::string pair_block(const ResultPair& pair,
                        const audio::Bands& bands,
                        std::size_t source,
                        std::size_t listener,
-                       const PairDetail& detail);
+                       const PairDetail& detail,
+                       const std::optional<ReportAudio>& audio = {});
 
 /// Which surfaces matter, of the first pairs. Appends a warning if pairs are left out.
 /// `source_of`, `listener_of`: indices of each pair.

@@ -7,7 +7,7 @@ import dataclasses
 import functools
 import os
 import pathlib
-from typing import Any, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Iterator, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -31,6 +31,9 @@ from ._library import (
 )
 from .names import Names
 from .sound import Sound
+
+if TYPE_CHECKING:
+    from .scene import Scene
 
 PATH_KINDS = ("direct", "specular", "transmitted")
 
@@ -551,6 +554,43 @@ class Result(Object):
         """Writes all responses to a SOFA file, as ``earshot ir --sofa`` does; simulate with
         ``sofa=True``. See :func:`earshot.write_sofa`."""
         write_sofa([self], file)
+
+    def report(
+        self,
+        file: str | os.PathLike[str],
+        scene: Scene | None = None,
+        *,
+        title: str | None = None,
+        command: str = "",
+        against: str | os.PathLike[str] | None = None,
+        limits: Mapping[str, float] | None = None,
+    ) -> None:
+        """Writes a page for the browser that shows the result, complete in one file; only its data
+        if the name ends in ``.json``.
+
+        ``scene``: the simulated scene, whose walls the page shows. ``title``: the scene's name if
+        None. ``command``: how the result was made, as the page tells it. ``against``: a metrics.json
+        to compare with. ``limits``: what metrics are to be, ``{"sti": 0.6}``; times at most, all
+        else at least. Decay curves need ``histograms=True`` in the simulation."""
+        options = new_struct("es_report_options")
+        kept = [ffi.new("char[]", encoded(f"{metric}={float(value)!r}"))
+                for metric, value in (limits or {}).items()]
+        texts = {"command": command}
+        if title is not None:
+            texts["title"] = title
+        if against is not None:
+            texts["reference_file"] = os.fspath(against)
+        for member, value in texts.items():
+            kept.append(ffi.new("char[]", encoded(value)))
+            setattr(options, member, kept[-1])
+        options.limit_count = len(limits or {})
+        kept.append(ffi.new("char *[]", kept[:options.limit_count]))
+        options.limits = kept[-1]
+        if scene is not None:
+            from .scene import Scene
+
+            options.scene = handle_of(scene, Scene, "scene")
+        check(lib.es_result_write_report(self._handle, options, encoded(os.fspath(file))))
 
     def plot_metric(self, name: str, source: str | int = 0, **options: Any) -> Any:
         """See :func:`earshot.plot_metric`."""

@@ -50,6 +50,7 @@ void test_simulation(void);
 void test_simulation_options(void);
 void test_results(void);
 void test_result_errors(void);
+void test_reports(void);
 void test_sounds(void);
 void test_bvh(void);
 void test_sight(void);

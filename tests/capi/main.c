@@ -116,6 +116,7 @@ int main(int argc, char** argv) {
                   {"simulation_options", test_simulation_options},
                   {"results", test_results},
                   {"result_errors", test_result_errors},
+                  {"reports", test_reports},
                   {"sounds", test_sounds},
                   {"bvh", test_bvh},
                   {"sight", test_sight},

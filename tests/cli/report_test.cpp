@@ -92,8 +92,29 @@ TEST_F(Report, ComparesWithAnotherRun) {
     const Json before = Json::parse(read_file(path("before/metrics.json")));
     for (const char* const against : {"before", "before/metrics.json"}) {
         const Json data = report_of({path("after"), "--against", path(against)});
-        EXPECT_EQ(data["pairs"][0]["reference"], before["pairs"][0]);
+        Json reference = data["pairs"][0]["reference"];
+        EXPECT_EQ(reference["name"], fs::path(against).filename().string());
+        reference.erase("name");
+        EXPECT_EQ(reference, before["pairs"][0]);
     }
+}
+
+TEST_F(Report, PlaysARecordingAsTheListenerHearsIt) {
+    ASSERT_EQ(run_ir("out").status, 0);
+    // A response is a recording, too: of a click.
+    const Json pair = Json::parse(read_file(path("out/paths.json")))["pairs"][0];
+    const std::string response =
+        pair["source"].get<std::string>() + "__" + pair["listener"].get<std::string>() + ".wav";
+    fs::copy_file(path("out/" + response), path("dry.wav"));
+    const Json audio = report_of({path("out"), "--audio", path("dry.wav")})["pairs"][0]["audio"];
+    const std::string head = "data:audio/wav;base64,UklGR";  // RIFF
+    for (const char* const key : {"dry", "wet"}) {
+        EXPECT_EQ(audio[key].get<std::string>().substr(0, head.size()), head);
+    }
+    // What is heard lasts as long as recording and response together.
+    EXPECT_NEAR(static_cast<double>(audio["wet"].get<std::string>().size()),
+                2.0 * static_cast<double>(audio["dry"].get<std::string>().size()),
+                200.0);
 }
 
 TEST_F(Report, NamesNoFolders) {
@@ -160,6 +181,7 @@ TEST_F(Report, OfAWholeRunIsThatOfItsFiles) {
     ASSERT_NE(at, std::string::npos);
     const std::size_t first = at + begin.size();
     const Json shown = Json::parse(page.substr(first, page.find("</script>", first) - first));
+    EXPECT_EQ(shown["verdict"][3]["question"], "Which surface is worth treating?");
     const Json data = report_of({path("out"), scene("shoebox.gltf"), "--limit", "sti=0.5"});
     for (const char* const key : {"pairs", "scene", "materials", "room", "sources", "listeners"}) {
         EXPECT_EQ(shown[key], data[key]) << key;

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "base64_text.h"
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -78,26 +79,6 @@ struct Fixture {
 
     Json data() const { return Json::parse(encode_room_report(report)); }
 };
-
-std::string decoded(const std::string& base64) {
-    static const std::string kDigits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string bytes;
-    unsigned bits = 0;
-    int count = 0;
-    for (const char c : base64) {
-        if (c == '=') {
-            break;
-        }
-        bits = bits << 6U | static_cast<unsigned>(kDigits.find(c));
-        count += 6;
-        if (count >= 8) {
-            count -= 8;
-            bytes += static_cast<char>(bits >> count & 0xffU);
-        }
-    }
-    return bytes;
-}
 
 template <typename Number>
 std::vector<Number> numbers(const Json& base64) {
@@ -186,15 +167,69 @@ TEST(RoomReport, AnswersWithTheWorstSeat) {
     EXPECT_EQ(verdict[4]["state"], "met");
 }
 
+/// A sensitivity.json of the pairs: derivatives of STI by absorption are 0.2 and 0.5.
+std::string sensitivity_text() {
+    const Json bands = std::vector<double>(10, 0.1);
+    const Json energy = {{"before_80ms", bands}, {"after_80ms", bands}, {"unknown", 1}};
+    const Json derivatives = {{"t30", {bands, bands}},
+                              {"c50", {bands, bands}},
+                              {"single", {{"sti", {0.2, 0.5}}, {"t30_mid", {-0.5, -1.0}}}}};
+    Json file = {{"version", 1},
+                 {"bands_hz",
+                  std::vector<double>(audio::Bands::octaves().nominal_hz().begin(),
+                                      audio::Bands::octaves().nominal_hz().end())},
+                 {"materials",
+                  {{{"name", "floor"}, {"area", 3.0}, {"absorption", bands}},
+                   {{"name", "<wall>"}, {"area", 3.0}, {"absorption", bands}}}}};
+    for (const char* const listener : {"front", "back"}) {
+        file["pairs"].push_back({{"source", "talker"},
+                                 {"listener", listener},
+                                 {"time", 0.0},
+                                 {"energy", {energy, energy}},
+                                 {"derivatives", derivatives},
+                                 {"standard_error", nullptr}});
+    }
+    return file.dump();
+}
+
+TEST(RoomReport, NamesTheSurfaceThatRaisesSpeechTransmissionMost) {
+    Fixture fixture;
+    fixture.report.sensitivity = {"sensitivity.json", sensitivity_text()};
+    const Json data = fixture.data();
+    ASSERT_EQ(data["sensitivity"]["pairs"].size(), 2U);
+    const Json& told = data["sensitivity"]["pairs"][1];
+    EXPECT_EQ(told["listener"], 1);
+    EXPECT_EQ(told["energy"][0]["before_80ms"][3], 0.1);
+    EXPECT_FALSE(told["energy"][0].contains("unknown"));
+    EXPECT_EQ(told["derivatives"]["single"]["sti"], Json({0.2, 0.5}));
+    EXPECT_FALSE(told["derivatives"].contains("c50"));
+    EXPECT_EQ(
+        data["verdict"].back()["answer"],
+        "<wall>: 0.1 more absorption changes STI at the worst seat (back) by +0.050 and T30 by "
+        "-0.10 s; next floor, STI +0.020 (just noticeable: 0.03)");
+    EXPECT_EQ(data["verdict"].back()["pair"], 1);
+    fixture.report.scene = nullptr;
+    EXPECT_EQ(fixture.data()["materials"][1]["name"], "<wall>");
+}
+
+TEST(RoomReport, RefusesSensitivitiesOfOtherMaterials) {
+    Fixture fixture;
+    fixture.report.sensitivity = {"sensitivity.json", sensitivity_text()};
+    fixture.scene.materials.emplace_back();
+    EXPECT_THROW(fixture.data(), Error);
+}
+
 TEST(RoomReport, ComparesPairsOfTheSameNames) {
     Fixture fixture;
     Fixture other;
     other.metrics[1].expected.speech_transmission_index = 0.3;
     other.metrics.erase(other.metrics.begin());
     fixture.report.reference = {
-        "before.json",
+        "folder/before.json",
         encode_metrics({.scene = other.scene, .bands = audio::Bands::octaves()}, other.metrics)};
+    fixture.report.reference_name = "before";
     const Json pairs = fixture.data()["pairs"];
+    EXPECT_EQ(pairs[1]["reference"]["name"], "before");
     EXPECT_FALSE(pairs[0].contains("reference"));
     EXPECT_EQ(pairs[1]["reference"]["sti"], 0.3);
 }
@@ -282,7 +317,8 @@ std::string with(std::string text, const std::string& from, const std::string& t
 }
 
 TEST(RoomReport, RefusesDamagedFilesInOneLine) {
-    const Fixture good;
+    Fixture good;
+    good.report.sensitivity.name = "sensitivity.json";
     const auto expect_refused = [&](ReportFile RoomReport::*file, const std::string& text) {
         RoomReport report = good.report;
         (report.*file).text = text;
@@ -308,6 +344,13 @@ TEST(RoomReport, RefusesDamagedFilesInOneLine) {
         expect_refused(file, with(text, "\"talker\"", "7"));
         expect_refused(file, with(text, "\"time\":0.0", "\"time\":\"0\""));
         expect_refused(file, with(text, "31.5", "31.6"));
+    }
+    const std::string sensitivity = sensitivity_text();
+    for (const auto& [from, to] : {std::pair{"\"materials\":[", "\"materials\":[3,"},
+                                   {"\"materials\":[{", "\"materials\":[{\"name\":3},{"},
+                                   {"\"energy\":[", "\"energy\":[1,"},
+                                   {"\"derivatives\"", "\"derivations\""}}) {
+        expect_refused(&RoomReport::sensitivity, with(sensitivity, from, to));
     }
     expect_refused(&RoomReport::metrics, with(metrics, "\"pairs\":[", "\"pairs\":[3,"));
     expect_refused(&RoomReport::paths, with(paths, "\"delay\":0.003", "\"delay\":1e300"));

@@ -74,6 +74,30 @@ def test_sofa_files_are_the_programs(tmp_path, scenes, program):
         es.write_sofa([], tmp_path / "x.sofa")
 
 
+def test_reports_show_what_the_programs_do(tmp_path, scenes, program):
+    program("ir", scenes / "shoebox.gltf", "-o", tmp_path / "out", "--quiet", "--order", 2,
+            "--rays", 4000, "--histograms")
+    program("report", tmp_path / "out", scenes / "shoebox.gltf", "-o", tmp_path / "theirs.json",
+            "--limit", "sti=0.5", "--against", tmp_path / "out", "--quiet")
+    scene = es.load(scenes / "shoebox.gltf")
+    result = es.simulate(scene, order=2, rays=4000, histograms=True)
+    result.report(tmp_path / "ours.json", scene, title="shoebox", limits={"sti": 0.5},
+                  against=tmp_path / "out/metrics.json", command="result.report()")
+    ours, theirs = (json.loads((tmp_path / name).read_text())
+                    for name in ("ours.json", "theirs.json"))
+    assert ours["provenance"]["command"] == "result.report()"
+    assert ours["provenance"]["scene_digest"] == theirs["provenance"]["scene_digest"]
+    for data in (ours, theirs):
+        for pair in data["pairs"]:
+            del pair["reference"]["name"]
+    for key in ("title", "verdict", "room", "scene", "materials", "pairs", "listeners"):
+        assert ours[key] == theirs[key], key
+    with pytest.raises(es.Error, match="loudness"):
+        result.report(tmp_path / "x.json", limits={"loudness": 1})
+    with pytest.raises(es.ArgumentError, match="scene"):
+        result.report(tmp_path / "x.json", "shoebox")
+
+
 def test_arrays_say_what_the_files_say(tmp_path, scenes):
     result = es.simulate(es.load(scenes / "classroom.gltf"), order=2, rays=20000)
     assert np.isfinite(result.sti).all() and np.isfinite(result.c50).all()
