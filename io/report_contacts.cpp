@@ -6,6 +6,8 @@
 #include "earshot/io/internal/report_blocks.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <map>
 #include <optional>
 #include <utility>
@@ -199,17 +201,26 @@ Json summary_block(const ContactReport& report, const ContactLists& lists) {
     return summary;
 }
 
+/// "1 contact", "2 contacts".
+std::string counted(std::size_t count, const std::string& thing) {
+    return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
 Json verdict_of(const ContactReport& report, const ContactLists& lists) {
-    std::string answer = "no contact in " + std::to_string(report.steps.size()) + " steps";
+    std::string answer = "no contact in " + counted(report.steps.size(), "step");
     if (lists.count > 0) {
-        const auto first = std::min_element(
+        const auto& [meshes, pair] = *std::min_element(
             lists.pairs.begin(), lists.pairs.end(), [](const auto& a, const auto& b) {
                 return a.second.first < b.second.first;
             });
-        answer = std::to_string(lists.count) + " contacts of " +
-                 std::to_string(lists.pairs.size()) + " pairs of meshes; the first at " +
-                 json_number(first->second.first) + " (" + name_of(report, first->first.first) +
-                 " and " + name_of(report, first->first.second) + ")";
+        std::array<char, 64> time{};
+        std::snprintf(time.data(), time.size(), "%.3f", pair.first);
+        answer = counted(lists.count, "contact") + " of " + counted(lists.pairs.size(), "pair") +
+                 " of meshes; the first at " + time.data() + " (" +
+                 (meshes.first == meshes.second
+                      ? "within " + name_of(report, meshes.first)
+                      : name_of(report, meshes.first) + " and " + name_of(report, meshes.second)) +
+                 ")";
     }
     return Json::array(
         {Json{{"question", "What touches?"}, {"answer", answer}, {"state", "told"}}});

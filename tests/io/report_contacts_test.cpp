@@ -54,7 +54,7 @@ TEST(ContactsReport, ShowsContactsAndMeshesOverTime) {
     EXPECT_EQ(shown["summary"][0],
               Json({{"a", "</leaf>"}, {"b", "mesh 1"}, {"count", 1}, {"first", 1.25}}));
     EXPECT_EQ(data["verdict"][0]["answer"],
-              "1 contacts of 1 pairs of meshes; the first at 1.25 (</leaf> and mesh 1)");
+              "1 contact of 1 pair of meshes; the first at 1.250 (</leaf> and mesh 1)");
 }
 
 TEST(ContactsReport, ListsEvenlyChosenContactsOfMany) {
