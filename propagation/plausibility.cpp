@@ -156,8 +156,7 @@ std::optional<UnitProposal> propose_unit(const Vec3& size, double volume, const 
 }
 
 std::string unit_warning(const UnitProposal& proposal, const Vec3& size, bool has_unit_option) {
-    const std::string found = "the scene measures " + size_text(size) +
-                              " (height in the middle); " + proposal.problem +
+    const std::string found = "the scene measures " + size_text(size) + "; " + proposal.problem +
                               " is not that of a room";
     if (proposal.unit.empty()) {
         return found + (has_unit_option ? "; check the unit and the up axis (--units, --up)"

@@ -28,7 +28,6 @@ struct AirCutOptions {
     /// What lies beyond the scene counts as air if a larger share of the sound goes there.
     double open_share = 0.25;
     std::uint64_t rays_per_point = 16384;
-    std::uint64_t rays_per_opening = 256;
     std::uint64_t max_rays = 12'000'000;  ///< rays_per_node shrinks, down to 2, to keep it
     double tolerance = 0.0;               ///< metres: triangles nearer to each other meet
 };
@@ -37,6 +36,7 @@ struct AirCutOptions {
 /// open edge.
 struct Opening {
     std::vector<std::array<geometry::Vec3, 3>> cap;
+    std::uint32_t rays = 256;
     bool is_strip = false;  ///< its flow is measured, but is no part of the graph
 };
 

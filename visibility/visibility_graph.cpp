@@ -239,7 +239,7 @@ std::vector<FreeLink> VisibilityGraph::add_opening(const Opening& opening,
     }
     // Two rays of opposite directions from each place, the even ones first.
     std::vector<Ray> rays;
-    for (std::uint64_t i = 0; i < options_.rays_per_opening; ++i) {
+    for (std::uint64_t i = 0; i < opening.rays; ++i) {
         const RandomStream numbers(options_.seed + index, kOpeningStream);
         const double place = flow.area * numbers.at(5 * i);
         const auto at =
@@ -256,7 +256,7 @@ std::vector<FreeLink> VisibilityGraph::add_opening(const Opening& opening,
     }
     const auto hits = bvh_.closest_hits(rays, executor_);
     rays_ += rays.size();
-    flow.rays = static_cast<std::uint32_t>(options_.rays_per_opening);
+    flow.rays = opening.rays;
     const auto met = nodes_of(rays, hits);
     std::vector<FreeLink> links;
     for (std::size_t i = 0; i < rays.size(); i += 2) {
