@@ -55,6 +55,7 @@ void CommandGroup::run() {
     for (const std::unique_ptr<Command>& command : commands_) {
         if (command->is_chosen()) {
             command->execute(command_line());
+            set_exit_status(command->exit_status());
         }
     }
 }

@@ -32,6 +32,9 @@ public:
 
     bool is_chosen() const { return app_->parsed(); }
 
+    /// Of the program after run(): 0, or what set_exit_status() said.
+    int exit_status() const { return exit_status_; }
+
 protected:
     struct WithoutOptions {};
     Command(CLI::App& program,
@@ -49,10 +52,14 @@ protected:
     const CommonOptions& common() const { return common_; }
     const std::string& command_line() const { return command_line_; }
 
+    /// For work that was done and whose answer is no, such as a limit that is not kept.
+    void set_exit_status(int status) { exit_status_ = status; }
+
 private:
     CLI::App* app_ = nullptr;  // owned by the program it was added to
     CommonOptions common_;
     std::string command_line_;
+    int exit_status_ = 0;
     std::vector<const std::string*> outputs_;  // members of the command; empty: not given
 };
 

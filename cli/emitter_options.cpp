@@ -117,7 +117,8 @@ void EmitterOptions::add_to(CLI::App& app) {
 
 void EmitterOptions::apply(const CLI::App& app,
                            const SceneChoice& choice,
-                           propagation::Scene& scene) const {
+                           propagation::Scene& scene,
+                           bool require_emitters) const {
     const io::FileFrame frame = choice.frame();
     auto listeners = parse_points(app, "--listener", listeners_, frame);
     if (!listeners_file_.empty()) {
@@ -129,8 +130,10 @@ void EmitterOptions::apply(const CLI::App& app,
     const auto looks = parse_points(app, "--look-at", looks_, frame);
     add_or_replace(parse_points(app, "--source", sources_, frame), "source", scene.sources);
     add_or_replace(std::move(listeners), "listener", scene.listeners);
-    require_any(scene.sources, "source", choice.file());
-    require_any(scene.listeners, "listener", choice.file());
+    if (require_emitters) {
+        require_any(scene.sources, "source", choice.file());
+        require_any(scene.listeners, "listener", choice.file());
+    }
     set_look_at(aims, "--aim-at", scene.sources);
     set_look_at(looks, "--look-at", scene.listeners);
     for (const std::string& text : directivities_) {

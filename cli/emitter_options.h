@@ -18,8 +18,12 @@ public:
 
     /// Changes the scene that was read from the file of `choice`, in whose unit and axes the points
     /// are. Throws UsageError for values that are not of their form, Error for names that stand
-    /// twice or that the scene does not know, or if no source or listener is there.
-    void apply(const CLI::App& app, const SceneChoice& choice, propagation::Scene& scene) const;
+    /// twice or that the scene does not know, or, with `require_emitters`, if no source or listener
+    /// is there.
+    void apply(const CLI::App& app,
+               const SceneChoice& choice,
+               propagation::Scene& scene,
+               bool require_emitters = true) const;
 
 private:
     std::vector<std::string> sources_, listeners_, directivities_, aims_, looks_;

@@ -14,6 +14,7 @@ namespace {
 
 // The table of commands, in the order of the help.
 constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
+    make_check_command,
     make_ir_command,
     make_metrics_command,
     make_auralize_command,
@@ -29,7 +30,8 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_manuals_command,
 };
 
-void run(int argc, const char* const* argv) {
+/// The exit status.
+int run(int argc, const char* const* argv) {
     CLI::App program(
         "Room acoustics from a 3D scene: sound paths, impulse responses, visibility, contacts");
     program.name("earshot");
@@ -42,7 +44,8 @@ void run(int argc, const char* const* argv) {
     program.require_subcommand(1);
     program.footer(
         "earshot help COMMAND describes a command, as earshot COMMAND --help does.\n"
-        "Exit status: 0 success, 1 an input or the computation failed, 2 a usage error.");
+        "Exit status: 0 success, 1 an input or the computation failed, 2 a usage error,\n"
+        "3 what was asked for is not so, where a command's help says it.");
     std::vector<std::unique_ptr<Command>> commands;
     for (const auto make_command : kCommands) {
         commands.push_back(make_command(program));
@@ -51,32 +54,32 @@ void run(int argc, const char* const* argv) {
         parse_command_line(program, argc, argv);
     } catch (const CLI::CallForHelp&) {
         write_output(program.help());
-        return;
+        return 0;
     } catch (const CLI::CallForVersion& version) {
         write_output(version.what() + std::string("\n"));
-        return;
+        return 0;
     }
     const std::string command_line =
         command_line_without_folders({argv, static_cast<std::size_t>(argc)});
     for (const std::unique_ptr<Command>& command : commands) {
         if (command->is_chosen()) {
             command->execute(command_line);
+            return command->exit_status();
         }
     }
+    return 0;
 }
 
 }  // namespace
 }  // namespace earshot::cli
 
 int main(int argc, char** argv) {
-    constexpr int kDone = 0;
     constexpr int kFailed = 1;
     constexpr int kWrongUsage = 2;
     using earshot::cli::print_error;
     earshot::cli::prepare_standard_streams();
     try {
-        earshot::cli::run(argc, argv);
-        return kDone;
+        return earshot::cli::run(argc, argv);
     } catch (const earshot::cli::UsageError& error) {
         print_error(error.line());
         return kWrongUsage;

@@ -27,6 +27,9 @@ public:
     /// Throws Error as io::load_scene().
     io::LoadedScene load() const;
 
+    /// The name of the unit in which the file is read.
+    const std::string& unit() const noexcept { return unit_; }
+
     /// How the coordinates of the file, and of points given beside it, are meant.
     io::FileFrame frame() const;
 
