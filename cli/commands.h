@@ -19,6 +19,7 @@ std::unique_ptr<Command> make_help_command(CLI::App& program);
 std::unique_ptr<Command> make_ir_command(CLI::App& program);
 std::unique_ptr<Command> make_los_command(CLI::App& program);
 std::unique_ptr<Command> make_manuals_command(CLI::App& program);
+std::unique_ptr<Command> make_map_command(CLI::App& program);
 std::unique_ptr<Command> make_materials_command(CLI::App& program);
 std::unique_ptr<Command> make_metrics_command(CLI::App& program);
 std::unique_ptr<Command> make_pvs_command(CLI::App& program);

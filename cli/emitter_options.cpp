@@ -100,10 +100,22 @@ void require_any(const std::vector<Emitter>& emitters,
 }  // namespace
 
 void EmitterOptions::add_to(CLI::App& app) {
+    has_listeners_ = true;
     add_repeatable(app, "--source", sources_, "a source at [NAME=]X,Y,Z, in the file's unit");
     add_repeatable(app, "--listener", listeners_, "a listener at [NAME=]X,Y,Z, in the file's unit");
     app.add_option("--listeners", listeners_file_, "a .csv file of listeners: name,x,y,z on a line")
         ->type_name("FILE");
+    add_directions_to(app);
+    add_repeatable(
+        app, "--look-at", looks_, "[NAME=]X,Y,Z: the point that a listener (every one) faces");
+}
+
+void EmitterOptions::add_sources_to(CLI::App& app) {
+    add_repeatable(app, "--source", sources_, "a source at [NAME=]X,Y,Z, in the file's unit");
+    add_directions_to(app);
+}
+
+void EmitterOptions::add_directions_to(CLI::App& app) {
     add_repeatable(app,
                    "--directivity",
                    directivities_,
@@ -111,8 +123,6 @@ void EmitterOptions::add_to(CLI::App& app) {
                    "supercardioid, hypercardioid, figure-of-eight or a .csv file of levels");
     add_repeatable(
         app, "--aim-at", aims_, "[NAME=]X,Y,Z: the point that a source (every source) faces");
-    add_repeatable(
-        app, "--look-at", looks_, "[NAME=]X,Y,Z: the point that a listener (every one) faces");
 }
 
 void EmitterOptions::apply(const CLI::App& app,
@@ -132,6 +142,8 @@ void EmitterOptions::apply(const CLI::App& app,
     add_or_replace(std::move(listeners), "listener", scene.listeners);
     if (require_emitters) {
         require_any(scene.sources, "source", choice.file());
+    }
+    if (require_emitters && has_listeners_) {
         require_any(scene.listeners, "listener", choice.file());
     }
     set_look_at(aims, "--aim-at", scene.sources);

@@ -16,6 +16,7 @@ namespace {
 constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_check_command,
     make_ir_command,
+    make_map_command,
     make_metrics_command,
     make_auralize_command,
     make_report_command,

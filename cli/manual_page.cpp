@@ -191,8 +191,10 @@ std::string manual_page(const CommandEntry& program,
            "\" \"earshot manual\"\n" + section("Name") + escaped(name) + " \\- " +
            escaped(command.description) + "\n" + synopsis(command) + footer.description +
            options_section(command) + footer.examples + footer.notes + section("Exit status") +
-           "0 on success, 1 if an input or the computation failed, 2 if the command line is "
-           "wrong.\n" +
+           "0 on success, 1 if an input or the computation failed, 2 if the command line is " +
+           (command.footer.find("Exit status 3") == std::string::npos
+                ? "wrong.\n"
+                : "wrong, 3 as described above.\n") +
            section("Environment") + ".TP\n" + bold("NO_COLOR") +
            "\nIf it is set and not empty, messages on a terminal have no colour.\n" +
            see_also(program, command);

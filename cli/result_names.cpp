@@ -12,8 +12,9 @@ namespace {
 
 using propagation::Emitter;
 
-/// Cut at the beginning of a UTF-8 character.
-std::string file_name(const std::string& name) {
+}  // namespace
+
+std::string as_file_name(const std::string& name) {
     constexpr std::size_t kMaxBytes = 80;
     std::size_t size = std::min(name.size(), kMaxBytes);
     while (size < name.size() && size > 0 &&
@@ -30,8 +31,6 @@ std::string file_name(const std::string& name) {
     return text;
 }
 
-}  // namespace
-
 ResultNames::ResultNames(const propagation::Scene& scene)
     : listener_count_(scene.listeners.size()) {
     std::map<std::string, std::string> pair_of_file;
@@ -39,7 +38,7 @@ ResultNames::ResultNames(const propagation::Scene& scene)
         for (const Emitter& listener : scene.listeners) {
             const std::string pair =
                 "source \"" + source.name + "\" and listener \"" + listener.name + "\"";
-            names_.push_back(file_name(source.name) + "__" + file_name(listener.name));
+            names_.push_back(as_file_name(source.name) + "__" + as_file_name(listener.name));
             const auto [there, is_new] = pair_of_file.emplace(names_.back(), pair);
             if (!is_new) {
                 throw Error(

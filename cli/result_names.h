@@ -9,6 +9,10 @@
 
 namespace earshot::cli {
 
+/// A name as a part of a file's name: what a file system might not take becomes `_`, and it is cut
+/// after 80 bytes, at the beginning of a character.
+std::string as_file_name(const std::string& name);
+
 /// `SOURCE__LISTENER` of every pair, the beginnings of the names of its files.
 class ResultNames {
 public:

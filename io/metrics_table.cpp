@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/internal/json_lines.h"
+#include "earshot/io/internal/text.h"
 #include "earshot/io/metrics.h"
 
 #include <string>
@@ -7,18 +8,6 @@
 
 namespace earshot::io {
 namespace {
-
-/// A field of a CSV file (RFC 4180).
-std::string csv_field(std::string_view text) {
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
-        return std::string(text);
-    }
-    std::string field = "\"";
-    for (const char c : text) {
-        field += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return field + "\"";
-}
 
 std::string field(const std::optional<double>& value) {
     return "," + (value ? json_number(*value) : std::string());

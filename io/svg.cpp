@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/svg.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 
 namespace earshot::io {
@@ -123,6 +125,17 @@ void SvgPicture::polylines(std::span<const std::vector<SvgPoint>> lines,
     if (!data.empty()) {
         body_ += path(data, stroke, width);
     }
+}
+
+void SvgPicture::rectangle(const SvgPoint& from,
+                           const SvgPoint& to,
+                           std::string_view fill,
+                           std::string_view title) {
+    body_ += "<rect" + attribute("x", number(std::min(from.x, to.x))) +
+             attribute("y", number(std::min(from.y, to.y))) +
+             attribute("width", number(std::abs(to.x - from.x))) +
+             attribute("height", number(std::abs(to.y - from.y))) + attribute("fill", fill);
+    body_ += title.empty() ? "/>\n" : "><title>" + escaped(title) + "</title></rect>\n";
 }
 
 void SvgPicture::disc(const SvgPoint& centre,

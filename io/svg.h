@@ -53,6 +53,11 @@ public:
     void polylines(std::span<const std::vector<SvgPoint>> lines,
                    std::string_view stroke,
                    double width = 1);
+    /// Filled, without an outline; `title` as below.
+    void rectangle(const SvgPoint& from,
+                   const SvgPoint& to,
+                   std::string_view fill,
+                   std::string_view title = {});
     /// `title` is what viewers show when the pointer is over the disc; empty: none.
     void disc(const SvgPoint& centre,
               double radius,

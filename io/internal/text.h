@@ -38,6 +38,9 @@ std::string_view take_word(std::string_view& line) noexcept;
 /// The cells between the commas of a line, trimmed; at least one.
 std::vector<std::string_view> cells_of(std::string_view line);
 
+/// A field of a CSV file (RFC 4180).
+std::string csv_field(std::string_view text);
+
 std::string_view trimmed(std::string_view text) noexcept;
 
 /// ASCII letters in lower case; other bytes as they are.

@@ -54,6 +54,17 @@ TEST(SvgPicture, IsADocumentOfOneElementPerLine) {
                   "</svg>\n");
 }
 
+TEST(SvgPicture, RectanglesHaveTheirLeastCornerFirst) {
+    SvgPicture picture(200.0, 100.0, 12.0);
+    picture.rectangle({3.0, 9.0}, {1.0, 4.5}, "#abc");
+    picture.rectangle({1.0, 2.0}, {3.0, 4.0}, "red", "a < b");
+    EXPECT_EQ(picture.str(),
+              kHead + kPaper +
+                  "<rect x=\"1\" y=\"4.5\" width=\"2\" height=\"4.5\" fill=\"#abc\"/>\n"
+                  "<rect x=\"1\" y=\"2\" width=\"2\" height=\"2\" fill=\"red\"><title>a &lt; "
+                  "b</title></rect>\n</svg>\n");
+}
+
 TEST(SvgPicture, AxesAreTwoSidesWithTheirLabels) {
     SvgPicture picture(200.0, 100.0, 12.0);
     picture.axes({0.0, 2.0, 40.0, 180.0, {0.0, 2.0}, " s"}, {0.0, 8.0, 80.0, 10.0, {4.0}, " dB"});

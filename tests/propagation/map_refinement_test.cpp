@@ -13,7 +13,7 @@ namespace {
 
 using Field = std::function<MapValue(const geometry::Vec3&)>;
 
-/// Refines until nothing is left to halve, as compute_metric_map() does, on values of a formula.
+/// Refines until no cell is to be refined, as compute_metric_map() does, on values of a formula.
 std::vector<MapCellPoint> refined(const MapLattice& lattice,
                                   std::uint32_t size,
                                   const AirTest& air,

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/cli/arguments.h"
+#include "earshot/propagation/simulator.h"
+
+#include <cstdint>
+#include <string>
+
+namespace earshot::cli {
+
+/// The options of paths, rays and air.
+class SimulationChoice {
+public:
+    struct Defaults {
+        int order = 4;
+        double rays_error_percent = 2.0;
+    };
+
+    /// Must outlive the parsing of the command line.
+    void add_to(CLI::App& app, const Defaults& defaults);
+
+    /// Throws UsageError if --rays is not of its form.
+    propagation::Options options(const CLI::App& app, std::int64_t seed) const;
+
+private:
+    std::int64_t order_ = 4;
+    std::string rays_ = "auto";
+    double rays_error_percent_ = 2.0;
+    bool transmission_ = false;
+    std::string bands_ = "octave";
+    propagation::Air air_;
+    bool no_air_absorption_ = false;
+};
+
+}  // namespace earshot::cli
