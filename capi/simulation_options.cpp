@@ -157,6 +157,19 @@ propagation::Options simulator_options(const es_simulation_options& options) {
         .bands = bands_of(options.bands, "options->bands")};
 }
 
+std::optional<audio::SpeechConditions> speech_conditions(const es_simulation_options& options) {
+    if (options.speech == 0) {
+        return std::nullopt;
+    }
+    audio::SpeechConditions speech;
+    speech.speech_level_db = options.speech_level_db;
+    if (options.noise_db != nullptr) {
+        speech.noise_db.emplace();
+        std::copy_n(options.noise_db, audio::kSpeechBands, speech.noise_db->begin());
+    }
+    return speech;
+}
+
 propagation::ResponseFormat response_format(const es_simulation_options& options) {
     propagation::ResponseFormat format = {.ambisonic_order = options.ambisonic_order,
                                           .sample_rate = options.sample_rate,
@@ -171,14 +184,7 @@ propagation::ResponseFormat response_format(const es_simulation_options& options
     } else if (options.format == ES_FORMAT_AMBISONIC) {
         format.channels = propagation::Channels::ambisonic;
     }
-    if (options.speech != 0) {
-        format.speech.emplace();
-        format.speech->speech_level_db = options.speech_level_db;
-        if (options.noise_db != nullptr) {
-            format.speech->noise_db.emplace();
-            std::copy_n(options.noise_db, audio::kSpeechBands, format.speech->noise_db->begin());
-        }
-    }
+    format.speech = speech_conditions(options);
     return format;
 }
 

@@ -5,6 +5,8 @@
 #include "earshot/propagation/response.h"
 #include "earshot/propagation/simulator.h"
 
+#include <optional>
+
 namespace earshot::capi {
 
 /// All options, the defaults for null. Throws Failure for what is out of range.
@@ -12,6 +14,9 @@ es_simulation_options checked_options(const es_simulation_options* options);
 
 /// Without visible sets.
 propagation::Options simulator_options(const es_simulation_options& options);
+
+/// For STI; nothing unless they are asked for.
+std::optional<audio::SpeechConditions> speech_conditions(const es_simulation_options& options);
 
 /// Reads the HRIR set of a binaural format. Throws Error if it cannot.
 propagation::ResponseFormat response_format(const es_simulation_options& options);

@@ -25,6 +25,7 @@ from ._errors import (
 )
 from ._library import NONE, Message, Messages, lib, text
 from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
+from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
 from .names import Names
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
@@ -55,10 +56,12 @@ __all__ = [
     "Histogram",
     "Hits",
     "LibraryMaterial",
+    "MapLimit",
     "Material",
     "MeshInWorld",
     "Message",
     "Messages",
+    "MetricMap",
     "MissingPackage",
     "Names",
     "OutOfMemory",
@@ -80,6 +83,7 @@ __all__ = [
     "extrude",
     "library",
     "load",
+    "map",
     "mix",
     "plot_decay",
     "plot_echogram",

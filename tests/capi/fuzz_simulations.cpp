@@ -279,6 +279,64 @@ es_status read_sound(Caller& c) {
     return es_sound_write(sound, file, nullptr);
 }
 
+es_status make_map(Caller& c) {
+    const es_scene scene = c.handle(ES_KIND_SCENE);
+    es_simulation_options simulation = options(c);
+    simulation.rays = 0;
+    es_map_options given;
+    es_map_options_init(&given, sizeof given);
+    given.area = c.choice(3);
+    given.material = static_cast<std::uint32_t>(c.below(4));
+    given.rectangle[0] = c.number(-1e9, 1e9, {-1.0, 1.0});
+    given.rectangle[2] = c.number(-1e9, 1e9, {1.0, 3.0});
+    given.rectangle[1] = -1.0;
+    given.rectangle[3] = 2.0;
+    given.height = c.number(-1e9, 1e9, {0.1, 2.0});
+    given.step = c.number(1e-3, 1e9, {0.5, 2.0});
+    given.coarse_step = c.chance(0.8) ? 0.0 : c.number(given.step, 1e9);
+    given.clearance = c.number(0.0, 1e9, {0.0, 0.3});
+    given.point_count = c.count(6);
+    given.points = c.points(given.point_count);
+    given.metrics = c.text({"sti", "t30,c80", "g:125", "", "t3O", ","}, true);
+    // Whether these fail is not told by each alone: other members say which are read.
+    c.wrong = false;
+    es_metric_map map = 0;
+    return kept(c, es_map_create(scene, &simulation, &given, c.out(map)), map);
+}
+
+es_status use_map(Caller& c) {
+    const es_metric_map map = c.handle(ES_KIND_METRIC_MAP);
+    es_map_info info{};
+    info.struct_size = sizeof info;
+    static_cast<void>(es_map_get_info(map, &info));
+    const double *values = nullptr, *errors = nullptr;
+    std::size_t count = 0;
+    switch (c.below(4)) {
+        case 0: {
+            std::size_t shape[3] = {};
+            const es_status status = es_map_values(map, c.out(values), &errors, shape);
+            const std::size_t numbers = shape[0] * shape[1] * shape[2];
+            keep_reading(status == ES_OK ? sum(values, numbers) + sum(errors, numbers) : 0.0);
+            return status;
+        }
+        case 1: {
+            const es_status status = es_map_cells(map, c.out(values), &count);
+            keep_reading(status == ES_OK ? sum(values, 4 * count) : 0.0);
+            return status;
+        }
+        case 2: {
+            es_map_limit limit{};
+            limit.struct_size = sizeof limit;
+            const std::size_t source = c.index(info.sources), metric = c.index(info.metrics);
+            const double value = c.number(-1e9, 1e9, {0.3, 1.0});
+            const std::int32_t is_minimum = c.flag();
+            return es_map_evaluate_limit(map, source, metric, value, is_minimum, c.out(limit));
+        }
+        default:
+            return es_map_points(map, c.out(values), &count);
+    }
+}
+
 es_status read_files(Caller& c) {
     std::uint64_t handle = 0;
     const char* file = c.text({"none", "fuzz.wav", "fuzz.json", "fuzz.pvs", "/", ""});
@@ -302,6 +360,8 @@ const std::vector<WeightedCall>& simulation_calls() {
                                                     {"views", views, 40},
                                                     {"metrics", metrics, 20},
                                                     {"documents", documents, 4},
+                                                    {"make_map", make_map, 2},
+                                                    {"use_map", use_map, 8},
                                                     {"make_sound", make_sound, 10},
                                                     {"use_sound", use_sound, 10},
                                                     {"read_sound", read_sound, 8},

@@ -123,6 +123,7 @@ int main(int argc, char** argv) {
                   {"worlds", test_worlds},
                   {"world_errors", test_world_errors},
                   {"visible_sets", test_visible_sets},
+                  {"maps", test_maps},
                   {"without_module", test_without_module},
                   {"threads", test_threads}};
     if (argc != 3) {
