@@ -37,7 +37,9 @@ function warnings(data: ReportData): HTMLElement | null {
 }
 
 export function verdict_section(report: Report): Section {
-    const lines = (report.data.verdict ?? []).map((line) => verdict_line(report, line));
+    // What was asked comes before what is told unasked, failures first; otherwise the order of the data.
+    const rank = (line: VerdictLine): number => ["missed", "met", "told"].indexOf(line.state);
+    const lines = [...(report.data.verdict ?? [])].sort((a, b) => rank(a) - rank(b)).map((line) => verdict_line(report, line));
     return section("verdict", "Verdict",
         lines.length > 0 && el("ul", { class: "verdicts" }, ...lines),
         warnings(report.data),
