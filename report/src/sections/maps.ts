@@ -45,7 +45,7 @@ function summary(map: MetricMap): HTMLElement {
         parts.push(`From ${value_text(map, low.v, map.errors?.[low.i])} to ${value_text(map, high.v, map.errors?.[high.i])} at ${values.length} points.`);
     }
     if (typeof map.limit === "number" && typeof map.share === "number") {
-        parts.push(`${map.limit_is_minimum === false ? "At most" : "At least"} ${value_text(map, map.limit, null)} is met on ${percent(map.share)} of the area; the line in the plan is its contour.`);
+        parts.push(`${map.limit_is_minimum === false ? "At most" : "At least"} ${value_text(map, map.limit, null)} is met on ${percent(map.share)} of the area${map.contour?.length ? "; the line in the plan is its contour" : ""}.`);
     }
     return el("p", {}, parts.join(" "));
 }
