@@ -58,10 +58,11 @@ typedef struct es_simulation_options {
     es_progress_callback progress;  ///< null: nobody wants to know (null)
     void* progress_data;            ///< its first argument
     int32_t threads;                ///< 0: one per core; changes no result (0)
-    int32_t sofa;      ///< 1: keep what es_results_write_sofa() needs: responses of 64 bits (0)
-    int32_t paths;     ///< 1: tell the paths; 0: none, in boxes in less time; changes no
-                       ///< response and no metric (1)
-    int32_t reserved;  ///< 0
+    int32_t sofa;         ///< 1: keep what es_results_write_sofa() needs: responses of 64 bits (0)
+    int32_t paths;        ///< 1: tell the paths; 0: none, in boxes in less time; changes no
+                          ///< response and no metric (1)
+    int32_t sensitivity;  ///< 1: tell which surfaces matter, es_result_sensitivity(); needs
+                          ///< the paths (0)
 } es_simulation_options;
 
 /// Sets all members to their defaults, `struct_size` to `size`.
@@ -264,6 +265,43 @@ ES_API es_status es_result_histogram(es_result result,
                                      size_t listener,
                                      es_histogram* histogram);
 
+/// Which surfaces matter: what each material of the scene means to each pair, before and after 80
+/// ms. Arrays are (sources, listeners, material_count, band_count).
+typedef struct es_sensitivity {
+    size_t struct_size;
+    const double* areas;  ///< (material_count), one side of the triangles, square metres
+    /// Share of the energy at the listener that the material reflected at least once, of what
+    /// arrives within 80 ms of the onset and later. Shares of materials overlap.
+    const double* touched_before;
+    const double* touched_after;
+    /// Mean number of its reflections on the way of that energy.
+    const double* reflections_before;
+    const double* reflections_after;
+    /// Share of the energy emitted by the source that the material absorbs, within 80 ms of the
+    /// emission and later; 0 without rays.
+    const double* absorbed_before;
+    const double* absorbed_after;
+    size_t material_count;
+    size_t band_count;
+} es_sensitivity;
+
+/// `sensitivity->struct_size` must be set. Fails with ES_ERROR_FAILED if it was not asked for.
+ES_API es_status es_result_sensitivity(es_result result, es_sensitivity* sensitivity);
+
+/// Derivatives of an expected metric of all pairs by the energy absorption coefficients of the
+/// scene's materials, per unit of the coefficient: (sources, listeners, materials, bands). A
+/// metric of a band depends on the coefficient in that band; per band, ES_METRIC_STI is derived by
+/// the coefficient in each band. Single numbers are derived by all bands together, bands is 1.
+/// NaN where the metric has no value or the material absorbs everything. `standard_errors`, of the
+/// same shape, may be null. `metric`: ES_METRIC_EDT ... ES_METRIC_STI. Fails as
+/// es_result_sensitivity().
+ES_API es_status es_result_derivative(es_result result,
+                                      int32_t metric,
+                                      int32_t form,
+                                      const double** values,
+                                      const double** standard_errors,
+                                      size_t shape[4]);
+
 /// What is to be told of the result: pairs without a path, errors not reached, decays that are
 /// longer than the room explains.
 ES_API es_status es_result_notes(es_result result, es_messages* messages);
@@ -272,7 +310,8 @@ ES_API es_status es_result_notes(es_result result, es_messages* messages);
 typedef enum es_document {
     ES_PATHS_JSON = 0,
     ES_METRICS_JSON = 1,
-    ES_HISTOGRAMS_JSON = 2
+    ES_HISTOGRAMS_JSON = 2,
+    ES_SENSITIVITY_JSON = 3
 } es_document;
 
 /// Writes such a file, the same bytes as the program, whole or not at all. Fails with

@@ -6,6 +6,7 @@
 #include "earshot/capi/internal/sound_object.h"
 #include "earshot/io/metrics.h"
 #include "earshot/io/results.h"
+#include "earshot/io/sensitivity.h"
 #include "earshot/io/whole_file.h"
 
 #include <memory>
@@ -81,7 +82,7 @@ io::Sound sound_of(const ResultObject& result, std::size_t pair) {
 }
 
 std::string document_of(const ResultObject& result, std::int32_t document) {
-    require_in(std::int64_t{document}, ES_PATHS_JSON, ES_HISTOGRAMS_JSON, "document");
+    require_in(std::int64_t{document}, ES_PATHS_JSON, ES_SENSITIVITY_JSON, "document");
     const io::ResultHeader header = {
         .scene = result.names, .bands = result.bands, .speed_of_sound = result.info.speed_of_sound};
     if (document == ES_PATHS_JSON) {
@@ -95,6 +96,12 @@ std::string document_of(const ResultObject& result, std::int32_t document) {
                                    .room = result.room,
                                    .speech = result.speech},
                                   result.metrics);
+    }
+    if (document == ES_SENSITIVITY_JSON) {
+        require_sensitivity(result);
+        return io::encode_sensitivity(
+            {.scene = result.names, .bands = result.bands, .areas = result.material_areas},
+            result.sensitivity);
     }
     if (!result.has_histograms) {
         throw Error("histograms",

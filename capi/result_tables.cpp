@@ -82,6 +82,7 @@ void ResultObject::finish() {
         flatten_histograms();
     }
     flatten_metrics(*this);
+    flatten_sensitivity();
 }
 
 }  // namespace earshot::capi

@@ -19,7 +19,7 @@ namespace {
 using propagation::PairResult;
 using propagation::Scene;
 
-/// What results tell of a scene: names.
+/// What results tell of a scene: names and materials.
 Scene names_of(const Scene& scene) {
     Scene names;
     names.name = scene.name;
@@ -29,9 +29,7 @@ Scene names_of(const Scene& scene) {
     for (const propagation::Emitter& listener : scene.listeners) {
         names.listeners.push_back({.name = listener.name});
     }
-    for (const propagation::Material& material : scene.materials) {
-        names.materials.emplace_back().name = material.name;
-    }
+    names.materials = scene.materials;
     return names;
 }
 
@@ -143,10 +141,14 @@ std::shared_ptr<ResultObject> Simulation::run(propagation::Simulator& simulator,
     if (given_.metrics != 0) {
         describe_room(simulator, scene, time, *result, executor);
     }
+    if (given_.sensitivity != 0) {
+        describe_materials(scene, time, *result, executor);
+    }
     result->has_paths = given_.paths != 0;
     result->has_histograms = given_.histograms != 0;
     for (PairResult& pair : result->pairs) {
         pair.late_replicates = {};
+        pair.late_materials = {};
         if (!result->has_histograms) {
             pair.late = {.bin = pair.late.bin, .full_decay = pair.late.full_decay};
         }
@@ -207,6 +209,20 @@ void Simulation::describe_room(const propagation::Simulator& simulator,
             simulator, scene, *result.room, options, result.metrics, executor);
         result.notes.insert(result.notes.end(), notes.begin(), notes.end());
     }
+}
+
+void Simulation::describe_materials(const Scene& scene,
+                                    double time,
+                                    ResultObject& result,
+                                    Executor& executor) const {
+    result.material_areas = propagation::material_areas(scene, time);
+    result.sensitivity.resize(result.pairs.size());
+    executor.for_each(result.pairs.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            result.sensitivity[i] = propagation::pair_sensitivity(
+                scene, result.pairs[i], {.bands = options_.bands, .speech = format_.speech});
+        }
+    });
 }
 
 void require_emitters(const Scene& scene) {

@@ -56,7 +56,7 @@ constexpr es_simulation_options kDefaults = {.struct_size = sizeof(es_simulation
                                              .threads = 0,
                                              .sofa = 0,
                                              .paths = 1,
-                                             .reserved = 0};
+                                             .sensitivity = 0};
 
 void check_paths(const es_simulation_options& options) {
     require_time(options.time, "options->time");
@@ -107,6 +107,10 @@ void check_form(const es_simulation_options& options) {
     require_flag(options.keep_traces, "options->keep_traces");
     require_flag(options.sofa, "options->sofa");
     require_flag(options.paths, "options->paths");
+    require_flag(options.sensitivity, "options->sensitivity");
+    if (options.sensitivity != 0 && options.paths == 0) {
+        fail_argument("options->sensitivity", "needs the paths", "set options->paths to 1");
+    }
     require_flag(options.speech, "options->speech");
     require_in(options.speech_level_db, -kMaxLevelDb, kMaxLevelDb, "options->speech_level_db");
     for (std::size_t i = 0; options.noise_db != nullptr && i < audio::kSpeechBands; ++i) {
@@ -153,6 +157,7 @@ propagation::Options simulator_options(const es_simulation_options& options) {
         .seed = options.seed,
         .late_length = options.length,
         .late_directions = options.format != ES_FORMAT_MONO,
+        .report_materials = options.sensitivity != 0,
         .keep_traces = options.keep_traces != 0,
         .bands = bands_of(options.bands, "options->bands")};
 }

@@ -11,6 +11,7 @@
 #include "earshot/propagation/response.h"
 #include "earshot/propagation/room_statistics.h"
 #include "earshot/propagation/scene.h"
+#include "earshot/propagation/sensitivity.h"
 
 #include <array>
 #include <cstddef>
@@ -35,13 +36,15 @@ struct HistogramTable {
 /// What a simulation found, as flat arrays and as the library's objects. Never changes after
 /// finish().
 struct ResultObject : ObjectOf<ES_KIND_RESULT> {
-    propagation::Scene names;  ///< of the scene, without its geometry
+    propagation::Scene names;  ///< of the scene and its materials, without geometry
     audio::Bands bands = audio::Bands::octaves();
     es_result_info info{};
     std::optional<audio::SpeechConditions> speech{};
     std::vector<propagation::PairResult> pairs;
     std::vector<propagation::PairMetrics> metrics;  ///< per pair, or none
     std::optional<propagation::RoomStatistics> room;
+    std::vector<propagation::PairSensitivity> sensitivity;  ///< per pair, or none
+    std::vector<double> material_areas;                     ///< with it, square metres
     Warnings notes;
     bool has_paths = true;
     bool has_histograms = false;
@@ -59,6 +62,10 @@ struct ResultObject : ObjectOf<ES_KIND_RESULT> {
     /// Per metric, set and form; empty where a metric does not have that.
     std::array<std::array<std::array<MetricTable, 2>, 2>, kMetricCount> metric_tables;
     std::vector<HistogramTable> histograms;  ///< per pair, or none
+    /// Of sensitivity: the energies of es_sensitivity in their order, and derivatives per metric
+    /// and form.
+    std::array<std::vector<double>, 6> material_energies;
+    std::array<std::array<MetricTable, 2>, ES_METRIC_STI + 1> derivative_tables;
 
     std::size_t pair_index(std::size_t source, std::size_t listener) const noexcept {
         return source * info.listeners + listener;
@@ -68,7 +75,11 @@ struct ResultObject : ObjectOf<ES_KIND_RESULT> {
 private:
     void flatten_paths();
     void flatten_histograms();
+    void flatten_sensitivity();
 };
+
+/// Throws Error if the result tells nothing of materials.
+void require_sensitivity(const ResultObject& result);
 
 /// Fills in metric_tables of metrics.
 void flatten_metrics(ResultObject& result);

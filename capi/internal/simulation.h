@@ -46,6 +46,10 @@ private:
                        double time,
                        ResultObject& result,
                        Executor& executor) const;
+    void describe_materials(const propagation::Scene& scene,
+                            double time,
+                            ResultObject& result,
+                            Executor& executor) const;
 
     es_simulation_options given_;
     std::shared_ptr<VisibleSetsObject> visible_sets_;  // kept alive for options_

@@ -29,7 +29,17 @@ from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
 from .names import Names
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
-from .result import PATH_TYPE, Histogram, Path, Paths, Response, Result, Room, write_sofa
+from .result import (
+    PATH_TYPE,
+    Histogram,
+    Path,
+    Paths,
+    Response,
+    Result,
+    Room,
+    Sensitivity,
+    write_sofa,
+)
 from .scene import Scene, extrude, load, shoebox
 from .simulation import Simulator, simulate
 from .sound import Sound, auralize, mix
@@ -72,6 +82,7 @@ __all__ = [
     "Result",
     "Room",
     "Scene",
+    "Sensitivity",
     "Sight",
     "Simulator",
     "Sound",

@@ -181,6 +181,33 @@ class Histogram:
     level_error_db: float
 
 
+@dataclasses.dataclass(frozen=True)
+class Sensitivity:
+    """Which surfaces matter: what each material of the scene means to each pair.
+
+    Energies are (sources, listeners, materials, bands), before and after 80 ms. Derivatives are by
+    the energy absorption coefficient of a material, per unit of it: a metric of a band depends on
+    the coefficient in that band; 'sti' is derived by the coefficient in each band; single numbers
+    by all bands together. NaN where the metric has no value or the material absorbs everything.
+    """
+
+    materials: Names
+    areas: npt.NDArray[np.float64]  #: (materials,) square metres
+    touched_before: npt.NDArray[np.float64]  #: share of the energy that the material reflected
+    touched_after: npt.NDArray[np.float64]
+    reflections_before: npt.NDArray[np.float64]  #: mean number of its reflections on the way
+    reflections_after: npt.NDArray[np.float64]
+    absorbed_before: npt.NDArray[np.float64]  #: share of the emitted energy that it absorbs
+    absorbed_after: npt.NDArray[np.float64]
+    #: 'edt', 't20', 't30', 'c50', 'c80', 'd50', 'ts', 'g', 'sti': (sources, listeners, materials,
+    #: bands).
+    derivatives: dict[str, npt.NDArray[np.float64]]
+    standard_errors: dict[str, npt.NDArray[np.float64]]  #: of these; NaN without rays
+    #: 'edt_mid', ..., 'sti': (sources, listeners, materials).
+    single: dict[str, npt.NDArray[np.float64]]
+    single_standard_errors: dict[str, npt.NDArray[np.float64]]
+
+
 class Response:
     """What a result holds of a pair of a source and a listener: ``result["talker", "seat"]``."""
 
@@ -516,6 +543,37 @@ class Result(Object):
                          view(given.error, shape, np.float64, self), given.rays,
                          given.t30_error, given.level_error_db)
 
+    @functools.cached_property
+    def sensitivity(self) -> Sensitivity:
+        """Which surfaces matter; simulate with ``sensitivity=True``."""
+        given = new_struct("es_sensitivity")
+        check(lib.es_result_sensitivity(self._handle, given))
+        shape = (len(self.sources), len(self.listeners), given.material_count, given.band_count)
+        energies = {
+            name: view(getattr(given, name), shape, np.float64, self)
+            for name in ("touched_before", "touched_after", "reflections_before",
+                         "reflections_after", "absorbed_before", "absorbed_after")
+        }
+        tables: tuple[dict[str, npt.NDArray[np.float64]], ...] = ({}, {}, {}, {})
+        for kind in _metric_kinds()[: lib.ES_METRIC_STI + 1]:
+            is_index = kind.index == lib.ES_METRIC_STI
+            values, errors = self._derivative(kind.index, lib.ES_PER_BAND)
+            tables[0][kind.key], tables[1][kind.key] = values, errors
+            values, errors = self._derivative(kind.index, lib.ES_SINGLE_NUMBER)
+            name = kind.key if is_index else f"{kind.key}_mid"
+            tables[2][name], tables[3][name] = values[..., 0], errors[..., 0]
+        return Sensitivity(self.materials,
+                           view(given.areas, (given.material_count,), np.float64, self),
+                           **energies, derivatives=tables[0], standard_errors=tables[1],
+                           single=tables[2], single_standard_errors=tables[3])
+
+    def _derivative(self, kind: int, form: int) -> Any:
+        """(values, standard errors)."""
+        values, errors = ffi.new("const double **"), ffi.new("const double **")
+        shape = ffi.new("size_t[4]")
+        check(lib.es_result_derivative(self._handle, kind, form, values, errors, shape))
+        return tuple(view(found[0], tuple(shape), np.float64, self) for found in (values, errors))
+
     def notes(self) -> Messages:
         """What is to be told: pairs without a path, errors not reached, decays that are longer than
         the room explains."""
@@ -544,8 +602,8 @@ class Result(Object):
             self.write_json(place / "metrics.json", "metrics")
 
     def write_json(self, file: str | os.PathLike[str], document: str) -> None:
-        """Writes 'paths', 'metrics' or 'histograms' as ``earshot ir`` does."""
-        kinds = {"paths": 0, "metrics": 1, "histograms": 2}
+        """Writes 'paths', 'metrics', 'histograms' or 'sensitivity' as ``earshot ir`` does."""
+        kinds = {"paths": 0, "metrics": 1, "histograms": 2, "sensitivity": 3}
         if document not in kinds:
             raise ArgumentError("document", f"is {document!r}", f"give one of {', '.join(kinds)}")
         check(lib.es_result_write(self._handle, kinds[document], encoded(os.fspath(file))))

@@ -120,6 +120,7 @@ def _options(
     histograms: bool = False,
     sofa: bool = False,
     paths: bool = True,
+    sensitivity: bool = False,
     noise: Union[str, Sequence[float], None] = None,
     speech: Union[str, float, None] = None,
     visible_sets: VisibleSets | None = None,
@@ -152,6 +153,7 @@ def _options(
     options.histograms = int(bool(histograms))
     options.sofa = int(bool(sofa))
     options.paths = int(bool(paths))
+    options.sensitivity = int(bool(sensitivity))
     options.keep_traces = int(bool(keep_traces))
     options.threads = integer(threads, "threads")
     keep = _speech(options, noise, speech)
@@ -214,6 +216,8 @@ def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Resu
     paths : bool
         Tell the paths (True). Without them boxes take less time and memory; responses and metrics
         are the same.
+    sensitivity : bool
+        Tell which surfaces matter, :attr:`Result.sensitivity` (False).
     visible_sets : VisibleSets
         Leave out paths whose first reflection the source's cell does not see.
     seed, threads : int

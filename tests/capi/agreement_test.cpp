@@ -44,6 +44,7 @@ es_simulation_options defaults() {
     options.rays = 4096;
     options.rays_error = 0.0;
     options.histograms = 1;
+    options.sensitivity = 1;
     return options;
 }
 
@@ -51,16 +52,17 @@ class Agreement : public testing::Test {
 protected:
     void expect_same_files(const SimulatedCase& run) {
         const std::string file = test::source_file(run.scene).string();
-        const std::string command = std::string(EARSHOT_PROGRAM) + " ir " + file + " -o " +
-                                    (folder_ / "program").string() +
-                                    " --quiet --histograms --order 2 --rays 4096 " + run.arguments;
+        const std::string command =
+            std::string(EARSHOT_PROGRAM) + " ir " + file + " -o " + (folder_ / "program").string() +
+            " --quiet --histograms --sensitivity --order 2 --rays 4096 " + run.arguments;
         ASSERT_EQ(std::system(command.c_str()), 0) << command;
         es_scene scene = 0;
         es_result result = 0;
         expect_ok(es_scene_load(file.c_str(), nullptr, &scene));
         expect_ok(es_simulate(scene, &run.options, &result));
-        const char* documents[] = {"paths.json", "metrics.json", "histograms.json"};
-        for (std::int32_t document = ES_PATHS_JSON; document <= ES_HISTOGRAMS_JSON; ++document) {
+        const char* documents[] = {
+            "paths.json", "metrics.json", "histograms.json", "sensitivity.json"};
+        for (std::int32_t document = ES_PATHS_JSON; document <= ES_SENSITIVITY_JSON; ++document) {
             const std::filesystem::path mine = folder_ / documents[document];
             expect_ok(es_result_write(result, document, mine.c_str()));
             EXPECT_EQ(bytes_of(mine), bytes_of(folder_ / "program" / documents[document]))

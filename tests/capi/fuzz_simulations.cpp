@@ -49,6 +49,7 @@ es_simulation_options options(Caller& c) {
     options.keep_traces = c.flag();
     options.sofa = c.flag();
     options.paths = c.flag();
+    options.sensitivity = c.flag();
     options.speech = c.flag();
     options.speech_level_db = c.number(-200.0, 200.0);
     options.visible_sets = c.chance(0.9) ? 0 : c.some(ES_KIND_VISIBLE_SETS);
@@ -141,7 +142,7 @@ es_status views(Caller& c) {
     const es_result result = c.handle(ES_KIND_RESULT);
     const es_result_info info = info_of(result);
     size_t shape[4] = {};
-    switch (c.below(5)) {
+    switch (c.below(7)) {
         case 0: {
             const float* samples = nullptr;
             const es_status status = es_result_responses(result, c.out(samples), shape);
@@ -176,6 +177,30 @@ es_status views(Caller& c) {
                 es_result_histogram(result, source, listener, c.out(histogram));
             if (status == ES_OK) {
                 keep_reading(sum(histogram.energy, histogram.bin_count * histogram.band_count));
+            }
+            return status;
+        }
+        case 4: {
+            es_sensitivity sensitivity{};
+            sensitivity.struct_size = c.chance(0.95) ? sizeof sensitivity : c.count(200);
+            c.wrong = c.wrong || sensitivity.struct_size != sizeof sensitivity;
+            const es_status status = es_result_sensitivity(result, &sensitivity);
+            if (status == ES_OK) {
+                keep_reading(sum(sensitivity.absorbed_after,
+                                 info.sources * info.listeners * sensitivity.material_count *
+                                     sensitivity.band_count));
+            }
+            return status;
+        }
+        case 5: {
+            const double *values = nullptr, *errors = nullptr;
+            const std::int32_t metric = c.choice(ES_METRIC_STI + 1);
+            const std::int32_t form = c.choice(2);
+            const es_status status = es_result_derivative(
+                result, metric, form, c.out(values), c.chance(0.5) ? &errors : nullptr, shape);
+            if (status == ES_OK) {
+                const std::size_t count = shape[0] * shape[1] * shape[2] * shape[3];
+                keep_reading(sum(values, count) + (errors != nullptr ? sum(errors, count) : 0.0));
             }
             return status;
         }

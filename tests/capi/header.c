@@ -21,5 +21,6 @@ HOLDS(sizeof(es_result_info) == 104, result_info_size);
 HOLDS(sizeof(es_path_arrays) == 88, path_arrays_size);
 HOLDS(sizeof(es_room) == 72, room_size);
 HOLDS(sizeof(es_histogram) == 80, histogram_size);
+HOLDS(sizeof(es_sensitivity) == 80, sensitivity_size);
 HOLDS(sizeof(es_visible_sets_info) == 152, visible_sets_info_size);
 HOLDS(sizeof(es_visible_sets_options) == 120, visible_sets_options_size);

@@ -13,6 +13,7 @@ static es_result simulate(es_scene scene, int32_t format, int32_t has_all) {
     options.histograms = has_all;
     options.metrics = has_all;
     options.responses = has_all;
+    options.sensitivity = has_all;
     es_result result = 0;
     CHECK_OK(es_simulate(scene, &options, &result));
     return result;
@@ -91,6 +92,49 @@ static void test_diffuse_room(void) {
     CHECK_OK(es_release(scene));
 }
 
+/// All sound of a closed room is absorbed, and more absorption makes its decay shorter.
+static void test_sensitivity(void) {
+    es_scene scene = make_room(0.2);
+    es_result result = simulate(scene, ES_FORMAT_MONO, 1);
+    es_sensitivity sensitivity = {.struct_size = sizeof sensitivity};
+    CHECK_OK(es_result_sensitivity(result, &sensitivity));
+    const size_t materials = sensitivity.material_count, bands = sensitivity.band_count;
+    CHECK(materials > 0 && bands == 10);
+    const double *t30 = NULL, *errors = NULL, *sti = NULL;
+    size_t shape[4] = {0};
+    CHECK_OK(es_result_derivative(result, ES_METRIC_T30, ES_SINGLE_NUMBER, &t30, &errors, shape));
+    CHECK(shape[0] == 1 && shape[1] == 1 && shape[2] == materials && shape[3] == 1);
+    CHECK_OK(es_result_derivative(result, ES_METRIC_STI, ES_PER_BAND, &sti, NULL, shape));
+    CHECK(shape[3] == bands);
+    double absorbed = 0.0, area = 0.0;
+    for (size_t i = 0; i < materials; ++i) {
+        const size_t at = i * bands + 4;
+        area += sensitivity.areas[i];
+        absorbed += sensitivity.absorbed_before[at] + sensitivity.absorbed_after[at];
+        CHECK(sensitivity.touched_before[at] > 0.0 && sensitivity.touched_before[at] < 1.0);
+        CHECK(sensitivity.touched_after[at] <= 1.0 + 1e-12);
+        CHECK(sensitivity.reflections_after[at] > sensitivity.reflections_before[at]);
+        CHECK(t30[i] < 0.0 && errors[i] > 0.0 && errors[i] < -t30[i]);
+        CHECK(sti[at] > 0.0);
+    }
+    CHECK_NEAR(area, 94.0, 1e-9);
+    CHECK_NEAR(absorbed, 0.98, 0.02);  // the air takes the rest
+    CHECK_OK(es_result_write(result, ES_SENSITIVITY_JSON, "sensitivity.json"));
+    CHECK_FAILS(ES_ERROR_NULL, "sensitivity", es_result_sensitivity(result, NULL));
+    CHECK_FAILS(ES_ERROR_ARGUMENT,
+                "metric",
+                es_result_derivative(result, ES_METRIC_LF, 0, &t30, NULL, shape));
+    CHECK_FAILS(ES_ERROR_NULL, "values", es_result_derivative(result, 0, 0, NULL, NULL, shape));
+    CHECK_FAILS(ES_ERROR_NULL, "shape", es_result_derivative(result, 0, 0, &t30, NULL, NULL));
+    es_simulation_options options = early_options(1);
+    options.sensitivity = 1;
+    options.paths = 0;
+    es_result none = 0;
+    CHECK_FAILS(ES_ERROR_ARGUMENT, "sensitivity", es_simulate(scene, &options, &none));
+    CHECK_OK(es_release(result));
+    CHECK_OK(es_release(scene));
+}
+
 /// A value that is missing has a reason.
 static void test_reasons(void) {
     es_scene scene = make_room(0.9);
@@ -160,6 +204,7 @@ static void test_formats(void) {
 
 void test_results(void) {
     test_diffuse_room();
+    test_sensitivity();
     test_reasons();
     test_formats();
     const char *key = NULL, *unit = NULL;
@@ -242,6 +287,13 @@ void test_result_errors(void) {
     CHECK_FAILS(ES_ERROR_FAILED, "metrics", es_result_metric(bare, 0, 0, 0, &values, NULL, shape));
     CHECK_FAILS(ES_ERROR_FAILED, "metrics", es_result_metric_note(bare, 0, 0, 0, 0, 0, &text));
     CHECK_FAILS(ES_ERROR_FAILED, "metrics", es_result_write(bare, ES_METRICS_JSON, "metrics.json"));
+    CHECK_FAILS(
+        ES_ERROR_FAILED, "sensitivity", es_result_write(bare, ES_SENSITIVITY_JSON, "s.json"));
+    es_sensitivity sensitivity = {.struct_size = sizeof sensitivity};
+    CHECK_FAILS(ES_ERROR_FAILED, "sensitivity", es_result_sensitivity(bare, &sensitivity));
+    CHECK_FAILS(ES_ERROR_FAILED,
+                "sensitivity",
+                es_result_derivative(bare, ES_METRIC_T30, 0, &values, NULL, shape));
     CHECK_FAILS(ES_ERROR_FAILED, "histograms", es_result_write(bare, ES_HISTOGRAMS_JSON, "h.json"));
     es_histogram histogram = {.struct_size = sizeof histogram};
     CHECK_OK(es_result_histogram(bare, 0, 0, &histogram));
@@ -260,7 +312,7 @@ void test_result_errors(void) {
     CHECK(fgets(head, sizeof head, file) != NULL &&
           strstr(head, "{\"version\":1,\"scene\":\"shoebox\"") == head);
     fclose(file);
-    CHECK_FAILS(ES_ERROR_ARGUMENT, "document", es_result_write(full, 3, "x.json"));
+    CHECK_FAILS(ES_ERROR_ARGUMENT, "document", es_result_write(full, 4, "x.json"));
     CHECK_FAILS(ES_ERROR_NULL, "file", es_result_write(full, ES_PATHS_JSON, NULL));
     CHECK_FAILS(ES_ERROR_FAILED,
                 "no/such/folder",

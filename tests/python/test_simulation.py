@@ -55,6 +55,41 @@ def test_files_are_the_programs(tmp_path, scenes, program):
             assert (ours / file).read_bytes() == (theirs / file).read_bytes(), file
 
 
+def test_sensitivity_tells_which_surfaces_matter(tmp_path, scenes, program):
+    program("ir", scenes / "shoebox.gltf", "-o", tmp_path / "program", "--order", 2, "--rays",
+            4000, "--quiet", "--sensitivity")
+    scene = es.load(scenes / "shoebox.gltf")
+    result = es.simulate(scene, order=2, rays=4000, sensitivity=True, responses=False)
+    result.write_json(tmp_path / "sensitivity.json", "sensitivity")
+    text = (tmp_path / "sensitivity.json").read_bytes()
+    assert text == (tmp_path / "program" / "sensitivity.json").read_bytes()
+    record = json.loads(text)
+    pair, found = record["pairs"][0], result.sensitivity
+    shape = (len(result.sources), len(result.listeners), len(result.materials), 10)
+    assert list(found.materials) == [material["name"] for material in record["materials"]]
+    np.testing.assert_array_equal(found.areas, [material["area"] for material in record["materials"]])
+    for name in ("touched_before", "touched_after", "absorbed_before", "reflections_after"):
+        assert getattr(found, name).shape == shape
+        assert (getattr(found, name) >= 0.0).all()
+    np.testing.assert_array_equal(found.touched_before[0, 0, 0], pair["energy"][0]["before_80ms"])
+    for name, values in found.derivatives.items():
+        assert values.shape == found.standard_errors[name].shape == shape
+        told = np.array(pair["derivatives"][name], dtype=float)
+        np.testing.assert_array_equal(values[0, 0], told)
+    for name, values in found.single.items():
+        assert values.shape == found.single_standard_errors[name].shape == shape[:3]
+        told = np.array(pair["derivatives"]["single"][name], dtype=float)
+        np.testing.assert_array_equal(values[0, 0], told)
+    assert (found.single["t30_mid"] < 0.0).all()  # what absorbs more decays faster
+
+
+def test_sensitivity_is_on_request(room):
+    with pytest.raises(es.Error, match="sensitivity=True"):
+        es.simulate(room, order=1, rays=0, responses=False).sensitivity
+    with pytest.raises(es.ArgumentError):
+        es.simulate(room, order=1, rays=0, paths=False, sensitivity=True)
+
+
 def test_sofa_files_are_the_programs(tmp_path, scenes, program):
     program("ir", scenes / "door.gltf", "-o", tmp_path / "program", "--quiet", "--order", 1,
             "--rays", 0, "--frames", "0:2:1", "--length", 0.1, "--sofa")
