@@ -3,13 +3,13 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
-#include "earshot/base/stage_progress.h"
 #include "earshot/propagation/internal/listener_sums.h"
 #include "earshot/propagation/internal/ray_tracer.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <mutex>
 #include <utility>
 
 namespace earshot::propagation {
@@ -79,19 +79,65 @@ public:
                (done == count_ || (done >= kFewBatches && std::has_single_bit(third)));
     }
     bool are_small(const LateErrors& errors, std::size_t done) const {
-        // For the errors' own error, and skewness.
-        const double caution = done > kFewBatches ? 1.3 : 2.0;
-        constexpr double kDecibelsPerShare = 5.0;  // 0.1 dB for 2 %
+        const double caution = caution_after(done);
         return caution * errors.t30 <= max_error_ &&
                caution * errors.level_db <= kDecibelsPerShare * max_error_;
     }
+    /// How many batches it takes, about, where so many have these errors, which fall with the
+    /// square root of their number. Precondition: an error is asked for.
+    std::size_t expected(const LateErrors& errors, std::size_t done) const {
+        const double ratio = caution_after(done) *
+                             std::max(errors.t30, errors.level_db / kDecibelsPerShare) / max_error_;
+        return static_cast<std::size_t>(std::min(
+            static_cast<double>(done) * std::max(1.0, ratio * ratio), static_cast<double>(count_)));
+    }
+    /// The same before the first look.
+    std::size_t expected() const {
+        constexpr std::size_t kUsual = 64;
+        return max_error_ > 0.0 ? std::min(count_, kUsual) : count_;
+    }
 
 private:
-    static constexpr std::size_t kMinBatches = 4;   // so that there are standard errors
-    static constexpr std::size_t kFewBatches = 16;  // whose errors are known to a fifth
+    static constexpr std::size_t kMinBatches = 4;     // so that there are standard errors
+    static constexpr std::size_t kFewBatches = 16;    // whose errors are known to a fifth
+    static constexpr double kDecibelsPerShare = 5.0;  // 0.1 dB for 2 %
+
+    /// For the errors' own error, and skewness.
+    static double caution_after(std::size_t done) { return done > kFewBatches ? 1.3 : 2.0; }
 
     double max_error_;
     std::size_t rays_, count_;
+};
+
+/// Reports rays; how many there will be is found out on the way.
+class RayProgress {
+public:
+    RayProgress(Progress* progress, std::size_t total) : progress_(progress), total_(total) {
+        add(0);
+    }
+
+    /// Callable from any thread.
+    void add(std::size_t rays) {
+        if (progress_ != nullptr) {
+            const std::lock_guard lock(mutex_);
+            done_ += rays;
+            total_ = std::max(total_, done_);
+            progress_->report("late rays", done_, total_);
+        }
+    }
+    void expect(std::size_t total) {
+        const std::lock_guard lock(mutex_);
+        total_ = std::max(total, done_);
+    }
+    void finish() {
+        expect(0);
+        add(0);
+    }
+
+private:
+    Progress* progress_;
+    std::size_t done_ = 0, total_;
+    std::mutex mutex_;
 };
 
 /// Traces batches and adds them up, listener by listener.
@@ -103,7 +149,8 @@ public:
           batches_(options),
           air_loss_(air_losses(options, listeners > 0 ? tracer.bins() : 0)),
           is_active_(listeners, 1),
-          end_(listeners, 0) {
+          end_(listeners, 0),
+          expected_(listeners, batches_.expected()) {
         for (std::size_t k = 0; k < listeners; ++k) {
             sums_.emplace_back(options,
                                air_loss_,
@@ -117,7 +164,7 @@ public:
     void run(Executor& executor, Progress* progress) {
         // A few batches at a time, so that memory does not grow with their number.
         const std::size_t round = 2 * static_cast<std::size_t>(executor.threads());
-        StageProgress traced(progress, "late rays", batches_.rays());
+        RayProgress traced(progress, batches_.expected() * batches_.rays() / batches_.count());
         while (!is_over_ && done_ < batches_.count()) {
             std::vector<BatchResult> results(std::min(round, batches_.count() - done_));
             executor.for_each(results.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -133,6 +180,10 @@ public:
             });
             for (std::size_t i = 0; i < results.size() && !is_over_; ++i) {
                 add_batch(results[i]);
+            }
+            if (!expected_.empty() && options_.max_error > 0.0) {
+                traced.expect(*std::max_element(expected_.begin(), expected_.end()) *
+                              kMaxBatchRays);
             }
         }
         traced.finish();
@@ -170,7 +221,12 @@ private:
         for (std::size_t i = 0; i < results.size() && is_active_[k] != 0; ++i) {
             const std::size_t done = done_ + i + 1;
             sums_[k].add(results[i], batches_.rays_of(done - 1));
-            if (batches_.is_look(done) && batches_.are_small(sums_[k].errors(), done)) {
+            if (!batches_.is_look(done)) {
+                continue;
+            }
+            const LateErrors errors = sums_[k].errors();
+            expected_[k] = batches_.expected(errors, done);
+            if (batches_.are_small(errors, done)) {
                 is_active_[k] = 0;
                 end_[k] = done;
             }
@@ -205,6 +261,7 @@ private:
     std::vector<ListenerSums> sums_;
     std::vector<std::uint8_t> is_active_;  // per listener: it needs more batches
     std::vector<std::size_t> end_;         // per listener: batches that it has; 0: not known yet
+    std::vector<std::size_t> expected_;    // per listener: batches that it needs, about
     EnergyBalance balance_;                // times the rays
     double visible_volume_ = 0.0;          // times volume_rays_
     double volume_rays_ = 0.0, rays_ = 0.0;
