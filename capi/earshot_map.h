@@ -37,8 +37,8 @@ ES_API es_status es_map_options_init(es_map_options* options, size_t size);
 
 /// Maps metrics of all sources of a scene, as `earshot map` does: what es_simulate() expects of
 /// listeners at the points, within the standard errors. `simulation` null: the defaults of
-/// es_simulate() with order 3 and rays_error 0.04; its time, order, transmission, rays, rays_error,
-/// seed, air, bands, speech, progress and threads count. Reads `scene`.
+/// es_simulate() with order 3, rays_error 0.04 and 200000 rays; its time, order, transmission,
+/// rays, rays_error, seed, air, bands, speech, progress and threads count. Reads `scene`.
 ES_API es_status es_map_create(es_scene scene,
                                const es_simulation_options* simulation,
                                const es_map_options* options,

@@ -89,8 +89,10 @@ es_simulation_options simulation_of(const es_simulation_options* options) {
     if (options == nullptr) {
         constexpr std::int32_t kOrder = 3;
         constexpr double kRaysError = 0.04;
+        constexpr std::uint64_t kMaxRays = 200000;
         checked_all.order = kOrder;
         checked_all.rays_error = kRaysError;
+        checked_all.rays = kMaxRays;
     }
     return checked_all;
 }

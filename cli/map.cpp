@@ -89,8 +89,9 @@ public:
 
 private:
     /// The error is that of a band; the mean of two bands is then known to half a just-noticeable
-    /// difference.
-    static constexpr SimulationChoice::Defaults kDefaults = {.order = 3, .rays_error_percent = 4.0};
+    /// difference. A few hard points must not trace rays for all.
+    static constexpr SimulationChoice::Defaults kDefaults = {
+        .order = 3, .rays_error_percent = 4.0, .max_auto_rays = 200000};
 
     void report(io::LoadedScene& loaded,
                 double time,

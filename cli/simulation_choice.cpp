@@ -3,19 +3,20 @@
 
 #include "earshot/cli/values.h"
 
+#include <string>
 #include <string_view>
 
 namespace earshot::cli {
 namespace {
 
 constexpr std::string_view kAuto = "auto";
-constexpr std::size_t kMaxAutoRays = 1000000;
 
 }  // namespace
 
 void SimulationChoice::add_to(CLI::App& app, const Defaults& defaults) {
     order_ = defaults.order;
     rays_error_percent_ = defaults.rays_error_percent;
+    max_auto_rays_ = defaults.max_auto_rays;
     add_integer(app,
                 "--order",
                 order_,
@@ -25,7 +26,8 @@ void SimulationChoice::add_to(CLI::App& app, const Defaults& defaults) {
     app.add_option("--rays",
                    rays_,
                    "of late sound, reverberation and scattering: a number, 0 for none, or auto: "
-                   "until T30 and level are certain, at most a million")
+                   "until T30 and level are certain, at most " +
+                       std::to_string(max_auto_rays_))
         ->capture_default_str();
     add_number(app,
                "--rays-error",
@@ -49,7 +51,7 @@ propagation::Options SimulationChoice::options(const CLI::App& app, std::int64_t
         .air = air_,
         .air_absorption = !no_air_absorption_,
         .transmission = transmission_,
-        .rays = kMaxAutoRays,
+        .rays = max_auto_rays_,
         .max_error = rays_error_percent_ / 100.0,
         .seed = static_cast<std::uint64_t>(seed),
         .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};

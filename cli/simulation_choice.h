@@ -4,6 +4,7 @@
 #include "earshot/cli/arguments.h"
 #include "earshot/propagation/simulator.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -15,6 +16,7 @@ public:
     struct Defaults {
         int order = 4;
         double rays_error_percent = 2.0;
+        std::size_t max_auto_rays = 1000000;
     };
 
     /// Must outlive the parsing of the command line.
@@ -27,6 +29,7 @@ private:
     std::int64_t order_ = 4;
     std::string rays_ = "auto";
     double rays_error_percent_ = 2.0;
+    std::size_t max_auto_rays_ = 0;
     bool transmission_ = false;
     std::string bands_ = "octave";
     propagation::Air air_;

@@ -33,6 +33,10 @@ from .scene import Scene
 from .simulation import _options
 
 
+#: A few hard points must not trace rays for all.
+_MAX_AUTO_RAYS = 200_000
+
+
 @dataclasses.dataclass(frozen=True)
 class MapLimit:
     """How much of a map keeps a limit."""
@@ -163,7 +167,8 @@ def map(
         of one band, 't30:125'.
     time, order, transmission, rays, rays_error, seed, temperature, humidity, pressure,
     air_absorption, bands, noise, speech, threads, progress
-        As in :func:`earshot.simulate`; ``order`` is 3 and ``rays_error`` 0.04 by default.
+        As in :func:`earshot.simulate`; ``order`` is 3 and ``rays_error`` 0.04 by
+        default, and 'auto' traces at most 200,000 rays.
 
     Examples
     --------
@@ -199,10 +204,13 @@ def map(
     keep.append(ffi.new("char[]", encoded(names)))
     own.metrics = keep[-1]
     options.setdefault("order", 3)
-    if options.get("rays", "auto") == "auto":
+    is_auto = options.get("rays", "auto") == "auto"
+    if is_auto:
         options.setdefault("rays_error", 0.04)
     simulation, keep_simulation = _options(**options)
     keep += keep_simulation
+    if is_auto:
+        simulation.rays = _MAX_AUTO_RAYS
 
     def work(callback: Any) -> int:
         simulation.progress = callback
