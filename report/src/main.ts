@@ -72,13 +72,14 @@ function start(): void {
         place.append(el("p", { class: "plain-message", role: "alert" }, (error as Error).message));
         return;
     }
-    document.title = `${data.title} \u2013 sound report`;
+    const kind = data.kind === "contacts" ? "report of contacts" : "sound report";
+    document.title = `${data.title} \u2013 ${kind}`;
     start_theme();
     const report: Report = { data, state: first_choices(data) };
     const sections = sections_of(report);
     append(place, [
         el("header", { class: "page-header" }, el("h1", {}, data.title),
-            el("p", { class: "byline" }, ["Sound report by", data.provenance?.program ?? "earshot", data.provenance?.version ?? ""].join(" ").trim())),
+            el("p", { class: "byline" }, [`${kind[0]!.toUpperCase()}${kind.slice(1)} by`, data.provenance?.program ?? "earshot", data.provenance?.version ?? ""].join(" ").trim())),
         toolbar(report, sections),
         el("main", { id: "content", tabindex: -1 }, ...sections.map((s) => s.element)),
         live_region(),

@@ -99,6 +99,19 @@ test("a page of contacts shows the contacts of the chosen time", async () => {
     await page.context().close();
 });
 
+test("a page of a map alone shows its plan, with what each cell is", async () => {
+    const { format, title, provenance, scene, materials, sources, maps, room, bands } = rooms_report();
+    const data = { format, kind: "map", title, provenance, scene, materials, sources, maps, room, bands };
+    const { page, complaints } = await open(browser, "map", data);
+    assert.equal(await page.locator("#maps rect").count(), maps[0].cells.length);
+    assert.match(await page.locator("#maps rect title").first().textContent(), new RegExp(maps[0].cells[0][4].toFixed(2)));
+    assert.match(await page.locator("#maps").textContent(), new RegExp(`met on ${(100 * maps[0].share).toFixed(0)}`));
+    await page.locator("#scene").getByLabel("Map", { exact: true }).selectOption("0");
+    await screenshot(page, "map");
+    assert.deepEqual(complaints, []);
+    await page.context().close();
+});
+
 test("a page of the four members that are always there opens", async () => {
     const { page, complaints } = await open(browser, "least", { format: 1, kind: "rooms", title: "least", provenance: {} });
     assert.deepEqual(await page.locator("h2").allTextContents(), ["Verdict", "Provenance"]);
