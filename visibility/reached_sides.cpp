@@ -6,9 +6,13 @@
 #include "earshot/geometry/disjoint_sets.h"
 #include "earshot/visibility/guided_sampling.h"
 #include "earshot/visibility/internal/directions.h"
+#include "earshot/visibility/internal/side_nodes.h"
 #include "earshot/visibility/internal/side_rays.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
 
 namespace earshot::visibility {
 
@@ -20,6 +24,8 @@ using geometry::Vec3;
 namespace {
 
 constexpr std::size_t kSidesPerBatch = 8192;
+/// Places on a side of a triangle that meets others from which rays are sent on, per air.
+constexpr std::uint8_t kMaxPlaces = 8;
 constexpr std::uint64_t kRandomRaysPerPoint = 1024;
 
 /// First streams of random numbers.
@@ -39,7 +45,9 @@ public:
           executor_(executor),
           side_count_(2 * bvh.mesh().triangles.size()),
           sets_(side_count_ + points.size()),
-          is_reached_(side_count_, false) {
+          is_reached_(side_count_, false),
+          meets_others_(find_meeting_triangles(bvh, options.tolerance, executor)),
+          node_of_reached_(side_count_, ReachedSides::kNone) {
         result_.witnesses.resize(side_count_, {.t_max = 0.0});
     }
 
@@ -61,6 +69,13 @@ public:
     }
 
 private:
+    /// Something that sends rays: a side that lies in one air, or a place on another side.
+    struct Sender {
+        SideId side = 0;
+        std::uint32_t node = 0;  // of the set of its air
+        std::optional<Vec3> place{};
+    };
+
     std::uint32_t node_of_point(std::size_t point) const {
         return static_cast<std::uint32_t>(side_count_ + point);
     }
@@ -100,37 +115,65 @@ private:
         result_.rays += pvs.rays;
         for (std::size_t i = 0; i < pvs.triangles.size(); ++i) {
             // A point on a triangle sees neither of its sides.
-            if (pvs.witnesses[i].t_max > 0.0) {
-                reach(side_hit(bvh_, pvs.witnesses[i], pvs.triangles[i]),
-                      node_of_point(point),
-                      pvs.witnesses[i]);
+            const auto hit = pvs.witnesses[i].t_max > 0.0 ? bvh_.closest_hit(pvs.witnesses[i])
+                                                          : std::optional<Hit>();
+            if (hit) {
+                reach(*hit, node_of_point(point), pvs.witnesses[i]);
             }
         }
     }
 
-    void reach(SideId side, std::uint32_t from, const Ray& witness) {
+    bool is_whole(SideId side) const { return meets_others_[triangle_of(side)] == 0; }
+
+    /// A ray that starts in the air of the set `from` hits a side. Of a side that lies in one air
+    /// as a whole random places send rays on, of others the place that was hit.
+    void reach(const Hit& hit, std::uint32_t from, const Ray& ray) {
+        const SideId side = side_hit(bvh_, ray, hit.triangle);
+        if (is_whole(side)) {
+            reach_whole(side, from, ray);
+            return;
+        }
+        if (!is_reached_[side]) {
+            is_reached_[side] = true;
+            result_.witnesses[side] = ray;
+            node_of_reached_[side] = from;
+        }
+        std::uint8_t& places = places_[{side, sets_.find(from)}];
+        if (places < kMaxPlaces) {
+            ++places;
+            const Vec3 place =
+                ray.origin + hit.t * ray.direction + ray_offset(bvh_) * normal_of(bvh_, side);
+            queue_.push_back({.side = side, .node = from, .place = place});
+        }
+    }
+
+    void reach_whole(SideId side, std::uint32_t from, const Ray& witness) {
         sets_.unite(side, from);
         if (!is_reached_[side]) {
             is_reached_[side] = true;
             result_.witnesses[side] = witness;
-            queue_.push_back(side);
+            node_of_reached_[side] = side;
+            queue_.push_back({.side = side, .node = side, .place = std::nullopt});
         }
     }
 
-    void cast(std::span<const SideId> sides, std::uint64_t rays_per_side, std::uint64_t stream) {
-        const std::size_t count = sides.size() * rays_per_side;
+    void cast(std::span<const Sender> senders, std::uint64_t rays_per_side, std::uint64_t stream) {
+        const std::size_t count = senders.size() * rays_per_side;
         rays_.resize(count);
         origins_.resize(count);
         hits_.resize(count);
         constexpr std::size_t kGrain = 4096;
         executor_.for_each(count, kGrain, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                const SideId side = sides[i / rays_per_side];
+                const Sender& sender = senders[i / rays_per_side];
                 // The numbers depend on side and ray alone, and differ from pass to pass.
                 const std::uint64_t index =
-                    side * std::uint64_t{1024} + i % rays_per_side + rays_per_side;
-                rays_[i] = random_side_ray(bvh_, side, options_.seed, stream, index);
-                origins_[i] = triangle_of(side);
+                    sender.side * std::uint64_t{1024} + i % rays_per_side + rays_per_side;
+                rays_[i] = random_side_ray(bvh_, sender.side, options_.seed, stream, index);
+                if (sender.place) {
+                    rays_[i].origin = *sender.place;
+                }
+                origins_[i] = triangle_of(sender.side);
             }
         });
         closest_hits(bvh_, rays_, origins_, hits_, executor_);
@@ -144,17 +187,14 @@ private:
     /// Every reached side sends rays, until no new side is met.
     void spread() {
         while (!queue_.empty() && has_budget()) {
-            std::vector<SideId> sides(queue_.begin(),
-                                      queue_.begin() + static_cast<std::ptrdiff_t>(std::min(
-                                                           queue_.size(), kSidesPerBatch)));
-            queue_.erase(queue_.begin(),
-                         queue_.begin() + static_cast<std::ptrdiff_t>(sides.size()));
-            cast(sides, options_.rays_per_side, kForwardStream);
+            const auto end = queue_.begin() +
+                             static_cast<std::ptrdiff_t>(std::min(queue_.size(), kSidesPerBatch));
+            const std::vector<Sender> senders(queue_.begin(), end);
+            queue_.erase(queue_.begin(), end);
+            cast(senders, options_.rays_per_side, kForwardStream);
             for (std::size_t i = 0; i < rays_.size(); ++i) {
                 if (hits_[i]) {
-                    reach(side_hit(bvh_, rays_[i], hits_[i]->triangle),
-                          sides[i / options_.rays_per_side],
-                          rays_[i]);
+                    reach(*hits_[i], senders[i / options_.rays_per_side].node, rays_[i]);
                 }
             }
         }
@@ -163,17 +203,17 @@ private:
     /// Sides that nothing has reached look for reached ones. The way back is cast: its closest hit
     /// is the witness.
     void search_backwards(std::uint64_t rays_per_side) {
-        std::vector<SideId> missing;
+        std::vector<Sender> missing;
         for (SideId side = 0; side < side_count_; ++side) {
             if (!is_reached_[side]) {
-                missing.push_back(side);
+                missing.push_back({.side = side, .node = side, .place = std::nullopt});
             }
         }
         for (std::size_t first = 0; first < missing.size() && has_budget();
              first += kSidesPerBatch) {
-            const std::span<const SideId> sides =
+            const std::span<const Sender> senders =
                 std::span(missing).subspan(first, std::min(kSidesPerBatch, missing.size() - first));
-            cast(sides, rays_per_side, kBackwardStream);
+            cast(senders, rays_per_side, kBackwardStream);
             std::vector<Ray> back;
             std::vector<TriangleId> origins;
             std::vector<std::pair<SideId, SideId>> links;  // reached, missing
@@ -181,12 +221,13 @@ private:
                 if (!hits_[i]) {
                     continue;
                 }
+                // Only a side that is reached as a whole is reached at the place that was hit.
                 const SideId met = side_hit(bvh_, rays_[i], hits_[i]->triangle);
-                if (is_reached_[met]) {
+                if (is_reached_[met] && is_whole(met)) {
                     const Vec3 point = rays_[i].origin + hits_[i]->t * rays_[i].direction +
                                        ray_offset(bvh_) * normal_of(bvh_, met);
                     // To the point on the missing side, past the offset of the ray that came.
-                    const SideId side = sides[i / rays_per_side];
+                    const SideId side = senders[i / rays_per_side].side;
                     const Vec3 target = rays_[i].origin - ray_offset(bvh_) * normal_of(bvh_, side);
                     back.push_back({.origin = point, .direction = target - point});
                     origins.push_back(hits_[i]->triangle);
@@ -200,7 +241,7 @@ private:
                 const auto [met, side] = links[i];
                 if (hits[i] && hits[i]->triangle == triangle_of(side) &&
                     side_hit(bvh_, back[i], hits[i]->triangle) == side) {
-                    reach(side, met, back[i]);
+                    reach(*hits[i], met, back[i]);
                 }
             }
         }
@@ -217,7 +258,7 @@ private:
         result_.air_of_side.assign(side_count_, ReachedSides::kNone);
         for (SideId side = 0; side < side_count_; ++side) {
             if (is_reached_[side]) {
-                result_.air_of_side[side] = number[sets_.find(side)];
+                result_.air_of_side[side] = number[sets_.find(node_of_reached_[side])];
             }
         }
     }
@@ -229,7 +270,10 @@ private:
     std::size_t side_count_ = 0;
     geometry::DisjointSets sets_;  // sides, then points
     std::vector<bool> is_reached_;
-    std::vector<SideId> queue_;
+    std::vector<std::uint8_t> meets_others_;      // per triangle
+    std::vector<std::uint32_t> node_of_reached_;  // per reached side: of the set of its air
+    std::map<std::pair<SideId, std::uint32_t>, std::uint8_t> places_;  // by side and set
+    std::vector<Sender> queue_;
     std::vector<Ray> rays_;
     std::vector<TriangleId> origins_;
     std::vector<std::optional<Hit>> hits_;

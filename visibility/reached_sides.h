@@ -19,7 +19,8 @@ struct ReachedSidesOptions {
     std::uint64_t rays_per_side = 16;        ///< of a side that has just been reached
     std::uint64_t rays_back_per_side = 64;   ///< of a side that nothing has reached, in all
     std::uint64_t max_rays = 20'000'000;     ///< from sides, in all
-    Progress* progress = nullptr;            ///< receives "air"
+    double tolerance = 0.0;  ///< metres: triangles nearer to each other cover a part of each other
+    Progress* progress = nullptr;  ///< receives "air"
 };
 
 /// What can be reached from points along polylines that bend at surfaces, as sampled: each reached
@@ -43,8 +44,9 @@ struct ReachedSides {
 
 /// Guided visibility sampling from every point (sample_region); then every side that was reached
 /// sends rays itself, until no new one is met. From sides that nothing has reached rays are sent to
-/// the reached ones: the way back, if free, is a witness. The same for any executor. Precondition:
-/// every triangle has an area.
+/// the reached ones: the way back, if free, is a witness. Of triangles that meet others, a part of
+/// which may be covered, only the places that rays hit count as reached. The same for any executor.
+/// Precondition: every triangle has an area.
 ReachedSides sample_reached_sides(const bvh::MeshBvh& bvh,
                                   std::span<const geometry::Vec3> points,
                                   const ReachedSidesOptions& options = {},

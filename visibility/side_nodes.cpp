@@ -57,38 +57,38 @@ double area_of(const geometry::Corners& c) {
 
 }  // namespace
 
-SideNodes::SideNodes(const bvh::MeshBvh& bvh, const AirCutOptions& options, Executor& executor)
-    : bvh_(bvh) {
-    find_meeting_triangles(options, executor);
-    make_clusters(options.cluster);
-    make_samples(options, executor);
-}
-
-// Zhou et al. 2008, section 2: flags of triangles that intersect others, or are coplanar with ones
-// that they overlap. Pairs that share a vertex do not count.
-void SideNodes::find_meeting_triangles(const AirCutOptions& options, Executor& executor) {
-    const auto triangles = bvh_.mesh().triangles;
-    meets_others_.assign(triangles.size(), 0);
+std::vector<std::uint8_t> find_meeting_triangles(const bvh::MeshBvh& bvh,
+                                                 double tolerance,
+                                                 Executor& executor) {
+    const auto triangles = bvh.mesh().triangles;
+    std::vector<std::uint8_t> meets_others(triangles.size(), 0);
     executor.for_each(triangles.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             const auto id = static_cast<TriangleId>(t);
-            const geometry::Corners mine = bvh_.corners(id);
-            const Vec3 margin(options.tolerance);
+            const geometry::Corners mine = bvh.corners(id);
+            const Vec3 margin(tolerance);
             const geometry::BoxRegion box(glm::min(glm::min(mine[0], mine[1]), mine[2]) - margin,
                                           glm::max(glm::max(mine[0], mine[1]), mine[2]) + margin);
-            bvh_.traverse([&](const geometry::Aabb& other) { return box.may_touch(other); },
-                          [&](TriangleId other) {
-                              const bool counts =
-                                  other != id && !share_vertex(triangles[t], triangles[other]);
-                              if (counts && meet(mine, bvh_.corners(other), options.tolerance)) {
-                                  meets_others_[t] = 1;
-                              }
-                              return meets_others_[t] == 0;
-                          });
+            bvh.traverse([&](const geometry::Aabb& other) { return box.may_touch(other); },
+                         [&](TriangleId other) {
+                             const bool counts =
+                                 other != id && !share_vertex(triangles[t], triangles[other]);
+                             if (counts && meet(mine, bvh.corners(other), tolerance)) {
+                                 meets_others[t] = 1;
+                             }
+                             return meets_others[t] == 0;
+                         });
         }
     });
+    return meets_others;
+}
+
+SideNodes::SideNodes(const bvh::MeshBvh& bvh, const AirCutOptions& options, Executor& executor)
+    : bvh_(bvh), meets_others_(find_meeting_triangles(bvh, options.tolerance, executor)) {
     sampled_triangles_ =
         static_cast<std::size_t>(std::count(meets_others_.begin(), meets_others_.end(), 1));
+    make_clusters(options.cluster);
+    make_samples(options, executor);
 }
 
 // Zhou et al. 2008, section 2, clustering: triangles are flooded across edges of two, which do not

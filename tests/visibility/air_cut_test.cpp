@@ -358,5 +358,21 @@ TEST(ReachedSidesTest, TellsAirsWithWitnesses) {
     EXPECT_EQ(sides.rays, again.rays);
 }
 
+TEST(ReachedSidesTest, WhatCoversAPartOfASideIsNotReachedThroughIt) {
+    // A box that stands on a floor, and a partition that stands on it and parts the room in two.
+    Mesh mesh;
+    add_box(mesh, Vec3(0.0), {6.0, 3.0, 5.0}, 1, true);
+    add_box(mesh, {1.0, 0.0, 2.0}, {1.5, 0.5, 2.5}, 1, false);
+    add_box(mesh, {3.0, -0.1, -0.1}, {3.2, 3.1, 5.1}, 1, false);
+    const Model model(mesh);
+    const std::vector<Vec3> points{{1.0, 1.0, 1.0}, {5.0, 1.0, 1.0}};
+    const ReachedSides sides =
+        sample_reached_sides(model.bvh(), points, {.tolerance = model.tolerance()});
+    EXPECT_EQ(sides.air_of_point, (std::vector<std::uint32_t>{0, 1}));
+    for (TriangleId t = 12; t < 36; ++t) {
+        EXPECT_EQ(sides.air_of_side[back_of(t)], ReachedSides::kNone) << t;
+    }
+}
+
 }  // namespace
 }  // namespace earshot::visibility

@@ -12,6 +12,13 @@
 
 namespace earshot::visibility {
 
+/// Per triangle 1 if it meets another with which it shares no vertex: intersects it, or comes
+/// within the tolerance (Zhou et al. 2008, section 2). A part of its sides may be covered; the
+/// sides of other triangles lie in one air as a whole.
+std::vector<std::uint8_t> find_meeting_triangles(const bvh::MeshBvh& bvh,
+                                                 double tolerance,
+                                                 Executor& executor);
+
 /// The half-space nodes of the visibility graph (Zhou et al. 2008, section 3.1): node 2 k and its
 /// opposite 2 k + 1 are the two sides of a cluster of triangles, or of a sample point on a triangle
 /// that meets others.
@@ -76,7 +83,6 @@ private:
         return static_cast<std::uint32_t>(2 * (clusters_.size() + first_sample_[t] + i));
     }
     SideId random_side(std::uint32_t node, std::uint64_t seed, std::uint64_t index) const;
-    void find_meeting_triangles(const AirCutOptions& options, Executor& executor);
     void make_clusters(bool cluster);
     void make_samples(const AirCutOptions& options, Executor& executor);
     Sample placed(geometry::TriangleId t, double of_b, double of_c, double tolerance) const;
