@@ -7,6 +7,7 @@
 #include "earshot/propagation/cost_forecast.h"
 #include "earshot/propagation/internal/checked_mesh.h"
 #include "earshot/propagation/internal/emitter_faults.h"
+#include "earshot/propagation/internal/exposed_layers.h"
 #include "earshot/propagation/internal/leak_search.h"
 #include "earshot/propagation/internal/separation.h"
 #include "earshot/propagation/internal/spiral.h"
@@ -153,7 +154,10 @@ private:
             points.push_back(*report_.probe);
         }
         const ReachedSides reached = visibility::sample_reached_sides(
-            mesh.bvh(), points, {.seed = options_.seed, .progress = options_.progress}, executor_);
+            mesh.bvh(),
+            points,
+            {.seed = options_.seed, .tolerance = mesh.tolerance(), .progress = options_.progress},
+            executor_);
         report_.rays = reached.rays;
         const Separation separation = separate(mesh);
         judge_emitters(separation, reached, points);
@@ -180,6 +184,7 @@ private:
         report_.is_open = search.cut.is_open;
         find_unreached(mesh, reached, separation, points);
         find_reversed(mesh, reached, search.cut);
+        find_layers(mesh, reached);
         measure_airs(mesh, reached, points);
         measure_materials(mesh, reached);
     }
@@ -294,6 +299,36 @@ private:
         }
     }
 
+    /// Doubled faces that are cut into triangles in another way.
+    void find_layers(const CheckedMesh& mesh, const ReachedSides& reached) {
+        using Key = std::pair<std::uint32_t, bool>;
+        std::map<Key, double> areas;
+        std::vector<std::pair<Key, TriangleId>> members;
+        std::map<TriangleId, Key> known;
+        for (const frustum::LayerOverlap& overlap :
+             find_exposed_layers(mesh, facets_, [&](visibility::SideId side) {
+                 return is_in_air(reached, side);
+             })) {
+            const auto [a, b, c] = mesh.bvh().corners(overlap.first);
+            const auto [p, q, r] = mesh.bvh().corners(overlap.second);
+            const bool is_reversed =
+                glm::dot(glm::cross(b - a, c - a), glm::cross(q - p, r - p)) < 0.0;
+            const TriangleId id = mesh.original(overlap.second);
+            const Key key{report_.topology.island_of_triangle[id], is_reversed};
+            areas[key] += overlap.area;
+            layered_area_ += overlap.area;
+            if (known.try_emplace(id, key).second) {
+                members.emplace_back(key, id);
+            }
+        }
+        for (FaceGroup& group : grouped(positions_, triangles(), members)) {
+            const Key& key = known.at(group.first_triangle);
+            group.is_reversed = key.second;
+            group.place.area = areas[key];
+            report_.doubled.push_back(group);
+        }
+    }
+
     /// Volume and surface of each air, by rays, and exactly where the reached sides agree with
     /// them.
     void measure_airs(const CheckedMesh& mesh,
@@ -336,10 +371,17 @@ private:
             const auto agrees = [](double exact, double sampled) {
                 return std::abs(exact - sampled) <= kMaxVolumeDeviation * sampled;
             };
-            const bool is_exact = room->opening == 0.0 && agrees(volumes[air], room->volume) &&
+            const bool is_exact = layered_area_ == 0.0 && room->opening == 0.0 &&
+                                  agrees(volumes[air], room->volume) &&
                                   agrees(surfaces[air], room->surface);
             report_.airs[air].volume = is_exact ? volumes[air] : room->volume;
             report_.airs[air].surface = is_exact ? surfaces[air] : room->surface;
+            if (layered_area_ > 0.0 && reached.airs == 1) {
+                // Rays meet either layer by rounding, so that both have counted as surface.
+                const double single = std::max(0.0, room->surface - layered_area_);
+                report_.airs[air].volume *= single / room->surface;
+                report_.airs[air].surface = single;
+            }
         }
     }
 
@@ -398,11 +440,10 @@ private:
     void find_small_facets(const CheckedMesh& mesh) {
         std::vector<geometry::VertexId> weld(positions_.size());
         std::iota(weld.begin(), weld.end(), geometry::VertexId{0});
-        const geometry::Facets facets =
-            geometry::find_facets(mesh.view(), weld, materials_of(mesh), executor_);
+        facets_ = geometry::find_facets(mesh.view(), weld, materials_of(mesh), executor_);
         std::vector<std::pair<double, double>> sizes;  // extent and area
         double area_of_all = 0.0;
-        for (const geometry::Facet& facet : facets.facets) {
+        for (const geometry::Facet& facet : facets_.facets) {
             Vec3 lower = mesh.bvh().corners(facet.triangles.front())[0];
             Vec3 upper = lower;
             double area = 0.0;
@@ -437,6 +478,8 @@ private:
     std::vector<PlacedEmitter> emitters_;
     std::vector<std::uint32_t> surface_of_triangle_;  // of the checked mesh
     std::vector<bool> is_air_;                        // per air: not only that within solids
+    geometry::Facets facets_;                         // of the checked mesh
+    double layered_area_ = 0.0;                       // square metres of find_layers()
     ModelReport report_;
 };
 

@@ -202,6 +202,26 @@ TEST_F(ModelCheck, DoubledFacesAndInchesAreTold) {
     EXPECT_TRUE(report.leaks.empty());
 }
 
+TEST_F(ModelCheck, LayersCutOtherwiseAreDoubledWhereTheyFaceTheAir) {
+    // A wall of the room once more, cut along the other diagonal and turned; and a box that stands
+    // on the floor, whose underside is doubled too but faces no air.
+    Mesh mesh;
+    add_box(mesh, {0, 0, 0}, {6, 3, 4}, true);
+    add_box(mesh, {2, 0, 1}, {3, 1, 2}, false);
+    const auto first = static_cast<TriangleId>(mesh.triangles.size());
+    mesh.triangles.push_back({0, 2, 1});
+    mesh.triangles.push_back({1, 2, 3});
+    Scene scene = scene_of(mesh);
+    place(scene, {4, 1, 1}, {5, 1, 3});
+    const ModelReport report = check_model(scene, kNoForecast);
+    ASSERT_EQ(report.doubled.size(), 1U);
+    EXPECT_EQ(report.doubled[0].first_triangle, first);
+    EXPECT_EQ(report.doubled[0].triangles, 2U);
+    EXPECT_TRUE(report.doubled[0].is_reversed);
+    EXPECT_NEAR(report.doubled[0].place.area, 18.0, 1e-6);
+    EXPECT_NEAR(report.airs[0].volume, 71.0, 0.1 * 71.0);
+}
+
 TEST_F(ModelCheck, MaterialsAreMeasured) {
     Scene scene = shoebox_room({6.0, 3.0, 4.0});
     for (Material& material : scene.materials) {
