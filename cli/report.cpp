@@ -6,6 +6,7 @@
 #include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/report_contacts.h"
+#include "earshot/io/report_map.h"
 #include "earshot/io/sound_signal.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
@@ -64,8 +65,8 @@ public:
         app()
             .add_option("FILES",
                         files_,
-                        "a folder of earshot ir, or files of it, or a contacts.json; and the scene "
-                        "that they are of")
+                        "a folder of earshot ir, or files of it, or a contacts.json or map.json; "
+                        "and the scene that they are of")
             ->required();
         add_output("-o,--output", output_, "the page to write, .html; .json for its data alone")
             ->required();
@@ -119,8 +120,9 @@ public:
             add_scene(*loaded, report);
         }
         write_report(output_,
-                     contacts_.name.empty() ? io::encode_room_report(report)
-                                            : contacts_data(loaded, report));
+                     !contacts_.name.empty() ? contacts_data(loaded, report)
+                     : !map_.name.empty()    ? map_data(report)
+                                             : io::encode_room_report(report));
         tell(report.warnings);
     }
 
@@ -145,13 +147,29 @@ private:
         materials_.apply(file, *loaded);
     }
 
+    /// Contacts and maps have pages of their own.
+    void require_alone(const io::ReportFile& file, const io::RoomReport& report) const {
+        if (!report.metrics.name.empty() || !report.paths.name.empty() ||
+            (!contacts_.name.empty() && !map_.name.empty())) {
+            throw Error(file.name, "does not go with the other results", "give one of them");
+        }
+    }
+
+    /// The page of a map.json.
+    std::string map_data(const io::RoomReport& report) const {
+        require_alone(map_, report);
+        return io::encode_map_page({.title = report.title,
+                                    .provenance = report.provenance,
+                                    .map = map_,
+                                    .scene = report.scene,
+                                    .default_materials = report.default_materials,
+                                    .warnings = report.warnings});
+    }
+
     /// The page of a contacts.json, with the meshes of its scene.
     std::string contacts_data(const std::optional<io::LoadedScene>& loaded,
                               const io::RoomReport& report) const {
-        if (!report.metrics.name.empty() || !report.paths.name.empty()) {
-            throw Error(
-                contacts_.name, "does not go with results of earshot ir", "give one of them");
-        }
+        require_alone(contacts_, report);
         io::ContactsPage page{.title = report.title,
                               .provenance = report.provenance,
                               .contacts = io::read_contacts(contacts_),
@@ -215,11 +233,12 @@ private:
 
     /// Which of its files one is, its beginning tells.
     void add_file(const std::filesystem::path& file, io::RoomReport& report) {
-        constexpr std::size_t kHead = 4096;
+        constexpr std::size_t kHead = 65536;
         io::ReportFile content{file.string(), io::read_whole_file(file)};
         const std::string_view head = std::string_view(content.text).substr(0, kHead);
         const auto has = [&](std::string_view key) { return head.find(key) != head.npos; };
         io::ReportFile& place = has("\"steps\"")            ? contacts_
+                                : has("\"maps\"")           ? map_
                                 : has("\"speed_of_sound\"") ? report.paths
                                 : has("\"area\"")           ? report.sensitivity
                                 : has("\"bin\"")            ? report.histograms
@@ -257,6 +276,7 @@ private:
     std::string output_, against_;
     std::string dry_file_;
     std::filesystem::path folder_;
+    io::ReportFile map_;       // a map.json, if one is given
     io::ReportFile contacts_;  // a contacts.json, if one is given
     LimitOption limits_;
     SceneChoice scene_;

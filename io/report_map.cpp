@@ -3,6 +3,7 @@
 
 #include "earshot/io/internal/json_lines.h"
 #include "earshot/io/internal/report_blocks.h"
+#include "earshot/io/internal/result_files.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
@@ -10,244 +11,177 @@
 #include <cctype>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 namespace earshot::io {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using propagation::MapLimit;
-using propagation::MapLimitResult;
-using propagation::MapMetric;
-using propagation::MetricMap;
-
-Json list_of(const geometry::Vec3& v) {
-    return Json::array({v.x, v.y, v.z});
-}
-
-Json json_of(const std::optional<double>& value) {
-    return value ? Json(*value) : Json(nullptr);
-}
 
 /// "STI", "T30 at 125 Hz".
-std::string title_of(const MapMetric& metric) {
-    std::string name = metric.name();
-    const std::size_t colon = name.find(':');
-    for (std::size_t i = 0; i < std::min(colon, name.size()); ++i) {
-        name[i] = static_cast<char>(std::toupper(static_cast<unsigned char>(name[i])));
+std::string title_of(const std::string& metric) {
+    const std::size_t colon = metric.find(':');
+    std::string name = metric.substr(0, colon);
+    for (char& c : name) {
+        c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     }
-    return colon == std::string::npos
-               ? name
-               : name.substr(0, colon) + " at " + name.substr(colon + 1) + " Hz";
+    return colon == std::string::npos ? name : name + " at " + metric.substr(colon + 1) + " Hz";
 }
 
-std::string text_of(double value, const MapMetric& metric) {
-    std::array<char, 64> text{};
-    std::snprintf(text.data(), text.size(), metric.unit() == "dB" ? "%.1f" : "%.2f", value);
-    return text.data() + (metric.unit().empty() ? "" : " " + std::string(metric.unit()));
-}
-
-/// What values of a source and metric are.
-struct Range {
-    double lowest = 0.0, highest = 0.0;
-    double mean = 0.0;  // over the area
+/// A metric of a source over the area.
+struct Map {
+    Json json;
+    std::size_t source = 0;
+    std::string metric{}, unit{};
+    // Of the values that are known.
     std::size_t count = 0;
+    double lowest = 0.0, highest = 0.0, mean = 0.0;
+
+    std::string text_of(double value) const {
+        std::array<char, 64> text{};
+        std::snprintf(text.data(), text.size(), unit == "dB" ? "%.1f" : "%.2f", value);
+        return text.data() + (unit.empty() ? "" : " " + unit);
+    }
 };
 
-Range range_of(const MetricMap& map, std::size_t source, std::size_t metric) {
-    Range range;
-    double area = 0.0;
-    for (std::size_t cell = 0; cell < map.cells.size(); ++cell) {
-        const auto& value = map.value(cell, source, metric).value;
-        if (value) {
-            range.lowest = range.count == 0 ? *value : std::min(range.lowest, *value);
-            range.highest = range.count == 0 ? *value : std::max(range.highest, *value);
-            range.mean += *value * map.area(cell);
-            area += map.area(cell);
-            ++range.count;
+void require_lists(const ReportFile& file, const Json& json) {
+    const std::size_t count = json.at("points").size();
+    for (const char* const key : {"values", "errors"}) {
+        if (json.at(key).size() != count) {
+            refuse_result_file(file, "has a map without a value for each point");
         }
     }
-    range.mean = area > 0.0 ? range.mean / area : 0.0;
-    return range;
+    for (const Json& point : json.at("points")) {
+        if (point.size() != 3) {
+            refuse_result_file(file, "holds a point without three coordinates");
+        }
+    }
+    for (const Json& cell : json.at("cells")) {
+        constexpr std::size_t kCellSize = 5;  // two corners and a value
+        if (cell.size() != kCellSize) {
+            refuse_result_file(file, "has a cell that is no rectangle with a value");
+        }
+    }
 }
 
-/// The cells of one sheet of one source and metric.
-class SheetMap {
-public:
-    SheetMap(const MetricMap& map, std::size_t source, std::size_t metric, std::size_t sheet)
-        : map_(map), source_(source), metric_(metric), sheet_(sheet) {}
-
-    Json json() const {
-        Json points = Json::array();
-        Json values = Json::array();
-        Json errors = Json::array();
-        Json cells = Json::array();
-        for (std::size_t i = 0; i < map_.cells.size(); ++i) {
-            const auto& [cell, point] = map_.cells[i];
-            if (cell.sheet != sheet_) {
-                continue;
-            }
-            const propagation::MapValue& value = map_.value(i, source_, metric_);
-            points.push_back(list_of(point));
-            values.push_back(json_of(value.value));
-            errors.push_back(json_of(value.standard_error));
-            if (cell.size > 0) {
-                cells.push_back({cell.column * map_.lattice.cell_width(),
-                                 cell.row * map_.lattice.cell_depth(),
-                                 cell.end_column(map_.lattice) * map_.lattice.cell_width(),
-                                 cell.end_row(map_.lattice) * map_.lattice.cell_depth(),
-                                 json_of(value.value)});
-            }
-        }
-        const MapMetric& metric = map_.metrics[metric_];
-        const Range range = range_of(map_, source_, metric_);
-        Json json = {{"metric", metric.name()},
-                     {"unit", metric.unit()},
-                     {"source", source_},
-                     {"sheet", sheet_},
-                     {"jnd", metric.just_noticeable_difference(range.mean)},
-                     {"plane", plane(points)},
-                     {"points", std::move(points)},
-                     {"values", std::move(values)},
-                     {"errors", std::move(errors)}};
-        if (!cells.empty()) {
-            json["cells"] = std::move(cells);
-        }
-        return json;
+Map read_map(const ReportFile& file, const Json& json, std::size_t sources) {
+    require_lists(file, json);
+    Map map{.json = json,
+            .source = json.at("source").get<std::size_t>(),
+            .metric = json.at("metric").get<std::string>(),
+            .unit = json.at("unit").get<std::string>()};
+    if (map.source >= sources) {
+        refuse_result_file(file, "has a map of a source that it does not name");
     }
-
-private:
-    /// At the lowest of the points; x and z are its axes.
-    Json plane(const Json& points) const {
-        double height = 0.0;
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            const double y = points[i][1].get<double>();
-            height = i == 0 ? y : std::min(height, y);
-        }
-        const bool has_cells = map_.lattice.sheets() > 0;
-        const geometry::Vec3 origin = {has_cells ? map_.lattice.x_at(0.0) : 0.0,
-                                       height,
-                                       has_cells ? map_.lattice.z_at(0.0) : 0.0};
-        return {{"origin", list_of(origin)},
-                {"u", Json::array({1.0, 0.0, 0.0})},
-                {"v", Json::array({0.0, 0.0, 1.0})}};
-    }
-
-    const MetricMap& map_;
-    std::size_t source_, metric_, sheet_;
-};
-
-Json maps_block(const MapPage& page, Warnings& warnings) {
-    const MetricMap& map = page.map;
-    const std::size_t sheets = std::max<std::size_t>(map.lattice.sheets(), 1);
-    Json maps = Json::array();
-    std::size_t values = 0;
-    for (std::size_t source = 0; source < map.sources.size(); ++source) {
-        for (std::size_t metric = 0; metric < map.metrics.size(); ++metric) {
-            values += map.cells.size();
-            if (values > kMaxReportMapValues && !maps.empty()) {
-                continue;
-            }
-            const auto limit = std::find_if(page.limits.begin(),
-                                            page.limits.end(),
-                                            [&](const MapLimit& l) { return l.metric == metric; });
-            for (std::size_t sheet = 0; sheet < sheets; ++sheet) {
-                Json json = SheetMap(map, source, metric, sheet).json();
-                if (limit != page.limits.end()) {
-                    const MapLimitResult result = propagation::evaluate_limit(map, *limit, source);
-                    json["limit"] = limit->value;
-                    json["share"] = result.share;
-                    Json contours = Json::array();
-                    for (const auto& line :
-                         sheet == 0 ? result.contours : decltype(result.contours){}) {
-                        Json points = Json::array();
-                        for (const geometry::Vec3& point : line) {
-                            points.push_back(list_of(point));
-                        }
-                        contours.push_back(std::move(points));
-                    }
-                    json["contour"] = std::move(contours);
-                }
-                maps.push_back(std::move(json));
-            }
+    double sum = 0.0;
+    for (const Json& value : json.at("values")) {
+        if (!value.is_null()) {
+            const auto number = value.get<double>();
+            map.lowest = map.count == 0 ? number : std::min(map.lowest, number);
+            map.highest = map.count == 0 ? number : std::max(map.highest, number);
+            sum += number;
+            ++map.count;
         }
     }
-    if (values > kMaxReportMapValues && maps.size() < map.sources.size() * map.metrics.size()) {
-        warnings.push_back({page.title,
-                            "the page shows the first " + std::to_string(maps.size()) +
-                                " maps; there are too many points"});
+    map.mean = map.count > 0 ? sum / static_cast<double>(map.count) : 0.0;
+    // The page's steps are in the metric's unit.
+    if (json.value("jnd_is_relative", false)) {
+        map.json["jnd"] = json.at("jnd").get<double>() * map.mean;
+        map.json.erase("jnd_is_relative");
     }
-    return maps;
+    return map;
 }
 
-std::string of_source(const MetricMap& map, std::size_t source) {
-    return map.sources.size() > 1 ? " from " + map.sources[source] : "";
-}
-
-Json limit_line(const MapPage& page, const MapLimit& limit, std::size_t source) {
-    const MapMetric& metric = page.map.metrics[limit.metric];
-    const MapLimitResult result = propagation::evaluate_limit(page.map, limit, source);
-    std::array<char, 32> share{};
-    std::snprintf(share.data(), share.size(), "%.1f %%", 100.0 * result.share);
-    std::string answer = std::string("on ") + share.data() + " of the area";
-    if (result.worst) {
-        const geometry::Vec3& at = page.map.cells[result.worst_cell].point;
-        std::array<char, 96> place{};
-        std::snprintf(place.data(), place.size(), " at (%.2f, %.2f, %.2f)", at.x, at.y, at.z);
-        answer += "; worst " + text_of(*result.worst, metric) + place.data();
+Json limit_line(const Map& map, const std::string& of_source, double min_share) {
+    const bool is_minimum = map.json.value("limit_is_minimum", true);
+    const auto share = map.json.at("share").get<double>();
+    std::array<char, 32> percent{};
+    std::snprintf(percent.data(), percent.size(), "%.1f %%", 100.0 * share);
+    std::string answer = std::string("on ") + percent.data() + " of the area";
+    if (map.count > 0) {
+        answer += "; worst " + map.text_of(is_minimum ? map.lowest : map.highest);
     }
     return {{"question",
-             "Is " + title_of(metric) + (limit.is_minimum ? " at least " : " at most ") +
-                 text_of(limit.value, metric) + of_source(page.map, source) + "?"},
+             "Is " + title_of(map.metric) + (is_minimum ? " at least " : " at most ") +
+                 map.text_of(map.json.at("limit").get<double>()) + of_source + "?"},
             {"answer", answer},
-            {"state", result.share >= page.min_share ? "met" : "missed"}};
+            {"state", share >= min_share ? "met" : "missed"}};
 }
 
-Json verdict_of(const MapPage& page) {
+Json range_line(const Map& map, const std::string& of_source) {
+    return {{"question", "What is " + title_of(map.metric) + of_source + "?"},
+            {"answer",
+             map.count == 0 ? "not known anywhere"
+                            : map.text_of(map.lowest) + " to " + map.text_of(map.highest) +
+                                  ", mean of the points " + map.text_of(map.mean)},
+            {"state", "told"}};
+}
+
+/// What map.json holds, with the answers.
+struct MapFile {
+    Json sources = Json::array();
     Json verdict = Json::array();
-    for (std::size_t source = 0; source < page.map.sources.size(); ++source) {
-        for (const MapLimit& limit : page.limits) {
-            verdict.push_back(limit_line(page, limit, source));
+    Json maps = Json::array();
+    double time = 0.0;  // seconds
+};
+
+MapFile read_map_file(const MapPage& page, Warnings& warnings) {
+    MapFile result;
+    const Json json = parse_result_file(page.map);
+    read_result_file(page.map, [&] {
+        result.sources = json.at("sources");
+        result.time = json.at("time").get<double>();
+        std::size_t values = 0;
+        std::size_t left_out = 0;
+        for (const Json& entry : json.at("maps")) {
+            Map map = read_map(page.map, entry, result.sources.size());
+            const std::string of_source =
+                result.sources.size() > 1
+                    ? " from " + result.sources.at(map.source).at("name").get<std::string>()
+                    : "";
+            if (map.json.contains("limit") && !map.json.at("limit").is_null()) {
+                result.verdict.push_back(limit_line(map, of_source, page.min_share));
+            }
+            result.verdict.push_back(range_line(map, of_source));
+            values += map.json.at("values").size();
+            if (values > kMaxReportMapValues && !result.maps.empty()) {
+                ++left_out;
+            } else {
+                result.maps.push_back(std::move(map.json));
+            }
         }
-        for (std::size_t i = 0; i < page.map.metrics.size(); ++i) {
-            const MapMetric& metric = page.map.metrics[i];
-            const Range range = range_of(page.map, source, i);
-            verdict.push_back(
-                {{"question", "What is " + title_of(metric) + of_source(page.map, source) + "?"},
-                 {"answer",
-                  range.count == 0
-                      ? "not known anywhere"
-                      : text_of(range.lowest, metric) + " to " + text_of(range.highest, metric) +
-                            ", mean " + text_of(range.mean, metric)},
-                 {"state", "told"}});
+        if (left_out > 0) {
+            warnings.push_back({page.map.name,
+                                "the page leaves out " + std::to_string(left_out) +
+                                    " maps: there are too many points"});
         }
-    }
-    return verdict;
+    });
+    return result;
 }
 
 }  // namespace
 
 std::string encode_map_page(const MapPage& page) {
     Warnings warnings = page.warnings;
-    const geometry::Vec3 size = propagation::scene_extent(page.scene, page.map.time).size();
-    Json sources = Json::array();
-    for (std::size_t i = 0; i < page.map.sources.size(); ++i) {
-        sources.push_back(
-            {{"name", page.map.sources[i]}, {"position", list_of(page.map.source_positions[i])}});
-    }
+    MapFile file = read_map_file(page, warnings);
+    const audio::Bands& bands = audio::Bands::octaves();
     Json data = {
         {"format", 1},
         {"kind", "map"},
         {"title", page.title},
-        {"provenance", provenance_block(page.provenance, scene_digest(page.scene, page.map.time))},
-        {"verdict", verdict_of(page)},
-        {"room", {{"extent", list_of(size)}}},
-        {"bands",
-         std::vector<double>(page.bands.nominal_hz().begin(), page.bands.nominal_hz().end())},
-        {"scene", scene_block(page.scene, page.map.time, warnings)},
-        {"materials",
-         materials_block(page.scene, page.map.time, page.default_materials, page.bands)},
-        {"sources", std::move(sources)},
-        {"maps", maps_block(page, warnings)}};
+        {"provenance",
+         provenance_block(page.provenance,
+                          page.scene == nullptr ? "" : scene_digest(*page.scene, file.time))},
+        {"verdict", std::move(file.verdict)},
+        {"bands", std::vector<double>(bands.nominal_hz().begin(), bands.nominal_hz().end())}};
+    if (page.scene != nullptr) {
+        const geometry::Vec3 size = propagation::scene_extent(*page.scene, file.time).size();
+        data["room"] = {{"extent", {size.x, size.y, size.z}}};
+        data["scene"] = scene_block(*page.scene, file.time, warnings);
+        data["materials"] = materials_block(*page.scene, file.time, page.default_materials, bands);
+    }
+    data["sources"] = std::move(file.sources);
+    data["maps"] = std::move(file.maps);
     data["warnings"] = warnings_block(warnings);
     return json_text(data) + "\n";
 }
