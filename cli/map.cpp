@@ -9,14 +9,19 @@
 #include "earshot/cli/material_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
+#include "earshot/cli/report_output.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/cli/simulation_choice.h"
 #include "earshot/cli/speech_options.h"
+#include "earshot/io/map_table.h"
+#include "earshot/io/report_map.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/propagation/metric_map.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <chrono>
+#include <cstdint>
+#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,12 +59,20 @@ public:
         materials_.add_to(app());
         simulation_.add_to(app(), kDefaults);
         speech_.add_to(app(), "1 m in front of the talker");
+        app().add_flag(
+            "--report",
+            writes_report_,
+            "also write a page for the browser that shows the maps, named like the first "
+            "output, .html");
         app().footer(kFooter);
     }
 
     void run() override {
         area_.check(app());
         outputs_.check(app());
+        if (writes_report_) {
+            require_report(outputs_.page_file(app()));
+        }
         propagation::MapOptions options{.simulation = simulation_.options(app(), common().seed),
                                         .speech = speech_.conditions(app()),
                                         .step = area_.step(),
@@ -83,7 +96,10 @@ public:
         }();
         const double seconds =
             std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        const std::vector<std::string> files = outputs_.write(loaded.scene, map, limits);
+        std::vector<std::string> files = outputs_.write(loaded.scene, map, limits);
+        if (writes_report_) {
+            files.push_back(write_page(loaded, map, limits));
+        }
         report(loaded, time, map, MapSummary(loaded.scene, map, limits), seconds, files);
     }
 
@@ -114,6 +130,30 @@ private:
         if (summary.min_share() < limits_.share()) {
             set_exit_status(kLimitMissed);
         }
+    }
+
+    /// Returns the name of its file.
+    std::string write_page(const io::LoadedScene& loaded,
+                           const propagation::MetricMap& map,
+                           const std::vector<propagation::MapLimit>& limits) {
+        Warnings warnings = loaded.warnings;
+        for (const Warnings& more : {io::warnings_of_acoustics(loaded), unknown_values(map)}) {
+            warnings.insert(warnings.end(), more.begin(), more.end());
+        }
+        const std::filesystem::path file = outputs_.page_file(app());
+        write_report(file,
+                     io::encode_map_page(
+                         {.title = std::filesystem::path(loaded.scene.name).stem().string(),
+                          .provenance = {.version = program_version(),
+                                         .command = command_line(),
+                                         .seed = static_cast<std::uint64_t>(common().seed),
+                                         .files = {loaded.scene.name}},
+                          .map = {"map.json", io::encode_map_json(loaded.scene.name, map, limits)},
+                          .scene = &loaded.scene,
+                          .default_materials = loaded.default_materials,
+                          .min_share = limits_.share() > 0.0 ? limits_.share() : 1.0,
+                          .warnings = std::move(warnings)}));
+        return file.string();
     }
 
     /// Where a metric has no value, and what would help.
@@ -147,6 +187,7 @@ private:
     MaterialOptions materials_;
     SimulationChoice simulation_;
     SpeechOptions speech_;
+    bool writes_report_ = false;
 };
 
 }  // namespace

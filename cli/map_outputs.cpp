@@ -114,6 +114,13 @@ void MapOutputs::check(const CLI::App& app) const {
     }
 }
 
+std::filesystem::path MapOutputs::page_file(const CLI::App& app) const {
+    if (files_.empty()) {
+        throw wrong_usage(app, "--report", "goes with a file of -o, after which the page is named");
+    }
+    return std::filesystem::path(files_.front()).replace_extension(".html");
+}
+
 std::vector<std::string> MapOutputs::write(const propagation::Scene& scene,
                                            const MetricMap& map,
                                            const std::vector<MapLimit>& limits) const {

@@ -4,6 +4,7 @@
 #include "earshot/cli/arguments.h"
 #include "earshot/propagation/map_limit.h"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ public:
     void check(const CLI::App& app) const;
 
     bool is_empty() const noexcept { return files_.empty(); }
+
+    /// The first file with another suffix, `.html`. Throws UsageError if there is none.
+    std::filesystem::path page_file(const CLI::App& app) const;
 
     /// Writes them and returns their names. Pictures of several metrics or sources are one each,
     /// with __SOURCE__METRIC before the suffix.

@@ -167,6 +167,40 @@ TEST_F(Report, ShowsContactsAndTheMeshesThatMove) {
     EXPECT_TRUE(moves);
 }
 
+TEST_F(Report, ShowsMapsInTheirRoom) {
+    std::vector<std::string> arguments{"map",
+                                       scene("shoebox.gltf"),
+                                       "--rect",
+                                       "1,1,3,3",
+                                       "--step",
+                                       "1",
+                                       "--metric",
+                                       "sti,c80",
+                                       "--limit",
+                                       "sti=0.99",
+                                       "--rays",
+                                       "4096",
+                                       "--order",
+                                       "1",
+                                       "--quiet",
+                                       "-o",
+                                       path("map.json")};
+    ASSERT_EQ(run_earshot(arguments).status, 0);
+    const Json map = Json::parse(read_file(path("map.json")));
+    const Json data = report_of({path("map.json"), scene("shoebox.gltf")});
+    EXPECT_EQ(data["kind"], "map");
+    ASSERT_EQ(data["maps"].size(), 2U);
+    for (const char* const key : {"points", "values", "errors", "cells", "contour"}) {
+        EXPECT_EQ(data["maps"][0][key], map["maps"][0][key]) << key;
+    }
+    EXPECT_EQ(data["verdict"][0]["state"], "missed");
+    EXPECT_TRUE(data.contains("scene"));
+    arguments.push_back("--report");
+    const RunResult result = run_earshot(arguments);
+    EXPECT_EQ(result.status, io::has_report_page() ? 0 : 1) << result.err;
+    EXPECT_EQ(fs::exists(path("map.html")), io::has_report_page());
+}
+
 TEST_F(Report, OfAWholeRunIsThatOfItsFiles) {
     const RunResult result = run_ir("out", {"--report", "--limit", "sti=0.5"});
     if (!io::has_report_page()) {
