@@ -171,7 +171,7 @@ TEST_F(Report, ShowsMapsInTheirRoom) {
     std::vector<std::string> arguments{"map",
                                        scene("shoebox.gltf"),
                                        "--rect",
-                                       "1,1,3,3",
+                                       "1,-3,3,-1",
                                        "--step",
                                        "1",
                                        "--metric",
