@@ -87,9 +87,20 @@ private:
                 others_are_inside || (k != i && of_.reached.escape_share[k] < kMaxEscapesInside);
         }
         const bool escapes = of_.reached.escape_share[i] > kMinEscapesOutside;
-        return is_beyond || (escapes && others_are_inside && is_alone(i))
+        // In the open a source may well stand beside the model that it is heard with.
+        return (is_beyond && !shares_air(i)) || (escapes && others_are_inside && is_alone(i))
                    ? std::optional<bool>(false)
                    : std::nullopt;
+    }
+
+    bool shares_air(std::size_t i) const {
+        for (std::size_t k = 0; k < emitters_.size(); ++k) {
+            if (emitters_[k].is_source != emitters_[i].is_source &&
+                of_.reached.air_of_point[k] == of_.reached.air_of_point[i]) {
+                return true;
+            }
+        }
+        return false;
     }
 
     /// No counterpart shares its air although there are some.

@@ -154,6 +154,15 @@ TEST_F(ModelCheck, AListenerOutsideIsTold) {
     EXPECT_FALSE(report.misplaced.back().is_source);
 }
 
+TEST_F(ModelCheck, BesideAReflectorInTheOpenNothingIsMisplaced) {
+    Mesh mesh;
+    mesh.positions = {{-5, 0, -5}, {5, 0, -5}, {5, 0, 5}, {-5, 0, 5}};
+    mesh.triangles = {{0, 2, 1}, {0, 3, 2}};
+    Scene scene = scene_of(mesh);
+    place(scene, {0, 2, 0}, {1, 2, 0});
+    EXPECT_TRUE(check_model(scene, kNoForecast).misplaced.empty());
+}
+
 TEST_F(ModelCheck, ReversedFacesAreToldByPlace) {
     Mesh mesh = house();
     // The cupboard inside out: its fronts look into it.
