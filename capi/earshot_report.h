@@ -28,8 +28,9 @@ ES_API int32_t es_has_report_page(void);
 
 /// Writes the page that shows a result, whole or not at all, or the data alone if the name of
 /// `file` ends in ".json". It holds what the result does: paths, metrics and, with
-/// es_simulation_options::histograms, decay curves. `options` null: the defaults. Fails with
-/// ES_ERROR_FAILED without the page. Reads `result` and the options' scene.
+/// es_simulation_options::histograms, decay curves, with ::sensitivity, which surfaces matter.
+/// `options` null: the defaults. Fails with ES_ERROR_FAILED without the page. Reads `result` and
+/// the options' scene.
 ES_API es_status es_result_write_report(es_result result,
                                         const es_report_options* options,
                                         const char* file);

@@ -81,36 +81,6 @@ io::Sound sound_of(const ResultObject& result, std::size_t pair) {
     return sound;
 }
 
-std::string document_of(const ResultObject& result, std::int32_t document) {
-    require_in(std::int64_t{document}, ES_PATHS_JSON, ES_SENSITIVITY_JSON, "document");
-    const io::ResultHeader header = {
-        .scene = result.names, .bands = result.bands, .speed_of_sound = result.info.speed_of_sound};
-    if (document == ES_PATHS_JSON) {
-        require_paths(result);
-        return io::encode_paths(header, result.pairs);
-    }
-    if (document == ES_METRICS_JSON) {
-        require_metrics(result);
-        return io::encode_metrics({.scene = result.names,
-                                   .bands = result.bands,
-                                   .room = result.room,
-                                   .speech = result.speech},
-                                  result.metrics);
-    }
-    if (document == ES_SENSITIVITY_JSON) {
-        require_sensitivity(result);
-        return io::encode_sensitivity(
-            {.scene = result.names, .bands = result.bands, .areas = result.material_areas},
-            result.sensitivity);
-    }
-    if (!result.has_histograms) {
-        throw Error("histograms",
-                    "were not asked for",
-                    "simulate with es_simulation_options::histograms = 1");
-    }
-    return io::encode_histograms(header, result.pairs);
-}
-
 es_room room_of(const ResultObject& result) {
     es_room room{};
     if (result.room) {
@@ -145,6 +115,37 @@ es_histogram histogram_of(const ResultObject& result, std::size_t pair) {
 }
 
 }  // namespace
+
+std::string document_text(const ResultObject& result, std::int32_t document) {
+    require_in(std::int64_t{document}, ES_PATHS_JSON, ES_SENSITIVITY_JSON, "document");
+    const io::ResultHeader header = {
+        .scene = result.names, .bands = result.bands, .speed_of_sound = result.info.speed_of_sound};
+    if (document == ES_PATHS_JSON) {
+        require_paths(result);
+        return io::encode_paths(header, result.pairs);
+    }
+    if (document == ES_METRICS_JSON) {
+        require_metrics(result);
+        return io::encode_metrics({.scene = result.names,
+                                   .bands = result.bands,
+                                   .room = result.room,
+                                   .speech = result.speech},
+                                  result.metrics);
+    }
+    if (document == ES_SENSITIVITY_JSON) {
+        require_sensitivity(result);
+        return io::encode_sensitivity(
+            {.scene = result.names, .bands = result.bands, .areas = result.material_areas},
+            result.sensitivity);
+    }
+    if (!result.has_histograms) {
+        throw Error("histograms",
+                    "were not asked for",
+                    "simulate with es_simulation_options::histograms = 1");
+    }
+    return io::encode_histograms(header, result.pairs);
+}
+
 }  // namespace earshot::capi
 
 using namespace earshot;
@@ -315,6 +316,6 @@ es_status es_result_write(es_result result, int32_t document, const char* file) 
     return call(__func__, [&] {
         const Reading<ResultObject> object(result, "result");
         const std::string path(require_text(file, "file"));
-        io::write_whole_file(path, document_of(*object, document));
+        io::write_whole_file(path, document_text(*object, document));
     });
 }

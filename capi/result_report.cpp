@@ -3,10 +3,8 @@
 #include "earshot/capi/internal/checks.h"
 #include "earshot/capi/internal/result_object.h"
 #include "earshot/capi/internal/scene_object.h"
-#include "earshot/io/metrics.h"
 #include "earshot/io/report.h"
 #include "earshot/io/report_page.h"
-#include "earshot/io/results.h"
 #include "earshot/io/whole_file.h"
 
 #include <filesystem>
@@ -43,25 +41,21 @@ void apply(const es_report_options& options, io::RoomReport& report) {
 
 /// The texts of the files of `earshot ir` that the result holds.
 io::RoomReport report_of(const ResultObject& result) {
-    const io::ResultHeader header = {
-        .scene = result.names, .bands = result.bands, .speed_of_sound = result.info.speed_of_sound};
     io::RoomReport report{.title = std::filesystem::path(result.names.name).stem().string(),
                           .provenance = {.version = es_version_text()},
                           .time = result.info.time,
                           .warnings = result.notes};
     if (result.has_paths) {
-        report.paths = {"paths.json", io::encode_paths(header, result.pairs)};
+        report.paths = {"paths.json", document_text(result, ES_PATHS_JSON)};
     }
     if (result.has_histograms) {
-        report.histograms = {"histograms.json", io::encode_histograms(header, result.pairs)};
+        report.histograms = {"histograms.json", document_text(result, ES_HISTOGRAMS_JSON)};
     }
     if (!result.metrics.empty()) {
-        report.metrics = {"metrics.json",
-                          io::encode_metrics({.scene = result.names,
-                                              .bands = result.bands,
-                                              .room = result.room,
-                                              .speech = result.speech},
-                                             result.metrics)};
+        report.metrics = {"metrics.json", document_text(result, ES_METRICS_JSON)};
+    }
+    if (!result.sensitivity.empty()) {
+        report.sensitivity = {"sensitivity.json", document_text(result, ES_SENSITIVITY_JSON)};
     }
     return report;
 }

@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace earshot::capi {
@@ -91,5 +92,9 @@ const std::string* note_of(const ResultObject& result,
                            std::int32_t set,
                            std::size_t pair,
                            std::uint32_t band);
+
+/// The text of one of the files that `earshot ir` writes (es_document); throws if the result lacks
+/// it.
+std::string document_text(const ResultObject& result, std::int32_t document);
 
 }  // namespace earshot::capi

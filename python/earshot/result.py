@@ -629,7 +629,8 @@ class Result(Object):
         ``scene``: the simulated scene, whose walls the page shows. ``title``: the scene's name if
         None. ``command``: how the result was made, as the page tells it. ``against``: a metrics.json
         to compare with. ``limits``: what metrics are to be, ``{"sti": 0.6}``; times at most, all
-        else at least. Decay curves need ``histograms=True`` in the simulation."""
+        else at least. Decay curves need ``histograms=True`` in the simulation, which surfaces
+        matter needs ``sensitivity=True``."""
         options = new_struct("es_report_options")
         kept = [ffi.new("char[]", encoded(f"{metric}={float(value)!r}"))
                 for metric, value in (limits or {}).items()]

@@ -24,6 +24,7 @@ void test_reports(void) {
     simulation.rays = 4000;
     simulation.rays_error = 0.0;
     simulation.histograms = 1;
+    simulation.sensitivity = 1;
     es_result result = 0;
     CHECK_OK(es_simulate(scene, &simulation, &result));
 
@@ -40,6 +41,7 @@ void test_reports(void) {
     CHECK(file_holds("report.json", "\"command\":\"made in C\""));
     CHECK(file_holds("report.json", "\"positions_f32\""));
     CHECK(file_holds("report.json", "\"level_db\""));
+    CHECK(file_holds("report.json", "\"sensitivity\""));
     CHECK(file_holds("report.json", "Is STI at least 0.99 everywhere?"));
     CHECK(file_holds("report.json", "\"missed\"") && file_holds("report.json", "\"met\""));
     CHECK_OK(es_result_write_report(result, NULL, "bare.json"));
