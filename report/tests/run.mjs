@@ -44,9 +44,6 @@ if (kind === "browser") {
     if (!existsSync(browser)) {
         skip(`there is no ${browser} (package chromium)`);
     }
-    if (Number(process.versions.node.split(".")[0]) < 20) {
-        skip("playwright-core needs Node.js 20");
-    }
 }
 if (kind === "types") {
     const compiler = join(report_folder, "node_modules", "typescript", "bin", "tsc");
