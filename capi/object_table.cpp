@@ -33,16 +33,18 @@ std::uint64_t handle_of(const HandleParts& parts) noexcept {
            static_cast<std::uint64_t>(parts.generation) << kSlotBits | parts.slot;
 }
 
-constexpr std::array<const char*, 10> kKindNames = {"an object",
-                                                    "a scene",
-                                                    "a simulator",
-                                                    "a result",
-                                                    "a bvh",
-                                                    "a world",
-                                                    "contacts",
-                                                    "visible sets",
-                                                    "a sound",
-                                                    "messages"};
+constexpr std::array kKindNames = {"an object",
+                                   "a scene",
+                                   "a simulator",
+                                   "a result",
+                                   "a bvh",
+                                   "a world",
+                                   "contacts",
+                                   "visible sets",
+                                   "a sound",
+                                   "messages",
+                                   "a map"};
+static_assert(kKindNames.size() == ES_KIND_METRIC_MAP + 1);
 
 struct Slot {
     std::shared_ptr<Object> object{};

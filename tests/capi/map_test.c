@@ -125,6 +125,18 @@ static void test_errors_of_maps(void) {
     options.area = 3;
     CHECK_FAILS(ES_ERROR_ARGUMENT, "area", es_map_create(scene, &simulation, &options, &map));
     CHECK(map == 0);
+
+    es_map_info info = {.struct_size = sizeof info};
+    CHECK_FAILS(ES_ERROR_HANDLE, "give a handle of a map", es_map_get_info(0, &info));
+    CHECK_FAILS(ES_ERROR_HANDLE, "of a scene", es_map_get_info(scene, &info));
+    const double point[] = {3.5, 1.2, 2.5};
+    options = map_options();
+    options.area = ES_MAP_POINTS;
+    options.points = point;
+    options.point_count = 1;
+    CHECK_OK(es_map_create(scene, &simulation, &options, &map));
+    CHECK_OK(es_release(map));
+    CHECK_FAILS(ES_ERROR_HANDLE, "of a map that was released", es_map_get_info(map, &info));
     CHECK_OK(es_release(scene));
 }
 
