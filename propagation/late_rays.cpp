@@ -129,9 +129,12 @@ public:
         const std::lock_guard lock(mutex_);
         total_ = std::max(total, done_);
     }
+    /// The last report tells as many rays as there were. To call when no thread adds any more.
     void finish() {
-        expect(0);
-        add(0);
+        if (total_ != done_) {
+            expect(0);
+            add(0);
+        }
     }
 
 private:
