@@ -10,6 +10,7 @@
 #include "earshot/geometry/vector.h"
 #include "earshot/propagation/internal/coincident_materials.h"
 #include "earshot/propagation/internal/lattice_arrivals.h"
+#include "earshot/propagation/internal/radiated_sound.h"
 #include "earshot/propagation/internal/scene_geometry.h"
 #include "earshot/propagation/late_rays.h"
 
@@ -31,14 +32,6 @@ namespace {
 
 /// What pressures may differ by for having been multiplied in another order.
 constexpr double kRoom = 1.0 - 0x1p-40;
-
-bool is_silent(const audio::EnergyHistogram& histogram) {
-    return std::all_of(
-        histogram.energy.begin(), histogram.energy.end(), [](const audio::Spectrum& energies) {
-            return std::all_of(
-                energies.begin(), energies.end(), [](double energy) { return energy == 0.0; });
-        });
-}
 
 }  // namespace
 
@@ -109,7 +102,6 @@ struct Simulator::State {
                         Executor& executor,
                         Progress* progress);
     RayOptions ray_options(const RaySource& source, Executor& executor) const;
-    void radiate(const RaySource& source, Path& path) const;
     bool is_wanted(const Path& path) const;
     Path describe(const frustum::SpecularPath& specular, const double* air_pressures) const;
     bool add_arrivals(const RaySource& sender,
@@ -156,18 +148,6 @@ RayOptions Simulator::State::ray_options(const RaySource& source, Executor& exec
     rays.length = options.late_length > 0.0 ? options.late_length : decay_length;
     rays.decay_time = decay_length * 6.0 / kDecades;
     return rays;
-}
-
-// What the source sends into the path's first leg.
-void Simulator::State::radiate(const RaySource& source, Path& path) const {
-    if (source.directivity.is_omnidirectional()) {
-        return;
-    }
-    const audio::Spectrum sent =
-        source.directivity.pressure(options.bands, source.pose.seen_from(path.departure));
-    for (std::size_t band = 0; band < options.bands.count(); ++band) {
-        path.pressure[band] *= sent[band];
-    }
 }
 
 bool Simulator::State::is_wanted(const Path& path) const {
@@ -397,7 +377,7 @@ void Simulator::State::add_paths(std::size_t source,
     for (const frustum::SpecularPath& specular : traced.paths) {
         Path path = describe(specular, of_air);
         of_air += air.stride();
-        radiate(sender, path);
+        radiate(sender, options.bands, path);
         if (placed.is_moved) {
             path.points.front() = position;
             path.points.back() = listeners->listeners()[specular.listener];
