@@ -28,18 +28,9 @@ from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
 from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
 from .names import Names
+from .paths import PATH_TYPE, Path, Paths
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
-from .result import (
-    PATH_TYPE,
-    Histogram,
-    Path,
-    Paths,
-    Response,
-    Result,
-    Room,
-    Sensitivity,
-    write_sofa,
-)
+from .result import Histogram, Response, Result, Room, Sensitivity, write_sofa
 from .scene import Scene, extrude, load, shoebox
 from .simulation import Simulator, simulate
 from .sound import Sound, auralize, mix
