@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/box.h"
 #include <cmath>
 #include <limits>
 
@@ -73,18 +74,7 @@ TEST(PlanSection, IsTheOutlineOfABoxAtAHeight) {
     for (int i = 0; i < 8; ++i) {
         box.positions.emplace_back(i & 1 ? 3.0 : 0.0, i & 2 ? 2.0 : 0.0, i & 4 ? 4.0 : 0.0);
     }
-    box.triangles = {{0, 4, 5},
-                     {0, 5, 1},
-                     {2, 3, 7},
-                     {2, 7, 6},
-                     {0, 1, 3},
-                     {0, 3, 2},
-                     {4, 6, 7},
-                     {4, 7, 5},
-                     {0, 2, 6},
-                     {0, 6, 4},
-                     {1, 5, 7},
-                     {1, 7, 3}};
+    box.triangles = test::box_triangles();
     double length = 0.0;
     for (const auto& [a, b] : plan_section(box.view(), 1.2)) {
         length += std::hypot(b[0] - a[0], b[1] - a[1]);
