@@ -3,11 +3,11 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/read_file.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -15,11 +15,6 @@ namespace earshot::test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string read_file(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// A vertex that falls through a triangle half-way, and one that stops above it; the second is said
 /// to touch.

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/read_file.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
@@ -18,11 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-std::string read_file(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 class Collide : public testing::Test {
 protected:

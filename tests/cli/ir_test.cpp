@@ -3,13 +3,13 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/read_file.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <numeric>
 
@@ -20,11 +20,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 const std::string kScenes = test::source_file("scenes/").string();
-
-std::string read_file(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 /// A folder of its own for each test, removed at the end.
 class Ir : public testing::Test {

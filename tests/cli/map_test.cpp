@@ -3,12 +3,12 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/read_file.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <sstream>
 #include <tuple>
@@ -22,11 +22,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 const std::string kScenes = test::source_file("scenes/").string();
-
-std::string read_file(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
     std::istringstream text(read_file(file));

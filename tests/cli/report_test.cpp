@@ -6,21 +6,16 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/read_file.h"
 #include "support/temporary_folder.h"
 #include "support/test_paths.h"
 #include <fstream>
-#include <iterator>
 
 namespace earshot::test {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-std::string read_file(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::string scene(const std::string& name) {
     return test::source_file("scenes/" + name).string();
