@@ -52,15 +52,11 @@ void check_step(double step) {
 
 }  // namespace
 
-MapLattice::MapLattice(const Scene& scene,
-                       double time,
-                       const MapRectangle& rectangle,
+MapLattice::MapLattice(const MapRectangle& rectangle,
                        double step,
                        const AirTest& air,
                        Executor& executor)
     : height_(rectangle.height) {
-    static_cast<void>(scene);
-    static_cast<void>(time);
     divide(std::min(rectangle.x0, rectangle.x1),
            std::min(rectangle.z0, rectangle.z1),
            std::max(rectangle.x0, rectangle.x1),

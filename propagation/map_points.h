@@ -80,9 +80,7 @@ public:
     MapLattice() = default;
     /// Cells of at most `step` metres, of which those take part whose middle passes the test.
     /// Throws Error if the area is empty or needs more than a million cells.
-    MapLattice(const Scene& scene,
-               double time,
-               const MapRectangle& rectangle,
+    MapLattice(const MapRectangle& rectangle,
                double step,
                const AirTest& air,
                Executor& executor = Executor::serial());

@@ -309,7 +309,7 @@ MetricMap compute_metric_map(const Scene& scene,
     const auto* rectangle = std::get_if<MapRectangle>(&area);
     map.lattice =
         rectangle != nullptr
-            ? MapLattice(scene, time, *rectangle, options.step, air, executor)
+            ? MapLattice(*rectangle, options.step, air, executor)
             : MapLattice(scene, time, std::get<MapSurface>(area), options.step, air, executor);
     map.excluded = map.lattice.excluded();
     map.cells = coarsest_cells(map.lattice, coarse_size(options), air);

@@ -27,9 +27,7 @@ struct EmptyRoom {
         scene.sources.push_back({.name = "talker", .position = {1, 1.5, 1}});
         return scene;
     }
-    MapLattice lattice(double step) const {
-        return {scene, 0.0, MapRectangle{0, 0, 8, 6, 1.2}, step, air};
-    }
+    MapLattice lattice(double step) const { return {MapRectangle{0, 0, 8, 6, 1.2}, step, air}; }
 };
 
 double distance_to_centre(const Vec3& point) {
@@ -95,7 +93,7 @@ TEST(MapContour, LinesEndAtTheBorderAndAtCellsWithoutAValue) {
 
 TEST(MapContour, ASaddleIsCutByItsMean) {
     const EmptyRoom room;
-    const MapLattice lattice(room.scene, 0.0, MapRectangle{1, 1, 2, 2, 1.2}, 0.5, room.air);
+    const MapLattice lattice(MapRectangle{1, 1, 2, 2, 1.2}, 0.5, room.air);
     const std::vector<double> low = {1.0, 0.0, 0.0, 1.0};
     EXPECT_EQ(contour_lines(lattice, low, 0.6).size(), 2U);
     EXPECT_EQ(contour_lines(lattice, low, 0.4).size(), 2U);

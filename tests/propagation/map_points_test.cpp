@@ -45,8 +45,7 @@ PointExclusion expected_at(const Vec3& p) {
 
 TEST(MapPoints, PointsOutsideInSolidsAndNearSurfacesAreLeftOutAndCounted) {
     const MapRoom room;
-    const MapLattice lattice(
-        room.scene, 0.0, MapRectangle{8.4, 6.2, -0.9, -0.4, 1.0}, 0.17, room.air);
+    const MapLattice lattice(MapRectangle{8.4, 6.2, -0.9, -0.4, 1.0}, 0.17, room.air);
     ExclusionCounts expected;
     for (std::uint32_t row = 0; row < lattice.rows(); ++row) {
         for (std::uint32_t column = 0; column < lattice.columns(); ++column) {
@@ -66,14 +65,14 @@ TEST(MapPoints, PointsOutsideInSolidsAndNearSurfacesAreLeftOutAndCounted) {
 
 TEST(MapPoints, CellsAreAtMostAsLargeAsTheStepAndFillTheRectangle) {
     const MapRoom room;
-    const MapLattice lattice(room.scene, 0.0, MapRectangle{1, 1, 3, 2, 1.2}, 0.3, room.air);
+    const MapLattice lattice(MapRectangle{1, 1, 3, 2, 1.2}, 0.3, room.air);
     EXPECT_EQ(lattice.columns(), 7U);
     EXPECT_EQ(lattice.rows(), 4U);
     EXPECT_DOUBLE_EQ(lattice.cell_width(), 2.0 / 7.0);
     EXPECT_DOUBLE_EQ(lattice.x_at(7), 3.0);
     EXPECT_DOUBLE_EQ(lattice.z_at(4), 2.0);
     // A length that is a multiple of the step but for rounding.
-    const MapLattice exact(room.scene, 0.0, MapRectangle{1, 1, 1.3, 1.3, 1.2}, 0.1, room.air);
+    const MapLattice exact(MapRectangle{1, 1, 1.3, 1.3, 1.2}, 0.1, room.air);
     EXPECT_EQ(exact.columns(), 3U);
 }
 
@@ -112,9 +111,9 @@ TEST(MapPoints, FacesAboveEachOtherAreSheetsOfTheirOwn) {
 
 TEST(MapPoints, EmptyAndHugeAreasAreErrors) {
     const MapRoom room;
-    EXPECT_THROW(MapLattice(room.scene, 0.0, MapRectangle{1, 1, 1, 2, 1.2}, 0.1, room.air), Error);
-    EXPECT_THROW(MapLattice(room.scene, 0.0, MapRectangle{0, 0, 8, 6, 1.2}, 1e-4, room.air), Error);
-    EXPECT_THROW(MapLattice(room.scene, 0.0, MapRectangle{0, 0, 8, 6, 1.2}, 0.0, room.air), Error);
+    EXPECT_THROW(MapLattice(MapRectangle{1, 1, 1, 2, 1.2}, 0.1, room.air), Error);
+    EXPECT_THROW(MapLattice(MapRectangle{0, 0, 8, 6, 1.2}, 1e-4, room.air), Error);
+    EXPECT_THROW(MapLattice(MapRectangle{0, 0, 8, 6, 1.2}, 0.0, room.air), Error);
     // A wall does not look upwards.
     EXPECT_THROW(MapLattice(room.scene, 0.0, MapSurface{2, 1.0}, 0.1, room.air), Error);
 }

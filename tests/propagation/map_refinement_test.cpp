@@ -52,7 +52,7 @@ std::size_t cells_covered(const MapLattice& lattice, const std::vector<MapCellPo
 }
 
 struct RefinedRoom : MapRoom {
-    MapLattice lattice{scene, 0.0, MapRectangle{0, 0, 8, 6, 1.2}, 0.25, air};
+    MapLattice lattice{MapRectangle{0, 0, 8, 6, 1.2}, 0.25, air};
 
     std::size_t valid() const {
         return std::size_t{lattice.columns()} * lattice.rows() - lattice.excluded().total();
