@@ -89,6 +89,8 @@ foreach(folder IN LISTS entries)
     string(REGEX MATCHALL "[A-Za-z_][A-Za-z0-9_]*" found "${text}")
     list(REMOVE_DUPLICATES found)
     list(FILTER found INCLUDE REGEX "^(${any})$")
+    # "Least squares" is the name of the method.
+    list(FILTER found EXCLUDE REGEX "^least_squares(_available)?$")
     foreach(word IN LISTS found)
       foreach(expression term IN ZIP_LISTS all standard_terms)
         if(word MATCHES "^(${expression})$")
