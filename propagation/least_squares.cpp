@@ -232,6 +232,45 @@ ParameterCovariance covariance_of(const ScaledEigenvectors& scaled, double rank_
     return result;
 }
 
+/// What a robust residual tells, as a share of what it would tell by its square: the inverse of
+/// Huber's asymptotic variance, (mean of psi')^2 over mean of psi^2, with the parameters that the
+/// residuals were spent on taken off. The residuals' variance is known, so it is at most 1.
+double robust_share(const LeastSquaresProblem& problem,
+                    const LeastSquaresOptions& options,
+                    const Linearization& at,
+                    const std::vector<double>& weights) {
+    const ParameterCovariance information =
+        covariance_of(eigenvectors_of(at.jacobian, weights), options.rank_tolerance);
+    const auto columns = at.jacobian.cols();
+    const Eigen::Map<const Matrix> covariance(information.covariance.data(), columns, columns);
+    double inner = 0.0, squares = 0.0, spent = 0.0;
+    for (std::size_t i = 0; i < problem.robust_count; ++i) {
+        const auto row = at.jacobian.row(static_cast<Eigen::Index>(i));
+        spent += weights[i] * row.dot(row * covariance);
+        inner += is_robust(problem, options, at.residuals, i) ? 0.0 : 1.0;
+        squares += squared(weights[i] * at.residuals[i]);
+    }
+    const auto count = static_cast<double>(problem.robust_count);
+    const double freedom = count - spent;
+    if (inner == 0.0 || freedom <= 0.0 || squares == 0.0) {
+        return 1.0;
+    }
+    return std::min(1.0, squared(inner / count) * freedom / squares);
+}
+
+/// The weights of the residuals in the normal matrix of ParameterCovariance.
+std::vector<double> information_weights(const LeastSquaresProblem& problem,
+                                        const LeastSquaresOptions& options,
+                                        const Linearization& at,
+                                        const std::vector<double>& weights) {
+    std::vector<double> result(weights.size(), 1.0);
+    if (problem.robust_count > 0) {
+        std::fill_n(
+            result.begin(), problem.robust_count, robust_share(problem, options, at, weights));
+    }
+    return result;
+}
+
 /// One run of the solver with fixed weights and held parameters, from the solution's parameters.
 /// Returns whether it came to an end before its steps did.
 bool run_solver(const ProjectedResiduals& residuals,
@@ -310,8 +349,10 @@ LeastSquaresSolution solve_least_squares(const LeastSquaresProblem& problem,
     solution.cost_after = cost_of(problem, options, at.residuals);
     solution.robust_weights = weights_of(problem, options, at.residuals);
     solution.at_bound = residuals.held();
-    solution.information = covariance_of(eigenvectors_of(at.jacobian, solution.robust_weights),
-                                         options.rank_tolerance);
+    solution.information = covariance_of(
+        eigenvectors_of(at.jacobian,
+                        information_weights(problem, options, at, solution.robust_weights)),
+        options.rank_tolerance);
     solution.residuals = std::move(at.residuals);
     return solution;
 }

@@ -42,12 +42,14 @@ struct LeastSquaresOptions {
     double rank_tolerance = 1e-12;
 };
 
-/// What the residuals say of the parameters at the solution: the normal matrix J^T W J, W the
-/// robust weights. Bounds are not considered: a parameter at a bound has the spread that it would
-/// have without.
+/// What the residuals say of the parameters at the solution: the normal matrix J^T W J. W is 1 for
+/// residuals whose square counts; for robust ones the number by which Huber's loss, with the
+/// residuals as they are spread, lowers what each of them tells (Huber 1981, section 7.6), at
+/// most 1. Bounds are not considered: a parameter at a bound has the spread that it would have
+/// without.
 struct ParameterCovariance {
     /// Row-major, of residuals with unit variance; the pseudo-inverse if the rank is deficient.
-    std::vector<double> covariance;
+    std::vector<double> covariance{};
     /// Of each parameter; infinite if a direction that is not determined moves it.
     std::vector<double> standard_errors;
     /// Of the normal matrix with its diagonal scaled to 1, ascending, and the directions to them,

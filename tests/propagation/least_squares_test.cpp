@@ -3,6 +3,7 @@
 #include "earshot/propagation/least_squares.h"
 
 #include "earshot/base/error.h"
+#include "earshot/base/random.h"
 
 #include <gtest/gtest.h>
 
@@ -235,6 +236,31 @@ TEST_F(LeastSquares, TakesOutliersAsHuberDoes) {
         cost += off <= kWidth ? off * off / 2.0 : kWidth * (off - kWidth / 2.0);
     }
     EXPECT_NEAR(solution.cost_after, cost, 1e-9);
+}
+
+/// The standard error of a location from values with two kinds of errors, against the spread of the
+/// estimates themselves.
+TEST_F(LeastSquares, TellsTheSpreadOfARobustEstimate) {
+    constexpr std::size_t kValues = 60, kSeeds = 400;
+    for (const double outlying : {0.0, 0.3}) {
+        double squares = 0.0, errors = 0.0;
+        for (std::uint64_t seed = 0; seed < kSeeds; ++seed) {
+            std::vector<double> values;
+            for (std::uint64_t i = 0; i < kValues; ++i) {
+                const double deviation = random(seed, 1, i) < outlying ? 10.0 : 1.0;
+                values.push_back(deviation * random_normal(seed, 2, i));
+            }
+            LeastSquaresProblem problem = linear(std::vector<double>(kValues, 1.0), values);
+            problem.robust_count = kValues;
+            const std::vector<double> start = {0.0};
+            const LeastSquaresSolution solution = solve_least_squares(problem, start);
+            squares += solution.parameters[0] * solution.parameters[0];
+            errors += solution.information.standard_errors[0];
+        }
+        const double spread = std::sqrt(squares / static_cast<double>(kSeeds));
+        // 400 estimates tell their spread to 3.5 %.
+        EXPECT_NEAR(errors / static_cast<double>(kSeeds) / spread, 1.0, 0.1) << outlying;
+    }
 }
 
 /// A prior stands after the robust residuals and keeps its square.
