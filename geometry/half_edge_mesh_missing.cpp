@@ -9,11 +9,24 @@ bool topology_available() noexcept {
     return false;
 }
 
-HalfEdgeBorders find_borders(std::span<const Triangle> /*triangles*/,
-                             std::size_t /*vertex_count*/) {
-    throw Error("topology of meshes",
+namespace {
+
+[[noreturn]] void fail(const char* subject) {
+    throw Error(subject,
                 "this build is without OpenMesh",
                 "install libopenmesh-dev, configure and build again");
+}
+
+}  // namespace
+
+HalfEdgeBorders find_borders(std::span<const Triangle> /*triangles*/,
+                             std::size_t /*vertex_count*/) {
+    fail("topology of meshes");
+}
+
+std::vector<DecimatedTriangle> decimate(const DecimationInput& /*input*/,
+                                        const DecimationLimits& /*limits*/) {
+    fail("simplification of meshes");
 }
 
 }  // namespace earshot::geometry
