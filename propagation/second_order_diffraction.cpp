@@ -1,0 +1,323 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/propagation/second_order_diffraction.h"
+
+#include "earshot/base/assert.h"
+#include "earshot/propagation/internal/complex_math.h"
+#include "earshot/propagation/internal/edge_terms.h"
+#include "earshot/propagation/internal/graded_quadrature.h"
+#include "earshot/propagation/uniform_diffraction.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace earshot::propagation {
+namespace {
+
+using geometry::Vec3;
+using geometry::Wedge;
+using geometry::WedgePoint;
+
+/// Radians: where a zone boundary is closer, the integrand is taken as if it were this far. A term
+/// then differs by less than 1e-6 of itself from its limit, half the step of the sound it mends.
+constexpr double kMinTermAngle = 1e-6;
+
+/// Of the length of a part of an edge: distances of singularities below it are not resolved
+/// further. Where edges meet, the integrand grows only as the inverse of the distance between the
+/// points.
+constexpr double kMinScale = 1e-5;
+
+/// The sum over the terms of sin a / (cosh(nu eta) - cos a), of one wedge and a pair of directions.
+class WedgeTerms {
+public:
+    WedgeTerms(double open_angle, double source_angle, double listener_angle) noexcept
+        : nu_(math::kPi / open_angle) {
+        const auto terms =
+            edge_terms(open_angle, source_angle, listener_angle, {1.0, 1.0, 1.0}, {});
+        for (std::size_t i = 0; i < terms.size(); ++i) {
+            const double half_sine = std::max(terms[i].half_sine, 0.5 * kMinTermAngle);
+            sine_[i] = terms[i].sign * 2.0 * half_sine * terms[i].half_cosine;
+            offset_[i] = 2.0 * half_sine * half_sine;
+            min_angle_ = std::min(min_angle_, std::max(terms[i].angle, kMinTermAngle));
+        }
+    }
+
+    /// `power` is e^eta.
+    double sum(double power) const noexcept {
+        const double root =
+            nu_ == 0.5 ? std::sqrt(std::sqrt(power)) : math::exp(0.5 * nu_ * math::log(power));
+        const double twice_sinh = root - 1.0 / root;
+        const double rise = 0.5 * twice_sinh * twice_sinh;
+        double total = 0.0;
+        for (std::size_t i = 0; i < sine_.size(); ++i) {
+            total += sine_[i] / (rise + offset_[i]);
+        }
+        return total;
+    }
+
+    double nu() const noexcept { return nu_; }
+    /// |eta| of the pole that is closest to the apex.
+    double pole() const noexcept { return min_angle_ / nu_; }
+
+private:
+    double nu_;
+    std::array<double, 4> sine_{}, offset_{};
+    double min_angle_ = math::kPi;
+};
+
+/// x + sqrt(1 + x^2) = e^{asinh x}.
+double exponential_of_asinh(double x) noexcept {
+    const double sum = std::abs(x) + std::sqrt(1.0 + x * x);
+    return x < 0.0 ? 1.0 / sum : sum;
+}
+
+/// e^eta of a point of an edge between a point before it and one after it.
+double exponential_of_eta(double z, const WedgePoint& before, const WedgePoint& after) noexcept {
+    return exponential_of_asinh((z - before.z) / before.radius) *
+           exponential_of_asinh((z - after.z) / after.radius);
+}
+
+double apex_z(const WedgePoint& before, const WedgePoint& after) noexcept {
+    return (before.z * after.radius + after.z * before.radius) / (before.radius + after.radius);
+}
+
+double distance_at(const WedgePoint& point, double z) noexcept {
+    return std::sqrt(point.radius * point.radius + (z - point.z) * (z - point.z));
+}
+
+/// How far along the edge, beside the apex, the integrand is far from its peak there.
+double peak_width(const WedgePoint& before, const WedgePoint& after, double pole) noexcept {
+    const double z = apex_z(before, after);
+    const double m = distance_at(before, z);
+    const double l = distance_at(after, z);
+    return pole * m * l / (m + l);
+}
+
+/// Where a function that rises or falls throughout is 0; where it is not, the end with the smaller
+/// value.
+template <typename Function>
+double find_root(double low, double high, const Function& function) noexcept {
+    const double at_low = function(low);
+    const double at_high = function(high);
+    if ((at_low > 0.0) == (at_high > 0.0)) {
+        return std::abs(at_low) < std::abs(at_high) ? low : high;
+    }
+    constexpr int kHalvings = 40;
+    for (int i = 0; i < kHalvings; ++i) {
+        const double middle = 0.5 * (low + high);
+        ((function(middle) > 0.0) == (at_low > 0.0) ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+class DoubleIntegral {
+public:
+    DoubleIntegral(const DoubleDiffraction& edges, double wave_number) noexcept
+        : edges_(edges),
+          k_(wave_number),
+          source_(geometry::wedge_coordinates(edges.first, edges.source)),
+          listener_(geometry::wedge_coordinates(edges.second, edges.listener)),
+          path_(shortest_path(edges)) {}
+
+    Complex value() const noexcept;
+
+private:
+    WedgePoint seen_from_first(double second_z) const noexcept {
+        WedgePoint point =
+            geometry::wedge_coordinates(edges_.first, edges_.second.point_at(second_z));
+        if (edges_.common_face) {
+            point.angle = edges_.common_face->of_first == 0 ? 0.0 : edges_.first.open_angle;
+        }
+        return point;
+    }
+    WedgePoint seen_from_second(double first_z) const noexcept {
+        WedgePoint point =
+            geometry::wedge_coordinates(edges_.second, edges_.first.point_at(first_z));
+        if (edges_.common_face) {
+            point.angle = edges_.common_face->of_second == 0 ? 0.0 : edges_.second.open_angle;
+        }
+        return point;
+    }
+    WedgeTerms terms_at_first(const WedgePoint& second) const noexcept {
+        return {edges_.first.open_angle, source_.angle, second.angle};
+    }
+    WedgeTerms terms_at_second(const WedgePoint& first) const noexcept {
+        return {edges_.second.open_angle, first.angle, listener_.angle};
+    }
+    double link(double first_z, double second_z) const noexcept {
+        return glm::distance(edges_.first.point_at(first_z), edges_.second.point_at(second_z));
+    }
+    double peak_at_first(double second_z) const noexcept;
+    double place_of_peak(double first_z) const noexcept;
+    Complex inner(double second_z) const noexcept;
+
+    const DoubleDiffraction& edges_;
+    double k_;
+    WedgePoint source_;    // about the first edge
+    WedgePoint listener_;  // about the second
+    DoublePath path_;
+};
+
+// The z of the first edge from which the shortest way to the listener passes the second edge in
+// `second_z`: there the second wedge's integrand has its peak. An end of the part if there is none.
+double DoubleIntegral::peak_at_first(double second_z) const noexcept {
+    const auto position = [&](double first_z) {
+        return math::log(exponential_of_eta(second_z, seen_from_second(first_z), listener_));
+    };
+    return find_root(edges_.first_begin, edges_.first_end, position);
+}
+
+// The z of the second edge from which the first wedge's integrand has its peak at `first_z`; an end
+// of the part if there is none.
+double DoubleIntegral::place_of_peak(double first_z) const noexcept {
+    const auto position = [&](double second_z) {
+        return apex_z(source_, seen_from_first(second_z)) - first_z;
+    };
+    return find_root(edges_.second_begin, edges_.second_end, position);
+}
+
+// The integral over the first edge for a point of the second one.
+Complex DoubleIntegral::inner(double second_z) const noexcept {
+    const WedgePoint second = seen_from_first(second_z);
+    const WedgeTerms first_terms = terms_at_first(second);
+    const WedgeTerms some_second_terms = terms_at_second(seen_from_second(path_.first_z));
+    const double min_scale = kMinScale * (edges_.first_end - edges_.first_begin);
+
+    // Where the integrand is steep: abreast of the source and of the point, and at both peaks.
+    std::array<SteepPlace, 4> steep{
+        SteepPlace{source_.z, source_.radius},
+        SteepPlace{second.z, std::max(second.radius, min_scale)},
+        SteepPlace{apex_z(source_, second), peak_width(source_, second, first_terms.pole())},
+        SteepPlace{source_.z, source_.radius}};
+    if (some_second_terms.pole() < 0.5) {
+        const double z = peak_at_first(second_z);
+        // The peak moves along the first edge by the link's share of the way.
+        const WedgePoint first = seen_from_second(z);
+        const double reach = some_second_terms.pole() * std::max(first.radius, min_scale);
+        steep[3] = {z, reach};
+    }
+    const bool is_fixed = edges_.common_face.has_value();
+    Complex sum{0.0};
+    integrate_graded(
+        edges_.first_begin,
+        edges_.first_end,
+        steep,
+        [&](double z) { return k_ * (distance_at(source_, z) + distance_at(second, z)); },
+        [&](double z, double weight) {
+            const WedgePoint first = seen_from_second(z);
+            const double m = distance_at(source_, z);
+            const double between = distance_at(second, z);
+            const double at_first = first_terms.sum(exponential_of_eta(z, source_, second));
+            const double power = exponential_of_eta(second_z, first, listener_);
+            const double at_second =
+                is_fixed ? some_second_terms.sum(power) : terms_at_second(first).sum(power);
+            sum += (weight * at_first * at_second / (m * between)) *
+                   unit(-k_ * (m + between - path_.before - path_.between));
+        });
+    return sum;
+}
+
+Complex DoubleIntegral::value() const noexcept {
+    const double first_nu = math::kPi / edges_.first.open_angle;
+    const double second_nu = math::kPi / edges_.second.open_angle;
+    const WedgePoint second = seen_from_first(path_.second_z);
+    const WedgePoint first = seen_from_second(path_.first_z);
+    const double min_scale = kMinScale * (edges_.second_end - edges_.second_begin);
+    const auto distance_to_first = [&](double z) {
+        return std::max(min_scale, seen_from_first(z).radius);
+    };
+    // Both peaks lie in one place only at the shortest path, and either may leave the first edge at
+    // its ends.
+    const double first_pole = terms_at_first(second).pole();
+    const double second_pole = terms_at_second(first).pole();
+    const double peak =
+        peak_width(source_, second, first_pole) + peak_width(first, listener_, second_pole);
+    const WedgePoint source_about_second =
+        geometry::wedge_coordinates(edges_.second, edges_.source);
+    std::array<SteepPlace, 9> steep{
+        SteepPlace{listener_.z, listener_.radius},
+        SteepPlace{source_about_second.z, std::max(source_about_second.radius, min_scale)},
+        SteepPlace{path_.second_z, peak},
+        SteepPlace{edges_.second_begin, distance_to_first(edges_.second_begin)},
+        SteepPlace{edges_.second_end, distance_to_first(edges_.second_end)}};
+    std::size_t next = 5;
+    for (const double end : {edges_.first_begin, edges_.first_end}) {
+        const WedgePoint point = seen_from_second(end);
+        steep[next++] = {apex_z(point, listener_),
+                         std::max(min_scale, peak_width(point, listener_, second_pole))};
+        const double z = place_of_peak(end);
+        const double m = distance_at(source_, end);
+        const double link_length = link(end, z);
+        steep[next++] = {z, std::max(min_scale, first_pole * link_length * (m + link_length) / m)};
+    }
+    const auto phase = [&](double first_z) {
+        return [this, first_z](double z) {
+            return k_ * (link(first_z, z) + distance_at(listener_, z));
+        };
+    };
+    const auto at_begin = phase(edges_.first_begin);
+    const auto at_end = phase(edges_.first_end);
+    const auto at_path = phase(path_.first_z);
+    Complex sum{0.0};
+    integrate_graded(
+        edges_.second_begin,
+        edges_.second_end,
+        steep,
+        [&](double z) {
+            return std::max({at_begin(z), at_end(z), at_path(z)});
+        },
+        [&](double z, double weight) {
+            const double l = distance_at(listener_, z);
+            sum += weight / l * unit(-k_ * (l - path_.after)) * inner(z);
+        });
+    const double half = edges_.common_face ? 0.5 : 1.0;
+    return half * first_nu * second_nu / (16.0 * math::kPi * math::kPi) *
+           unit(-k_ * path_.length()) * sum;
+}
+
+}  // namespace
+
+std::complex<double> second_order_pressure(const DoubleDiffraction& edges,
+                                           double wave_number) noexcept {
+    EARSHOT_ASSERT(wave_number > 0.0);
+    return DoubleIntegral(edges, wave_number).value();
+}
+
+std::complex<double> utd_second_order_pressure(const DoubleDiffraction& edges,
+                                               double wave_number) noexcept {
+    const DoublePath path = shortest_path(edges);
+    const WedgePoint source = geometry::wedge_coordinates(edges.first, edges.source);
+    const WedgePoint listener = geometry::wedge_coordinates(edges.second, edges.listener);
+    WedgePoint second =
+        geometry::wedge_coordinates(edges.first, edges.second.point_at(path.second_z));
+    WedgePoint first =
+        geometry::wedge_coordinates(edges.second, edges.first.point_at(path.first_z));
+    if (edges.common_face) {
+        second.angle = edges.common_face->of_first == 0 ? 0.0 : edges.first.open_angle;
+        first.angle = edges.common_face->of_second == 0 ? 0.0 : edges.second.open_angle;
+    }
+    const double first_sine = source.radius / path.before;
+    const double second_sine = listener.radius / path.after;
+    // Each wedge sees the distance to the other one, not the length of the whole way.
+    const Complex at_first = utd_coefficient(
+        edges.first.open_angle,
+        source.angle,
+        second.angle,
+        first_sine,
+        path.before * path.between * first_sine * first_sine / (path.before + path.between),
+        wave_number);
+    const Complex at_second = utd_coefficient(
+        edges.second.open_angle,
+        first.angle,
+        listener.angle,
+        second_sine,
+        path.between * path.after * second_sine * second_sine / (path.between + path.after),
+        wave_number);
+    const double half = edges.common_face ? 0.5 : 1.0;
+    return half * at_first * at_second * unit(-wave_number * path.length()) /
+           std::sqrt(path.before * path.between * path.after * path.length());
+}
+
+}  // namespace earshot::propagation
