@@ -170,6 +170,7 @@ es_status es_scene_set_material(es_scene scene, size_t index, const es_material*
         data.name = materials[index].name;
         materials[index] = std::move(data);
         std::erase(object->loaded.default_materials, static_cast<std::uint32_t>(index));
+        std::erase(object->loaded.materials_by_name, static_cast<std::uint32_t>(index));
     });
 }
 

@@ -111,7 +111,8 @@ Warnings check(const SceneObject& object, double time) {
         return list;
     }
     const geometry::Vec3 size = propagation::scene_extent(scene, time).size();
-    if (const auto proposal = propagation::propose_unit(size, 0.0, object.read_as)) {
+    if (const auto proposal = propagation::propose_unit(
+            size, 0.0, object.read_as, propagation::model_kind(scene, time))) {
         append({{scene.name, propagation::unit_warning(*proposal, size, object.has_unit_option)}});
     }
     append(propagation::misplaced_emitters(scene, time));

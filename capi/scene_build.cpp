@@ -45,7 +45,10 @@ std::vector<std::uint32_t> numbers_of(const std::uint32_t* numbers,
 void add_materials(const std::vector<std::string>& names, io::LoadedScene& loaded) {
     for (const std::string& name : names) {
         auto known = propagation::find_library_material(name);
-        if (!known) {
+        if (known) {
+            loaded.materials_by_name.push_back(
+                static_cast<std::uint32_t>(loaded.scene.materials.size()));
+        } else {
             loaded.default_materials.push_back(
                 static_cast<std::uint32_t>(loaded.scene.materials.size()));
             known.emplace();

@@ -53,6 +53,13 @@ public:
                    {0.0, 1.0},
                    "the share of a room's surface below which an opening into a solid counts as a "
                    "crack; default: 0.01");
+        add_integer(
+            app(),
+            "--rays",
+            max_rays_,
+            {1000, 1000000000},
+            "at most so many rays look for the air, and as many for leaks; fewer reach less "
+            "of a large model; default: 20000000");
         add_number(app(),
                    "--forecast",
                    forecast_seconds_,
@@ -62,8 +69,8 @@ public:
             "--fix",
             fix_,
             "write a mended copy: vertices welded, fronts turned to the air, doubled faces and "
-            "what "
-            "is proved out of reach removed, small holes filled; lists every change");
+            "what is proved out of reach removed, small holes filled; lists every change. A scene "
+            "that moves is copied as it is at --time, and refused without");
         CLI::Option* output =
             add_output("-o,--output", output_, "the mended copy, FILE.glb")->needs(fix);
         fix->needs(output);
@@ -80,6 +87,9 @@ public:
     void run() override {
         override_simd_target(common().simd);
         io::LoadedScene loaded = scene_.load();
+        if (fix_ && !is_one_instant()) {
+            propagation::require_still(loaded.scene);
+        }
         materials_.apply(scene_.file(), loaded);
         constexpr bool kRequireEmitters = false;
         emitters_.apply(app(), scene_, loaded.scene, kRequireEmitters);
@@ -91,23 +101,20 @@ public:
             report = propagation::check_model(loaded.scene,
                                               {.read_as = {.metres_per_unit = frame.metres_per_unit,
                                                            .z_is_up = frame.up == io::UpAxis::z},
+                                               .default_materials = loaded.default_materials,
+                                               .materials_by_name = loaded.materials_by_name,
                                                .time = scene_.times(app()).front(),
                                                .seed = static_cast<std::uint64_t>(common().seed),
+                                               .max_rays = static_cast<std::uint64_t>(max_rays_),
                                                .lambda = lambda_,
                                                .forecast_seconds = forecast_seconds_,
                                                .progress = &progress},
                                               executor);
         }
         const std::vector<propagation::Finding> findings =
-            propagation::model_findings(loaded.scene,
-                                        report,
-                                        {.default_materials = loaded.default_materials,
-                                         .has_unit_option = !io::is_gltf(scene_.file())});
-        io::ModelReportParts parts{.scene = loaded.scene,
-                                   .report = report,
-                                   .findings = findings,
-                                   .default_materials = loaded.default_materials,
-                                   .unit = scene_.unit()};
+            propagation::model_findings(loaded.scene, report, !io::is_gltf(scene_.file()));
+        io::ModelReportParts parts{
+            .scene = loaded.scene, .report = report, .findings = findings, .unit = scene_.unit()};
         std::optional<propagation::MendedModel> mended;
         if (fix_) {
             mended.emplace(write_mended(loaded.scene, report));
@@ -130,9 +137,12 @@ public:
     }
 
 private:
+    /// Whether the user asks for the scene as it is at an instant.
+    bool is_one_instant() { return app().count("--time") > 0; }
+
     /// Writes the mended copy, never over the input.
     propagation::MendedModel write_mended(const propagation::Scene& scene,
-                                          const propagation::ModelReport& report) const {
+                                          const propagation::ModelReport& report) {
         std::error_code failure;
         if (std::filesystem::equivalent(output_, scene_.file(), failure)) {
             throw Error(output_, "is the model itself, which stays as it is", "choose another -o");
@@ -146,7 +156,11 @@ private:
             }
         }
         propagation::MendedModel mended =
-            propagation::mend_model(scene, report, {.max_hole_area = max_hole_area_});
+            propagation::mend_model(scene,
+                                    report,
+                                    {.max_hole_area = max_hole_area_,
+                                     .time = scene_.times(app()).front(),
+                                     .freeze = is_one_instant()});
         io::write_whole_file(output_, io::encode_glb(mended.scene));
         return mended;
     }
@@ -154,6 +168,7 @@ private:
     SceneChoice scene_;
     EmitterOptions emitters_;
     MaterialOptions materials_;
+    std::int64_t max_rays_ = 20'000'000;
     double lambda_ = 0.01;
     double forecast_seconds_ = 2.0;
     bool fix_ = false;

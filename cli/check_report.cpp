@@ -71,6 +71,20 @@ std::string airs_text(const io::ModelReportParts& parts) {
     return text;
 }
 
+const char* word_of(MaterialOrigin origin) {
+    switch (origin) {
+        case MaterialOrigin::none:
+            return "none";
+        case MaterialOrigin::by_name:
+            return "by name";
+        case MaterialOrigin::library:
+            return "library";
+        case MaterialOrigin::stated:
+            break;
+    }
+    return "given";
+}
+
 std::string materials_text(const io::ModelReportParts& parts) {
     std::vector<std::size_t> order(parts.report.materials.size());
     for (std::size_t i = 0; i < order.size(); ++i) {
@@ -91,23 +105,31 @@ std::string materials_text(const io::ModelReportParts& parts) {
             text += "...\n";
             break;
         }
-        const bool is_default =
-            std::find(parts.default_materials.begin(), parts.default_materials.end(), i) !=
-            parts.default_materials.end();
         std::string name = on_one_line(parts.scene.materials[i].name);
         name.resize(std::max<std::size_t>(26, name.size()), ' ');
         text +=
             name +
             formatted(" %8s %6.0f %%", short_text(use.area).c_str(), 100.0 * use.absorption_share) +
-            (is_default                                                         ? "  none"
-             : find_library_material(parts.scene.materials[i].name).has_value() ? "  library"
-                                                                                : "  given");
+            "  " + word_of(use.origin);
         for (const std::string& doubt : use.doubts) {
             text += ", " + doubt;
         }
         text += "\n";
     }
     return rows == 0 ? "" : text;
+}
+
+/// Per octave the part of the surface that does not reflect like mirrors.
+std::string small_facets_text(const ModelReport& report) {
+    std::string octaves = "\noctave Hz  ";
+    std::string lengths = "facets < m ";  // half a wavelength
+    std::string shares = "their area ";
+    for (const SmallFacets& small : report.small_facets) {
+        octaves += formatted(" %7s", short_text(small.frequency_hz).c_str());
+        lengths += formatted(" %7s", short_text(small.half_wavelength).c_str());
+        shares += formatted(" %5.0f %%", 100.0 * small.area_share);
+    }
+    return octaves + "\n" + lengths + "\n" + shares + "\n";
 }
 
 std::string costs_text(const ModelReport& report) {
@@ -124,10 +146,15 @@ std::string costs_text(const ModelReport& report) {
     return text + "\n" + seconds + "\n";
 }
 
-/// Triangle numbers, runs as first-last.
+/// Triangle numbers, runs as first-last; of many runs the first ones.
 std::string ranges(const std::vector<geometry::TriangleId>& ascending) {
+    constexpr int kMaxRuns = 100;
     std::string text;
+    int runs = 0;
     for (std::size_t i = 0; i < ascending.size();) {
+        if (runs++ == kMaxRuns) {
+            return text + ", ... (all with --json)";
+        }
         std::size_t last = i;
         while (last + 1 < ascending.size() && ascending[last + 1] == ascending[last] + 1) {
             ++last;
@@ -153,6 +180,7 @@ std::string mending_text(const MendingReport& mending) {
     add(" removed as doubled: triangles ", mending.doubled);
     add(" removed, proved out of reach: triangles ", mending.unreached);
     add(" turned to the air: triangles ", mending.turned);
+    add(" kept, not reached by rays but not proved out of reach: triangles ", mending.doubtful);
     for (const MendingReport::FilledHole& hole : mending.filled) {
         text += "  hole " + std::to_string(hole.hole) + " filled with " +
                 std::to_string(hole.triangles) + " triangles\n";
@@ -191,7 +219,7 @@ std::string check_text(const io::ModelReportParts& parts) {
     text += row("reached",
                 std::to_string(report.topology.clean.kept.size() - report.unreached.size()) +
                     " triangles by " + std::to_string(report.rays) + " rays");
-    text += materials_text(parts) + costs_text(report);
+    text += materials_text(parts) + small_facets_text(report) + costs_text(report);
     if (parts.findings.size() > kMaxFindings) {
         text += "\nmore findings\n" + findings_text(parts, kMaxFindings, parts.findings.size());
     }

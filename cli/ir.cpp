@@ -359,8 +359,10 @@ private:
         const propagation::ReadAs read_as{.metres_per_unit = frame.metres_per_unit,
                                           .z_is_up = frame.up == io::UpAxis::z};
         const bool has_unit_option = !io::is_gltf(scene_.file());
-        if (const auto proposal =
-                propagation::propose_unit(summary.size, summary.visible_volume, read_as)) {
+        if (const auto proposal = propagation::propose_unit(summary.size,
+                                                            summary.visible_volume,
+                                                            read_as,
+                                                            propagation::model_kind(scene, time))) {
             loaded.acoustic_warnings.push_back(
                 {scene.name, propagation::unit_warning(*proposal, summary.size, has_unit_option)});
         }

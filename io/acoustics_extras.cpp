@@ -261,7 +261,10 @@ Material default_material() {
 
 ReadMaterial material_named(const std::string& name) {
     std::optional<Material> row = propagation::find_library_material(name);
-    ReadMaterial read{.material = row ? std::move(*row) : default_material(), .is_default = !row};
+    const bool is_known = row.has_value();
+    ReadMaterial read{.material = is_known ? std::move(*row) : default_material(),
+                      .is_default = !is_known,
+                      .is_by_name = is_known};
     read.material.name = name;
     return read;
 }

@@ -29,6 +29,9 @@ void add_materials(const GltfFile& file, const GltfGeometry& geometry, LoadedSce
         if (used && read.is_default) {
             loaded.default_materials.push_back(static_cast<std::uint32_t>(scene.materials.size()));
         }
+        if (used && read.is_by_name) {
+            loaded.materials_by_name.push_back(static_cast<std::uint32_t>(scene.materials.size()));
+        }
         scene.materials.push_back(std::move(read.material));
     };
     Warnings unused;

@@ -100,6 +100,7 @@ void assign_materials(const std::vector<MaterialAssignment>& assignments, Loaded
             materials[i] = assignment.material;
             materials[i].name = std::move(name);
             std::erase(loaded.default_materials, static_cast<std::uint32_t>(i));
+            std::erase(loaded.materials_by_name, static_cast<std::uint32_t>(i));
             has_match = true;
         }
         if (!has_match) {

@@ -112,6 +112,10 @@ LoadedScene load_mesh_file(const std::filesystem::path& path,
             loaded.default_materials.push_back(
                 static_cast<std::uint32_t>(loaded.scene.materials.size()));
         }
+        if (material.is_by_name) {
+            loaded.materials_by_name.push_back(
+                static_cast<std::uint32_t>(loaded.scene.materials.size()));
+        }
         loaded.scene.materials.push_back(std::move(material.material));
     }
     loaded.scene.material_of_triangle = std::move(read.material_of_triangle);

@@ -22,15 +22,22 @@ Json place_of(const ModelPlace& place) {
 }
 
 Json units_of(const ModelReportParts& parts) {
-    Json units = {{"taken", parts.unit}, {"proposed", nullptr}, {"up", nullptr}, {"reason", ""}};
+    Json units = {{"taken", parts.unit},
+                  {"proposed", nullptr},
+                  {"up", nullptr},
+                  {"reason", ""},
+                  {"others", Json::array()}};
     if (const auto& proposal = parts.report.unit) {
-        if (!proposal->unit.empty()) {
-            units["proposed"] = std::string(proposal->unit);
+        if (!proposal->best.unit.empty()) {
+            units["proposed"] = std::string(proposal->best.unit);
         }
-        if (!proposal->up.empty()) {
-            units["up"] = std::string(proposal->up);
+        if (!proposal->best.up.empty()) {
+            units["up"] = std::string(proposal->best.up);
         }
-        units["reason"] = proposal->problem + " is not that of a room";
+        units["reason"] = unit_reason(*proposal);
+        for (const UnitReading& other : proposal->others) {
+            units["others"].push_back(std::string(other.unit));
+        }
     }
     return units;
 }
@@ -132,22 +139,43 @@ Json topology_of(const geometry::MeshTopology& topology) {
             {"slivers", slivers}};
 }
 
+const char* word_of(MaterialOrigin origin) {
+    switch (origin) {
+        case MaterialOrigin::none:
+            return "default";
+        case MaterialOrigin::by_name:
+            return "by_name";
+        case MaterialOrigin::library:
+            return "library";
+        case MaterialOrigin::stated:
+            break;
+    }
+    return "given";
+}
+
 Json materials_of(const ModelReportParts& parts) {
     Json list = Json::array();
     for (std::size_t i = 0; i < parts.report.materials.size(); ++i) {
         const MaterialUse& use = parts.report.materials[i];
-        const bool is_default =
-            std::find(parts.default_materials.begin(), parts.default_materials.end(), i) !=
-            parts.default_materials.end();
-        const std::string& name = parts.scene.materials[i].name;
-        list.push_back({{"name", name},
-                        {"data",
-                         is_default                                    ? "default"
-                         : find_library_material(name) != std::nullopt ? "library"
-                                                                       : "given"},
+        list.push_back({{"name", parts.scene.materials[i].name},
+                        {"data", word_of(use.origin)},
                         {"area", use.area},
                         {"absorption_share", use.absorption_share},
                         {"doubts", use.doubts}});
+    }
+    return list;
+}
+
+/// Ascending numbers as runs, first and last.
+Json runs_of(const std::vector<geometry::TriangleId>& ascending) {
+    Json list = Json::array();
+    for (std::size_t i = 0; i < ascending.size();) {
+        std::size_t last = i;
+        while (last + 1 < ascending.size() && ascending[last + 1] == ascending[last] + 1) {
+            ++last;
+        }
+        list.push_back({ascending[i], ascending[last]});
+        i = last + 1;
     }
     return list;
 }
@@ -158,7 +186,8 @@ Json small_facets_of(const ModelReport& report) {
         list.push_back({{"frequency_hz", small.frequency_hz},
                         {"half_wavelength", small.half_wavelength},
                         {"facets", small.facets},
-                        {"area", small.area}});
+                        {"area", small.area},
+                        {"area_share", small.area_share}});
     }
     return list;
 }
@@ -184,6 +213,7 @@ Json mending_of(const MendingReport& mending) {
             {"removed_degenerate", mending.degenerate},
             {"removed_doubled", mending.doubled},
             {"removed_unreached", mending.unreached},
+            {"kept_unreached", mending.doubtful},
             {"turned", mending.turned},
             {"filled_holes", filled},
             {"max_rounding", mending.max_rounding}};
@@ -220,6 +250,8 @@ std::string encode_model_report(const ModelReportParts& parts) {
                  {"rays", report.rays},
                  {"unreached_triangles", report.unreached.size()},
                  {"proven_unreached_triangles", report.proven_unreached.size()},
+                 {"unreached", runs_of(report.unreached)},
+                 {"proven_unreached", runs_of(report.proven_unreached)},
                  {"topology", topology_of(report.topology)}};
     if (largest != nullptr && largest->volume > 0.0) {
         head["volume"] = largest->volume;

@@ -16,7 +16,6 @@ struct ModelReportParts {
     const propagation::Scene& scene;
     const propagation::ModelReport& report;
     std::span<const propagation::Finding> findings;
-    std::span<const std::uint32_t> default_materials;     ///< indices: without acoustic data
     std::string unit = "m";                               ///< the file was read in
     const propagation::MendingReport* mending = nullptr;  ///< if a mended copy was made
 };

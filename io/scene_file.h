@@ -19,6 +19,9 @@ struct LoadedScene {
     /// Indices into the scene's materials, ascending: those of a triangle that have no acoustic
     /// data and take the default: absorption 0.1 and scattering 0.1.
     std::vector<std::uint32_t> default_materials;
+    /// The same of those without data that take those of the library's material of their name: a
+    /// guess.
+    std::vector<std::uint32_t> materials_by_name;
 };
 
 /// What to tell where acoustic data is used: acoustic_warnings and, if materials take the default,

@@ -68,7 +68,8 @@ private:
         const auto& mine = of_.enclosures[i];
         for (std::size_t k = 0; k < emitters_.size(); ++k) {
             const auto& other = of_.enclosures[k];
-            if (!mine || !other) {
+            // Who is in a closed room of its own is not outside of the other's.
+            if (!mine || !other || is_enclosed_without(*mine, *other)) {
                 continue;
             }
             for (const std::uint32_t surface : other->inside) {
@@ -91,6 +92,14 @@ private:
         return (is_beyond && !shares_air(i)) || (escapes && others_are_inside && is_alone(i))
                    ? std::optional<bool>(false)
                    : std::nullopt;
+    }
+
+    /// A closed surface holds the first, and not the second.
+    static bool is_enclosed_without(const Separation::Enclosure& a,
+                                    const Separation::Enclosure& b) {
+        return std::any_of(a.inside.begin(), a.inside.end(), [&](std::uint32_t surface) {
+            return !contains(b.inside, surface) && !contains(b.on_surface, surface);
+        });
     }
 
     bool shares_air(std::size_t i) const {
@@ -134,12 +143,7 @@ private:
             if (!mine || !other) {
                 return false;
             }
-            const auto parts = [](const Separation::Enclosure& a, const Separation::Enclosure& b) {
-                return std::any_of(a.inside.begin(), a.inside.end(), [&](std::uint32_t surface) {
-                    return !contains(b.inside, surface) && !contains(b.on_surface, surface);
-                });
-            };
-            if (!parts(*mine, *other) && !parts(*other, *mine)) {
+            if (!is_enclosed_without(*mine, *other) && !is_enclosed_without(*other, *mine)) {
                 return false;
             }
         }

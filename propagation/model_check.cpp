@@ -124,6 +124,7 @@ public:
 
     ModelReport run() {
         const CheckedMesh mesh(positions_, triangles(), report_.topology.clean, executor_);
+        judge_materials();
         find_doubled();
         find_small_facets(mesh);
         if (options_.sampling) {
@@ -133,7 +134,8 @@ public:
         for (const SharedAir& air : report_.airs) {
             volume = std::max(volume, air.volume);
         }
-        report_.unit = propose_unit(report_.extent.size(), volume, options_.read_as);
+        report_.kind = report_.is_open ? ModelKind::outdoors : model_kind(scene_, options_.time);
+        report_.unit = propose_unit(report_.extent.size(), volume, options_.read_as, report_.kind);
         if (options_.forecast_seconds > 0.0) {
             report_.costs =
                 forecast_costs(scene_, options_.time, options_.forecast_seconds, executor_);
@@ -153,11 +155,14 @@ private:
             report_.probe = find_probe(mesh, report_.extent, executor_);
             points.push_back(*report_.probe);
         }
-        const ReachedSides reached = visibility::sample_reached_sides(
-            mesh.bvh(),
-            points,
-            {.seed = options_.seed, .tolerance = mesh.tolerance(), .progress = options_.progress},
-            executor_);
+        const ReachedSides reached =
+            visibility::sample_reached_sides(mesh.bvh(),
+                                             points,
+                                             {.seed = options_.seed,
+                                              .max_rays = options_.max_rays,
+                                              .tolerance = mesh.tolerance(),
+                                              .progress = options_.progress},
+                                             executor_);
         report_.rays = reached.rays;
         const Separation separation = separate(mesh);
         judge_emitters(separation, reached, points);
@@ -178,7 +183,11 @@ private:
             mesh,
             report_.topology,
             seeds,
-            {.seed = options_.seed, .lambda = options_.lambda, .tolerance = mesh.tolerance()},
+            {.seed = options_.seed,
+             .lambda = options_.lambda,
+             .max_rays = std::min(options_.max_rays, visibility::AirCutOptions{}.max_rays),
+             .tolerance = mesh.tolerance(),
+             .progress = options_.progress},
             executor_);
         report_.leaks = std::move(search.leaks);
         report_.is_open = search.cut.is_open;
@@ -394,7 +403,6 @@ private:
     }
 
     void measure_materials(const CheckedMesh& mesh, const ReachedSides& reached) {
-        report_.materials.resize(scene_.materials.size());
         for (visibility::SideId side = 0; side < reached.air_of_side.size(); ++side) {
             if (is_in_air(reached, side)) {
                 const TriangleId t = visibility::triangle_of(side);
@@ -412,11 +420,41 @@ private:
         }
         for (std::size_t i = 0; i < report_.materials.size(); ++i) {
             report_.materials[i].absorption_share = sum > 0.0 ? absorbed[i] / sum : 0.0;
+        }
+    }
+
+    void judge_materials() {
+        const auto contains = [](std::span<const std::uint32_t> ascending, std::size_t value) {
+            return std::binary_search(ascending.begin(), ascending.end(), value);
+        };
+        report_.materials.resize(scene_.materials.size());
+        for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
+            MaterialUse& use = report_.materials[i];
+            use.origin = contains(options_.default_materials, i)   ? MaterialOrigin::none
+                         : contains(options_.materials_by_name, i) ? MaterialOrigin::by_name
+                         : is_of_library(scene_.materials[i])      ? MaterialOrigin::library
+                                                                   : MaterialOrigin::stated;
             // The library means what it says, an opening that absorbs everything included.
-            if (!find_library_material(scene_.materials[i].name)) {
-                add_doubts(scene_.materials[i], report_.materials[i].doubts);
+            if (use.origin == MaterialOrigin::stated) {
+                add_doubts(scene_.materials[i], use.doubts);
             }
         }
+    }
+
+    static bool is_of_library(const Material& material) {
+        const auto row = find_library_material(material.name);
+        const auto equals = [](const EnergyCoefficient& a, const EnergyCoefficient& b) {
+            return std::equal(a.points().begin(),
+                              a.points().end(),
+                              b.points().begin(),
+                              b.points().end(),
+                              [](const auto& p, const auto& q) {
+                                  return p.frequency_hz == q.frequency_hz && p.value == q.value;
+                              });
+        };
+        return row && equals(row->absorption, material.absorption) &&
+               equals(row->scattering, material.scattering) &&
+               equals(row->transmission, material.transmission);
     }
 
     static void add_doubts(const Material& material, std::vector<std::string>& doubts) {
@@ -427,13 +465,14 @@ private:
             });
         };
         if (is_all(material.absorption, 0.0)) {
-            doubts.emplace_back("absorbs nothing");
-        }
-        if (is_all(material.absorption, 1.0)) {
-            doubts.emplace_back("absorbs everything");
+            doubts.emplace_back(kAbsorbsNothing);
+        } else if (is_all(material.absorption, 1.0)) {
+            doubts.emplace_back(kAbsorbsEverything);
+        } else if (is_all(material.absorption, material.absorption.points().front().value)) {
+            doubts.emplace_back(kAbsorbsTheSame);
         }
         if (is_all(material.scattering, 0.0)) {
-            doubts.emplace_back("scatters nothing");
+            doubts.emplace_back(kScattersNothing);
         }
     }
 
@@ -457,7 +496,7 @@ private:
             sizes.emplace_back(glm::length(upper - lower), area);
             area_of_all += area;
         }
-        for (const double frequency : {250.0, 500.0, 1000.0, 2000.0, 4000.0}) {
+        for (const double frequency : {125.0, 250.0, 500.0, 1000.0, 2000.0, 4000.0, 8000.0}) {
             SmallFacets small{.frequency_hz = frequency,
                               .half_wavelength = 0.5 * speed_of_sound(Air{}) / frequency};
             for (const auto& [extent, area] : sizes) {

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -67,11 +68,26 @@ struct SharedAir {
     double surface = 0.0;  ///< square metres
 };
 
+/// Where the data of a material come from.
+enum class MaterialOrigin : std::uint8_t {
+    none,     ///< there are none: the default
+    by_name,  ///< guessed: those of the library's material of that name
+    library,  ///< stated, and equal to those of the library's material of that name
+    stated
+};
+
+/// Doubts about the data of a material: "a wall absorbs nothing at any frequency".
+inline constexpr const char* kAbsorbsNothing = "absorbs nothing";
+inline constexpr const char* kAbsorbsEverything = "absorbs everything";
+inline constexpr const char* kAbsorbsTheSame = "absorbs the same";
+inline constexpr const char* kScattersNothing = "scatters nothing";
+
 /// The part of a material in the surface of the air.
 struct MaterialUse {
-    double area = 0.0;              ///< square metres, of sides that were reached
-    double absorption_share = 0.0;  ///< of the absorbed energy, mean of 500 Hz and 1 kHz
-    std::vector<std::string> doubts;
+    MaterialOrigin origin = MaterialOrigin::stated;
+    double area = 0.0;                ///< square metres, of sides that were reached
+    double absorption_share = 0.0;    ///< of the absorbed energy, mean of 500 Hz and 1 kHz
+    std::vector<std::string> doubts;  ///< of those above; none about the library's data
 };
 
 /// Facets whose largest extent is below half a wavelength: they do not reflect like mirrors there.
@@ -92,7 +108,8 @@ struct OrderCost {
 
 struct ModelReport {
     SceneExtent extent;
-    std::optional<UnitProposal> unit;  ///< set if the size is not that of a room
+    ModelKind kind = ModelKind::room;  ///< outdoors also if the air goes on beyond the scene
+    std::optional<UnitProposal> unit;  ///< set if the size is not that of its kind
     geometry::MeshTopology topology;
     /// Where the air was looked for if the scene has no source and no listener.
     std::optional<geometry::Vec3> probe;
@@ -114,12 +131,15 @@ struct ModelReport {
 
 struct ModelCheckOptions {
     ReadAs read_as{};
+    /// Indices of materials, ascending: without data, and with data guessed by their names.
+    std::span<const std::uint32_t> default_materials{}, materials_by_name{};
     double time = 0.0;  ///< seconds
     std::uint64_t seed = 1;
-    double lambda = 0.01;           ///< see visibility::AirCutOptions
-    double forecast_seconds = 2.0;  ///< spent on measuring; 0: no forecast
-    bool sampling = true;           ///< off: topology alone
-    Progress* progress = nullptr;
+    std::uint64_t max_rays = 20'000'000;  ///< that look for the air, and at most as many for leaks
+    double lambda = 0.01;                 ///< see visibility::AirCutOptions
+    double forecast_seconds = 2.0;        ///< spent on measuring; 0: no forecast
+    bool sampling = true;                 ///< off: topology alone
+    Progress* progress = nullptr;         ///< receives "air", "leaks", "openings" and "forecast"
 };
 
 /// Examines a scene at one instant. All but the costs depends on the scene and the options alone.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace earshot::propagation {
 namespace {
@@ -38,8 +39,8 @@ std::string sides_text(const Vec3& size) {
 
 class Writer {
 public:
-    Writer(const Scene& scene, const ModelReport& report, const FindingContext& context)
-        : scene_(scene), report_(report), context_(context) {}
+    Writer(const Scene& scene, const ModelReport& report, bool has_unit_option)
+        : scene_(scene), report_(report), has_unit_option_(has_unit_option) {}
 
     std::vector<Finding> write() {
         add_misplaced();
@@ -109,7 +110,7 @@ private:
     void add_unit() {
         if (report_.unit) {
             add(Severity::questionable,
-                unit_warning(*report_.unit, report_.extent.size(), context_.has_unit_option));
+                unit_warning(*report_.unit, report_.extent.size(), has_unit_option_));
         }
     }
 
@@ -177,35 +178,78 @@ private:
     }
 
     void add_materials() {
+        const auto has_origin = [this](MaterialOrigin origin) {
+            std::vector<std::size_t> indices;
+            for (std::size_t i = 0; i < report_.materials.size(); ++i) {
+                // Without sampling no area is known.
+                if (report_.materials[i].origin == origin) {
+                    indices.push_back(i);
+                }
+            }
+            return indices;
+        };
+        add_material_group(Severity::questionable,
+                           has_origin(MaterialOrigin::none),
+                           "has no acoustic data and takes absorption 0.1",
+                           "have no acoustic data and take absorption 0.1");
+        add_material_group(Severity::note,
+                           has_origin(MaterialOrigin::by_name),
+                           "has the library's data by its name alone",
+                           "have the library's data by their names alone");
+        std::map<std::string, std::vector<std::size_t>> doubtful;
+        for (std::size_t i = 0; i < report_.materials.size(); ++i) {
+            for (const std::string& doubt : report_.materials[i].doubts) {
+                doubtful[doubt].push_back(i);
+            }
+        }
+        for (const auto& [doubt, materials] : doubtful) {
+            add_material_group(severity_of(doubt, materials),
+                               materials,
+                               doubt + " at any frequency",
+                               plural_of(doubt) + " at any frequency");
+        }
+    }
+
+    /// What absorbs nothing or everything is hardly meant, but for the sky.
+    Severity severity_of(const std::string& doubt,
+                         const std::vector<std::size_t>& materials) const {
+        const bool is_extreme = doubt == kAbsorbsNothing || (doubt == kAbsorbsEverything &&
+                                                             report_.kind != ModelKind::outdoors);
+        const bool is_heard = std::any_of(materials.begin(), materials.end(), [&](std::size_t i) {
+            return report_.materials[i].area > 0.0;
+        });
+        return is_extreme && is_heard ? Severity::questionable : Severity::note;
+    }
+
+    /// "absorbs nothing" of several: "absorb nothing".
+    static std::string plural_of(const std::string& doubt) {
+        const std::size_t verb = doubt.find(' ');
+        return doubt.substr(0, verb - 1) + doubt.substr(verb);
+    }
+
+    /// How many, which, and what they matter.
+    void add_material_group(Severity severity,
+                            const std::vector<std::size_t>& materials,
+                            const std::string& one,
+                            const std::string& many) {
+        if (materials.empty()) {
+            return;
+        }
         std::string names;
         double area = 0.0;
         double share = 0.0;
-        std::size_t told = 0;
-        for (const std::uint32_t index : context_.default_materials) {
-            if (told++ < kMaxOfKind) {
-                names += (names.empty() ? "\"" : ", \"") + scene_.materials[index].name + "\"";
+        for (std::size_t k = 0; k < materials.size(); ++k) {
+            if (k < kMaxOfKind) {
+                names += (k > 0 ? ", \"" : "\"") + scene_.materials[materials[k]].name + "\"";
             }
-            if (index < report_.materials.size()) {
-                area += report_.materials[index].area;
-                share += report_.materials[index].absorption_share;
-            }
+            area += report_.materials[materials[k]].area;
+            share += report_.materials[materials[k]].absorption_share;
         }
-        if (told > 0) {
-            add(Severity::questionable,
-                counted(told,
-                        "material has no acoustic data and takes",
-                        "materials have no acoustic data and take") +
-                    " absorption 0.1: " + names + (told > kMaxOfKind ? ", ..." : "") + ", " +
-                    short_text(area) + " m2, " + percent(share) + " of the absorption");
-        }
-        for (std::size_t i = 0; i < report_.materials.size(); ++i) {
-            for (const std::string& doubt : report_.materials[i].doubts) {
-                const bool is_grave = doubt.starts_with("absorbs");
-                add(is_grave && report_.materials[i].area > 0.0 ? Severity::questionable
-                                                                : Severity::note,
-                    "material \"" + scene_.materials[i].name + "\" " + doubt + " at any frequency");
-            }
-        }
+        add(severity,
+            counted(materials.size(), "material", "materials") + " " +
+                (materials.size() == 1 ? one : many) + ": " + names +
+                (materials.size() > kMaxOfKind ? ", ..." : "") + ", " + short_text(area) + " m2, " +
+                percent(share) + " of the absorption");
     }
 
     void add_notes() {
@@ -258,7 +302,7 @@ private:
 
     const Scene& scene_;
     const ModelReport& report_;
-    const FindingContext& context_;
+    bool has_unit_option_;
     std::vector<Finding> findings_;
 };
 
@@ -266,8 +310,8 @@ private:
 
 std::vector<Finding> model_findings(const Scene& scene,
                                     const ModelReport& report,
-                                    const FindingContext& context) {
-    return Writer(scene, report, context).write();
+                                    bool has_unit_option) {
+    return Writer(scene, report, has_unit_option).write();
 }
 
 Severity gravest(std::span<const Finding> findings) {

@@ -22,16 +22,11 @@ struct Finding {
     std::string text;
 };
 
-struct FindingContext {
-    std::span<const std::uint32_t> default_materials{};  ///< indices: without acoustic data
-    bool has_unit_option = false;                        ///< see unit_warning()
-};
-
 /// What a report says, the gravest first: misplaced sources and listeners, unit and axis, leaks,
-/// reversed and doubled faces, materials, then notes.
+/// reversed and doubled faces, materials, then notes. `has_unit_option`: see unit_warning().
 std::vector<Finding> model_findings(const Scene& scene,
                                     const ModelReport& report,
-                                    const FindingContext& context);
+                                    bool has_unit_option = false);
 
 /// That of the gravest; note if there is none.
 Severity gravest(std::span<const Finding> findings);

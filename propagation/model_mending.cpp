@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
+#include <iterator>
 #include <utility>
 
 namespace earshot::propagation {
@@ -18,10 +20,11 @@ using geometry::VertexId;
 /// One copy being made.
 class Mending {
 public:
-    Mending(const Scene& scene, const ModelReport& report)
+    Mending(const Scene& scene, const ModelReport& report, double time)
         : scene_(scene),
           report_(report),
-          positions_(scene.mesh.positions_at(0.0)),
+          time_(time),
+          positions_(scene.mesh.positions_at(time)),
           is_removed_(scene.mesh.triangles().size(), false) {}
 
     MendedModel run(const MendingOptions& options) {
@@ -51,6 +54,10 @@ private:
             done_.unreached.push_back(id);
             is_removed_[id] = true;
         }
+        std::copy_if(report_.unreached.begin(),
+                     report_.unreached.end(),
+                     std::back_inserter(done_.doubtful),
+                     [this](TriangleId id) { return !is_removed_[id]; });
     }
 
     void copy_triangles() {
@@ -71,31 +78,44 @@ private:
         }
     }
 
-    /// The triangle with an edge between two vertices, and whether it has it in this direction.
-    std::pair<std::size_t, bool> beside(VertexId from, VertexId to) const {
+    /// An edge of a triangle, from its lower to its higher vertex.
+    struct Edge {
+        VertexId lower = 0, upper = 0;
+        std::size_t triangle = 0;
+        bool is_descending = false;  ///< the triangle runs from the higher to the lower vertex
+
+        auto operator<=>(const Edge&) const = default;
+    };
+
+    std::vector<Edge> sorted_edges() const {
+        std::vector<Edge> edges;
+        edges.reserve(3 * triangles_.size());
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             for (std::size_t k = 0; k < 3; ++k) {
                 const VertexId a = triangles_[t][k];
                 const VertexId b = triangles_[t][(k + 1) % 3];
-                if ((a == from && b == to) || (a == to && b == from)) {
-                    return {t, a == from};
-                }
+                edges.push_back({std::min(a, b), std::max(a, b), t, b < a});
             }
         }
-        return {triangles_.size(), false};
+        std::sort(edges.begin(), edges.end());
+        return edges;
     }
 
     void fill_holes(double max_area) {
+        const std::vector<Edge> edges = sorted_edges();
         for (std::size_t i = 0; i < report_.topology.holes.size(); ++i) {
             const geometry::HoleLoop& hole = report_.topology.holes[i];
             if (hole.is_outline || hole.area > max_area || hole.rim.size() < 3) {
                 continue;
             }
-            const auto [neighbour, same_direction] = beside(hole.rim[0], hole.rim[1]);
-            if (neighbour == triangles_.size()) {
+            const auto [lower, upper] = std::minmax(hole.rim[0], hole.rim[1]);
+            const auto beside =
+                std::lower_bound(edges.begin(), edges.end(), Edge{.lower = lower, .upper = upper});
+            if (beside == edges.end() || beside->lower != lower || beside->upper != upper) {
                 continue;  // its surface is gone
             }
-            const std::uint32_t material = materials_[neighbour];
+            const bool same_direction = beside->is_descending == (hole.rim[1] < hole.rim[0]);
+            const std::uint32_t material = materials_[beside->triangle];
             std::size_t added = 0;
             for (Triangle cap : geometry::triangulate(positions_, hole.rim)) {
                 // Neighbours of one front run along their edge in opposite directions.
@@ -156,7 +176,7 @@ private:
 
     /// The emitter without the node that it rides on.
     Emitter at_rest(const Emitter& emitter) const {
-        const Pose pose = scene_.pose_at(emitter, 0.0);
+        const Pose pose = scene_.pose_at(emitter, time_);
         return {.name = emitter.name,
                 .position = pose.position,
                 .directivity = emitter.directivity,
@@ -167,6 +187,7 @@ private:
 
     const Scene& scene_;
     const ModelReport& report_;
+    double time_;
     std::vector<Vec3> positions_;
     std::vector<bool> is_removed_;
     std::vector<Triangle> triangles_;  // by welded vertices
@@ -176,15 +197,21 @@ private:
 
 }  // namespace
 
-MendedModel mend_model(const Scene& scene,
-                       const ModelReport& report,
-                       const MendingOptions& options) {
+void require_still(const Scene& scene) {
     if (scene.mesh.duration() > 0.0) {
         throw Error(scene.name,
                     "moves, and what is out of reach now may be needed at another instant",
-                    "mend a scene without animation");
+                    "mend it as it is at one instant (--time), or a scene without animation");
     }
-    return Mending(scene, report).run(options);
+}
+
+MendedModel mend_model(const Scene& scene,
+                       const ModelReport& report,
+                       const MendingOptions& options) {
+    if (!options.freeze) {
+        require_still(scene);
+    }
+    return Mending(scene, report, options.time).run(options);
 }
 
 }  // namespace earshot::propagation

@@ -13,46 +13,76 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <utility>
 
 namespace earshot::propagation {
 namespace {
 
 using geometry::Vec3;
 
-constexpr double kMinExtent = 1.5;       // metres: of a booth
-constexpr double kMaxExtent = 200.0;     // metres: of an arena
-constexpr double kMinHeight = 1.8;       // metres: of a person
-constexpr double kMaxHeight = 40.0;      // metres: of a cathedral
-constexpr double kMinSide = 0.8;         // metres: the width of a corridor, for proposed sizes
-constexpr double kMaxVolume = 200000.0;  // cubic metres
-constexpr double kUsualHeight = 3.0;     // metres
+/// Limits of what a model measures, metres and cubic metres.
+struct SizeLimits {
+    double min_extent = 0.0, max_extent = 0.0;
+    double min_height = 0.0, max_height = 0.0;
+    double min_side = 0.0;  ///< on the ground, of proposed sizes
+    double max_volume = std::numeric_limits<double>::infinity();
+};
+
+constexpr SizeLimits kRoom{.min_extent = 1.5,          // of a booth
+                           .max_extent = 200.0,        // of an arena
+                           .min_height = 1.8,          // of a person
+                           .max_height = 40.0,         // of a cathedral
+                           .min_side = 0.8,            // the width of a corridor
+                           .max_volume = 2.0e5};       // of an arena
+constexpr SizeLimits kOutdoors{.min_extent = 3.0,      // of a yard
+                               .max_extent = 20000.0,  // of a city
+                               .min_height = 0.0,      // of the ground alone
+                               .max_height = 500.0,    // of a skyscraper
+                               .min_side = 3.0};
+constexpr double kUsualHeight = 3.0;    // of rooms
+constexpr double kUsualExtent = 300.0;  // outdoors
+
+/// The share of surfaces that absorb everything from which on they are taken for the sky.
+constexpr double kMinSkyShare = 0.1;
+
+/// Readings whose score is higher than the best by less than this, a factor of two in height, are
+/// told too.
+constexpr double kCloseScore = 0.7;
+
+const SizeLimits& limits_of(ModelKind kind) {
+    return kind == ModelKind::room ? kRoom : kOutdoors;
+}
 
 double largest_side(const Vec3& size) {
     return std::max({size.x, size.y, size.z});
 }
 
-/// The property of a scene that is implausible for a room; empty if there is none.
-std::string implausible(const Vec3& size, double volume) {
+/// The property of a scene that is implausible; empty if there is none.
+std::string implausible(const SizeLimits& limits, const Vec3& size, double volume) {
     const double extent = largest_side(size);
-    if (extent < kMinExtent || extent > kMaxExtent) {
+    if (extent < limits.min_extent || extent > limits.max_extent) {
         return "an extent of " + short_text(extent) + " m";
     }
-    if (size.y < kMinHeight || size.y > kMaxHeight) {
+    if (size.y < limits.min_height || size.y > limits.max_height) {
         return "a height of " + short_text(size.y) + " m";
     }
-    return volume > kMaxVolume ? "a volume of " + short_text(volume) + " m3" : "";
+    return volume > limits.max_volume ? "a volume of " + short_text(volume) + " m3" : "";
+}
+
+/// A score that is 0 for a room of the usual height, or outdoors for the usual extent. It increases
+/// with the deviation from that, and for a scene that is higher than wide.
+double improbability(ModelKind kind, const Vec3& size) {
+    const double deviation = kind == ModelKind::room ? math::log(size.y / kUsualHeight)
+                                                     : math::log(largest_side(size) / kUsualExtent);
+    const double slenderness =
+        size.y > 0.0 ? std::max(0.0, math::log(size.y / std::min(size.x, size.z))) : 0.0;
+    return std::abs(deviation) + slenderness;
 }
 
 /// The score of a changed up axis: the up axis of the file is kept unless the size of the scene
 /// clearly contradicts it.
 constexpr double kSwapPenalty = 0.1;
-
-/// A score that is 0 for a room of the usual height. It increases with the deviation from that
-/// height, and for a scene that is higher than wide.
-double improbability(const Vec3& size) {
-    return std::abs(math::log(size.y / kUsualHeight)) +
-           std::max(0.0, math::log(size.y / std::min(size.x, size.z)));
-}
 
 /// A source or a listener with its position.
 struct PlacedEmitter {
@@ -127,48 +157,91 @@ SceneExtent scene_extent(const Scene& scene, double time) {
     return extent;
 }
 
-std::optional<UnitProposal> propose_unit(const Vec3& size, double volume, const ReadAs& read_as) {
-    UnitProposal best{.problem = implausible(size, volume)};
-    if (best.problem.empty()) {
+ModelKind model_kind(const Scene& scene, double time) {
+    std::vector<bool> is_sky;
+    for (const Material& material : scene.materials) {
+        const auto points = material.absorption.points();
+        is_sky.push_back(std::all_of(
+            points.begin(), points.end(), [](const auto& point) { return point.value == 1.0; }));
+    }
+    const std::vector<Vec3> positions = scene.mesh.positions_at(time);
+    double area = 0.0;
+    double sky = 0.0;
+    for (std::size_t t = 0; t < scene.mesh.triangles().size(); ++t) {
+        const auto [a, b, c] = geometry::corners(positions, scene.mesh.triangles()[t]);
+        const double doubled = glm::length(glm::cross(b - a, c - a));
+        area += doubled;
+        sky += is_sky[scene.material_of_triangle[t]] ? doubled : 0.0;
+    }
+    return sky > 0.0 && sky >= kMinSkyShare * area ? ModelKind::outdoors : ModelKind::room;
+}
+
+std::optional<UnitProposal> propose_unit(const Vec3& size,
+                                         double volume,
+                                         const ReadAs& read_as,
+                                         ModelKind kind) {
+    const SizeLimits& limits = limits_of(kind);
+    UnitProposal proposal{.kind = kind, .problem = implausible(limits, size, volume)};
+    if (proposal.problem.empty()) {
         return std::nullopt;
     }
     constexpr std::array<std::pair<std::string_view, double>, 4> kUnits{
         {{"mm", 0.001}, {"cm", 0.01}, {"in", 0.0254}, {"m", 1.0}}};
-    double best_score = 0.0;
+    const bool is_flat = size.y <= std::min(size.x, size.z);
+    std::vector<std::pair<double, UnitReading>> readings;
     for (const auto& [name, metres] : kUnits) {
         const double scale = metres / read_as.metres_per_unit;
         for (const bool swap_up_axis : {false, true}) {
             const Vec3 scaled = (swap_up_axis ? Vec3(size.x, size.z, size.y) : size) * scale;
-            if (std::min(scaled.x, scaled.z) < kMinSide ||
-                !implausible(scaled, volume * scale * scale * scale).empty()) {
+            if ((swap_up_axis && is_flat) || std::min(scaled.x, scaled.z) < limits.min_side ||
+                !implausible(limits, scaled, volume * scale * scale * scale).empty()) {
                 continue;
             }
-            const double score = improbability(scaled) + (swap_up_axis ? kSwapPenalty : 0.0);
-            if (best.unit.empty() || score < best_score) {
-                best.unit = name;
-                best.up = swap_up_axis ? (read_as.z_is_up ? "y" : "z") : "";
-                best.size = scaled;
-                best_score = score;
+            const char* up = !swap_up_axis ? "" : read_as.z_is_up ? "y" : "z";
+            readings.push_back({improbability(kind, scaled) + (swap_up_axis ? kSwapPenalty : 0.0),
+                                {.unit = name, .up = up, .size = scaled}});
+        }
+    }
+    const auto best =
+        std::min_element(readings.begin(), readings.end(), [](const auto& a, const auto& b) {
+            return a.first < b.first;
+        });
+    if (best != readings.end()) {
+        proposal.best = best->second;
+        for (const auto& [score, reading] : readings) {
+            if (reading.unit != proposal.best.unit && score < best->first + kCloseScore) {
+                proposal.others.push_back(reading);
             }
         }
     }
-    return best;
+    return proposal;
+}
+
+std::string unit_reason(const UnitProposal& proposal) {
+    return proposal.problem + " is not that of " +
+           (proposal.kind == ModelKind::room ? "a room" : "a place outdoors");
 }
 
 std::string unit_warning(const UnitProposal& proposal, const Vec3& size, bool has_unit_option) {
-    const std::string found = "the scene measures " + size_text(size) + "; " + proposal.problem +
-                              " is not that of a room";
-    if (proposal.unit.empty()) {
+    const std::string found =
+        "the scene measures " + size_text(size) + "; " + unit_reason(proposal);
+    if (proposal.best.unit.empty()) {
         return found + (has_unit_option ? "; check the unit and the up axis (--units, --up)"
                                         : "; check scale and up axis of the export");
     }
-    const std::string unit(proposal.unit);
-    const std::string up(proposal.up);
-    const std::string remedy =
-        has_unit_option
-            ? "--units " + unit + (up.empty() ? "" : " --up " + up) + " makes it "
-            : "coordinates in " + unit + (up.empty() ? "" : " with +" + up + " up") + " would be ";
-    return found + "; " + remedy + size_text(proposal.size);
+    const auto remedy = [has_unit_option](const UnitReading& reading) {
+        const std::string unit(reading.unit);
+        const std::string up(reading.up);
+        return has_unit_option
+                   ? "--units " + unit + (up.empty() ? "" : " --up " + up) + " makes it "
+                   : "coordinates in " + unit + (up.empty() ? "" : " with +" + up + " up") +
+                         " would be ";
+    };
+    std::string text = found + "; " + remedy(proposal.best) + size_text(proposal.best.size);
+    for (const UnitReading& other : proposal.others) {
+        text += ", " + remedy(other) + size_text(other.size);
+    }
+    return text;
 }
 
 Warnings misplaced_emitters(const Scene& scene, double time) {

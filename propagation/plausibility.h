@@ -5,6 +5,7 @@
 #include "earshot/geometry/types.h"
 #include "earshot/propagation/scene.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -38,22 +39,41 @@ struct ReadAs {
     bool z_is_up = false;
 };
 
-/// What a scene would be like if its coordinates were in another unit, or another axis were up.
-struct UnitProposal {
-    std::string problem{};     ///< "an extent of 8000 m"
+/// What a scene is like if its coordinates are in another unit, or another axis is up.
+struct UnitReading {
     std::string_view unit{};   ///< "mm", "cm", "in", "m"; empty: none makes it a room
     std::string_view up{};     ///< "y" or "z"; empty: the axis is right as it is
-    geometry::Vec3 size{0.0};  ///< with what is proposed, metres
+    geometry::Vec3 size{0.0};  ///< as it is read, metres
 };
 
+/// What a model is of: its size is judged by that.
+enum class ModelKind : std::uint8_t { room, outdoors };
+
+struct UnitProposal {
+    ModelKind kind = ModelKind::room;
+    std::string problem{};              ///< "an extent of 8000 m"
+    UnitReading best{};                 ///< the most probable reading
+    std::vector<UnitReading> others{};  ///< hardly less probable ones, in the order of the units
+};
+
+/// Outdoors if surfaces that absorb everything, as the sky is modelled, are a tenth or more of the
+/// area of its triangles.
+ModelKind model_kind(const Scene& scene, double time);
+
 /// Limits of what a room measures: its largest side 1.5 ... 200 m, its height 1.8 ... 40 m, the
-/// volume of its air at most 200,000 m3. Empty if the scene keeps them. Otherwise the unit, of mm,
-/// cm, in and m, and the up axis that make it a room: of several the one whose height is nearest to
-/// 3 m, by ratio, and not above its other sides. `volume` in cubic metres, 0 where it is unknown.
+/// volume of its air at most 200,000 m3; outdoors the largest side 3 m ... 20 km, the height at
+/// most 500 m. Empty if the scene keeps them. Otherwise the unit, of mm, cm, in and m, and the up
+/// axis that make it keep them: of several those whose height is nearest to 3 m (outdoors: whose
+/// largest side is nearest to 300 m), by ratio, and not above its other sides. The up axis changes
+/// only where the height is not the smallest side. `volume` in cubic metres, 0 where it is unknown.
 /// Feet cannot be told by size alone.
 std::optional<UnitProposal> propose_unit(const geometry::Vec3& size,
                                          double volume,
-                                         const ReadAs& read_as);
+                                         const ReadAs& read_as,
+                                         ModelKind kind = ModelKind::room);
+
+/// "an extent of 8000 m is not that of a room".
+std::string unit_reason(const UnitProposal& proposal);
 
 /// The message of a proposal. `has_unit_option`: the file's unit can be told by --units, as that of
 /// a glTF file, which is always in metres, cannot.

@@ -75,6 +75,9 @@ AirCut cut_air(const bvh::MeshBvh& bvh,
     result.openings.resize(openings.size());
     for (std::size_t i = 0; i < openings.size(); ++i) {
         links[i] = graph.add_opening(openings[i], i, result.openings[i]);
+        if (options.progress != nullptr) {
+            options.progress->report("openings", i + 1, openings.size());
+        }
     }
     result.sampling_seconds = seconds_since(start);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/base/progress.h"
 #include "earshot/bvh/mesh_bvh.h"
 #include "earshot/geometry/types.h"
 #include "earshot/visibility/triangle_sides.h"
@@ -30,6 +31,7 @@ struct AirCutOptions {
     std::uint64_t rays_per_point = 16384;
     std::uint64_t max_rays = 12'000'000;  ///< rays_per_node shrinks, down to 2, to keep it
     double tolerance = 0.0;               ///< metres: triangles nearer to each other meet
+    Progress* progress = nullptr;         ///< receives "leaks" and "openings"
 };
 
 /// A surface without triangles that sound may pass through: the cap of a hole, or a strip beside an

@@ -24,6 +24,8 @@ using geometry::Vec3;
 namespace {
 
 constexpr std::size_t kSidesPerBatch = 8192;
+/// Rays of a missing side in the first pass that looks for reached ones.
+constexpr std::uint64_t kMinRaysBack = 4;
 /// Places on a side of a triangle that meets others from which rays are sent on, per air.
 constexpr std::uint8_t kMaxPlaces = 8;
 constexpr std::uint64_t kRandomRaysPerPoint = 1024;
@@ -56,13 +58,20 @@ public:
             look_around(i);
             sample_from_point(i);
         }
+        for (std::uint64_t rays = kMinRaysBack; rays <= options_.rays_back_per_side; rays *= 2) {
+            back_rays_left_ += rays;
+        }
         spread();
         // Each pass doubles the rays of the sides that are still missing, and spreads from those
         // that it finds.
-        for (std::uint64_t rays = 4; rays <= options_.rays_back_per_side && has_budget();
+        for (std::uint64_t rays = kMinRaysBack; rays <= options_.rays_back_per_side && has_budget();
              rays *= 2) {
             search_backwards(rays);
+            back_rays_left_ -= rays;
             spread();
+        }
+        if (options_.progress != nullptr) {
+            options_.progress->report("air", side_rays_, side_rays_);
         }
         number_airs();
         return std::move(result_);
@@ -123,6 +132,17 @@ private:
         }
     }
 
+    /// Tells how many rays there will be if what is missing stays missing.
+    void report_progress() const {
+        if (options_.progress == nullptr) {
+            return;
+        }
+        const std::uint64_t expected = side_rays_ + queue_.size() * options_.rays_per_side +
+                                       (side_count_ - reached_count_) * back_rays_left_;
+        options_.progress->report(
+            "air", side_rays_, std::max(side_rays_ + 1, std::min(expected, options_.max_rays)));
+    }
+
     bool is_whole(SideId side) const { return meets_others_[triangle_of(side)] == 0; }
 
     /// A ray that starts in the air of the set `from` hits a side. Of a side that lies in one air
@@ -135,6 +155,7 @@ private:
         }
         if (!is_reached_[side]) {
             is_reached_[side] = true;
+            ++reached_count_;
             result_.witnesses[side] = ray;
             node_of_reached_[side] = from;
         }
@@ -151,6 +172,7 @@ private:
         sets_.unite(side, from);
         if (!is_reached_[side]) {
             is_reached_[side] = true;
+            ++reached_count_;
             result_.witnesses[side] = witness;
             node_of_reached_[side] = side;
             queue_.push_back({.side = side, .node = side, .place = std::nullopt});
@@ -179,9 +201,7 @@ private:
         closest_hits(bvh_, rays_, origins_, hits_, executor_);
         side_rays_ += count;
         result_.rays += count;
-        if (options_.progress != nullptr) {
-            options_.progress->report("air", side_rays_, std::max(side_rays_, options_.max_rays));
-        }
+        report_progress();
     }
 
     /// Every reached side sends rays, until no new side is met.
@@ -278,6 +298,8 @@ private:
     std::vector<TriangleId> origins_;
     std::vector<std::optional<Hit>> hits_;
     std::uint64_t side_rays_ = 0;
+    std::size_t reached_count_ = 0;
+    std::uint64_t back_rays_left_ = 0;  // of a side that stays missing
     ReachedSides result_;
 };
 

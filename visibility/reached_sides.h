@@ -17,7 +17,7 @@ struct ReachedSidesOptions {
     std::uint64_t seed = 1;
     std::uint64_t rays_per_point = 200'000;  ///< limit of the guided sampling of each point
     std::uint64_t rays_per_side = 16;        ///< of a side that has just been reached
-    std::uint64_t rays_back_per_side = 64;   ///< of a side that nothing has reached, in all
+    std::uint64_t rays_back_per_side = 64;   ///< of a side that nothing has reached, at last
     std::uint64_t max_rays = 20'000'000;     ///< from sides, in all
     double tolerance = 0.0;  ///< metres: triangles nearer to each other cover a part of each other
     Progress* progress = nullptr;  ///< receives "air"

@@ -137,6 +137,9 @@ void VisibilityGraph::sample_nodes() {
         }
         cast_nodes(first, last, rays_until, counts);
         first = last;
+        if (options_.progress != nullptr) {
+            options_.progress->report("leaks", rays_until[last - 1], sum);
+        }
     }
     weigh(counts);
 }

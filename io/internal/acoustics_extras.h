@@ -18,6 +18,7 @@ propagation::Material default_material();
 struct ReadMaterial {
     propagation::Material material;
     bool is_default = false;
+    bool is_by_name = false;  ///< of the library's material of that name, for want of data
 };
 
 /// The library's material of that name, or the default. `name` stays the material's name.

@@ -23,6 +23,8 @@ struct House {
     double scale = 1.0;
     bool room_is_turned = false;
     bool doubled = false;
+    bool cupboard_is_turned = false;
+    bool has_neighbour = false;  ///< a room of 3 x 3 x 4 behind a wall
 
     std::string obj() const {
         std::ostringstream text;
@@ -50,9 +52,13 @@ struct House {
             corners += 8;
         };
         box({0, 0, 0}, {6, 3, 4}, !room_is_turned);
-        box({1, 0.5, 1}, {2, 2, 1.5}, false);
+        box({1, 0.5, 1}, {2, 2, 1.5}, cupboard_is_turned);
         if (doubled) {
             box({0, 0, 0}, {6, 3, 4}, false);
+        }
+        if (has_neighbour) {
+            box({6.2, 0, 0}, {9.2, 3, 4}, true);
+            box({-0.2, -0.2, -0.2}, {9.4, 3.2, 4.2}, false);
         }
         return text.str();
     }
@@ -108,6 +114,14 @@ TEST_F(Check, TheFirstTenLinesTellWhatIsWrong) {
     result = check({}, {"--source", "4,1,1", "--listener", "5,2,9"});
     EXPECT_EQ(result.status, 1) << result.out;
     EXPECT_TRUE(begins_with(result, "is outside of the room")) << result.out;
+
+    result = check({.has_neighbour = true}, {"--source", "4,1,1", "--listener", "8,1,3"});
+    EXPECT_EQ(result.status, 1) << result.out;
+    EXPECT_TRUE(begins_with(result, "is in a sealed room: no source shares its air")) << result.out;
+
+    result = check({.cupboard_is_turned = true}, kPlaced);
+    EXPECT_EQ(result.status, 3) << result.out;
+    EXPECT_TRUE(begins_with(result, "12 faces are reversed")) << result.out;
 
     result = check({.room_is_turned = true}, kPlaced);
     EXPECT_EQ(result.status, 3) << result.out;
@@ -189,9 +203,27 @@ TEST_F(Check, FixNeedsAnotherFileAndAModelAtRest) {
     const RunResult moving = check_file({scene, "--fix", "-o", path("door.glb")});
     EXPECT_TRUE(failed_with(moving, 1, "moves"));
     EXPECT_FALSE(std::filesystem::exists(path("door.glb")));
+    const RunResult frozen = check_file({scene, "--fix", "-o", path("door.glb"), "--time", "1"});
+    EXPECT_EQ(frozen.status, 0) << frozen.err;
+    EXPECT_EQ(check_file({path("door.glb")}).status, 0);
     const std::string file = folder_.file("house.obj", House{}.obj()).string();
     const RunResult itself = check_file({file, "--fix", "-o", file});
     EXPECT_TRUE(failed_with(itself, 1, "is the model itself"));
+}
+
+TEST_F(Check, WhatIsNoMeshIsToldInOneLine) {
+    const auto fails = [&](const char* name, const std::string& text, const std::string& problem) {
+        const RunResult result = check_file({folder_.file(name, text).string()});
+        EXPECT_TRUE(failed_with(result, 1, problem)) << name << result.status << result.err;
+    };
+    fails("broken.ply", "ply\nformat ascii 1.0\nelement vertex 3\n", "broken.ply");
+    fails("broken.gltf", "{\"asset\":", "broken.gltf");
+    fails("empty.obj", "", "empty.obj");
+    fails("nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n", "nan.obj");
+    fails("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "no triangle has an area");
+    const RunResult two = check_file(
+        {folder_.file("two.obj", "v 0 0 0\nv 4 0 0\nv 4 0 4\nv 0 0 4\nf 1 2 3 4\n").string()});
+    EXPECT_EQ(two.status, 3) << two.out << two.err;
 }
 
 TEST_F(Check, MeshesOfAllKindsDoNotCrash) {
@@ -221,8 +253,8 @@ TEST_F(Check, SlowMeshesDoNotCrash) {
             if (std::find(kSuffixes.begin(), kSuffixes.end(), suffix) == kSuffixes.end()) {
                 continue;
             }
-            const RunResult result =
-                check_file({entry.path().string(), "--quiet", "--allow-outside"});
+            const RunResult result = check_file(
+                {entry.path().string(), "--quiet", "--allow-outside", "--rays", "100000"});
             EXPECT_TRUE(result.status == 0 || result.status == 1 || result.status == 3)
                 << entry.path() << result.status << result.err;
             ++checked;

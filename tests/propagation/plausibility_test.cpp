@@ -67,8 +67,8 @@ TEST(Plausibility, TheUnitThatMakesARoomIsProposed) {
         const Vec3 size = Vec3(7.2, 3.2, 9) / metres;
         const auto proposal = propose_unit(size, 0.0, {});
         ASSERT_TRUE(proposal) << unit;
-        EXPECT_EQ(proposal->unit, unit);
-        EXPECT_NEAR(proposal->size.y, 3.2, 1e-12);
+        EXPECT_EQ(proposal->best.unit, unit);
+        EXPECT_NEAR(proposal->best.size.y, 3.2, 1e-12);
         EXPECT_NE(unit_warning(*proposal, size, true).find(std::string("--units ") + unit),
                   std::string::npos);
     }
@@ -80,9 +80,9 @@ TEST(Plausibility, TheUpAxisIsProposedWithTheUnit) {
         const Vec3 size = Vec3(7.2, 9, 3.2) / metres;
         const auto proposal = propose_unit(size, 0.0, {});
         ASSERT_TRUE(proposal) << unit;
-        EXPECT_EQ(proposal->unit, unit);
-        EXPECT_EQ(proposal->up, "z");
-        EXPECT_NEAR(proposal->size.y, 3.2, 1e-12);
+        EXPECT_EQ(proposal->best.unit, unit);
+        EXPECT_EQ(proposal->best.up, "z");
+        EXPECT_NEAR(proposal->best.size.y, 3.2, 1e-12);
         const std::string cure = std::string("--units ") + unit + " --up z makes it";
         EXPECT_NE(unit_warning(*proposal, size, true).find(cure), std::string::npos);
     }
@@ -91,13 +91,63 @@ TEST(Plausibility, TheUpAxisIsProposedWithTheUnit) {
 TEST(Plausibility, MetresAreProposedWhereAnotherUnitWasGiven) {
     const auto proposal = propose_unit(Vec3(7.2, 3.2, 9) * 0.001, 0.0, {.metres_per_unit = 0.001});
     ASSERT_TRUE(proposal);
-    EXPECT_EQ(proposal->unit, "m");
+    EXPECT_EQ(proposal->best.unit, "m");
 }
 
 TEST(Plausibility, WhatNoUnitMakesARoomIsToldWithoutAProposal) {
     const auto proposal = propose_unit({5000, 0.001, 5000}, 0.0, {});
     ASSERT_TRUE(proposal);
-    EXPECT_TRUE(proposal->unit.empty());
+    EXPECT_TRUE(proposal->best.unit.empty());
+}
+
+TEST(Plausibility, TheUpAxisStaysWhereTheHeightIsTheSmallestSide) {
+    // A hall of 20.2 x 16 x 42.1 m in cm. Standing on its end, in mm, it would be closer to 3 m.
+    const auto proposal = propose_unit({2020, 1600, 4210}, 0.0, {});
+    ASSERT_TRUE(proposal);
+    EXPECT_EQ(proposal->best.unit, "cm");
+    EXPECT_EQ(proposal->best.up, "");
+    // Of a city read as a room nothing makes one.
+    const auto city = propose_unit({240, 42, 240}, 0.0, {});
+    ASSERT_TRUE(city);
+    EXPECT_TRUE(city->best.unit.empty());
+}
+
+TEST(Plausibility, ReadingsThatAreAsProbableAreTold) {
+    // 8 x 6.3 x 16 m in cm, or a hall of 20.3 x 16 x 40.6 m in inches.
+    const Vec3 size(800, 630, 1600);
+    auto proposal = propose_unit(size, 0.0, {});
+    ASSERT_TRUE(proposal);
+    EXPECT_EQ(proposal->best.unit, "cm");
+    EXPECT_TRUE(proposal->others.empty());
+    // Lower, so that both are closer: 4 m in cm, 10.2 m in inches; or 3.5 m and 8.9 m.
+    proposal = propose_unit({800, 250, 1600}, 0.0, {});
+    ASSERT_TRUE(proposal);
+    EXPECT_EQ(proposal->best.unit, "cm");
+    ASSERT_EQ(proposal->others.size(), 1U);
+    EXPECT_EQ(proposal->others[0].unit, "in");
+    EXPECT_NEAR(proposal->others[0].size.y, 6.35, 1e-12);
+    EXPECT_NE(unit_warning(*proposal, size, true).find("--units in makes it 20.3 x 6.35 x 40.6 m"),
+              std::string::npos);
+}
+
+TEST(Plausibility, PlacesOutdoorsAreJudgedByTheirOwnLimits) {
+    Mesh mesh;
+    add_box(mesh, {0, 0, 0}, {240, 42, 240});
+    Scene scene = scene_of(mesh);
+    EXPECT_EQ(model_kind(scene, 0.0), ModelKind::room);
+    scene.materials.push_back({.name = "sky", .absorption = EnergyCoefficient(1.0)});
+    // One of the twelve triangles, on a side of 240 x 42 m: under a tenth; then the largest ones.
+    scene.material_of_triangle[0] = 1;
+    EXPECT_EQ(model_kind(scene, 0.0), ModelKind::room);
+    std::fill(scene.material_of_triangle.begin() + 6, scene.material_of_triangle.end(), 1);
+    EXPECT_EQ(model_kind(scene, 0.0), ModelKind::outdoors);
+
+    EXPECT_FALSE(propose_unit({240, 42, 240}, 2e6, {}, ModelKind::outdoors));
+    EXPECT_FALSE(propose_unit({60, 0, 80}, 0.0, {}, ModelKind::outdoors));
+    const auto proposal = propose_unit({240000, 42000, 240000}, 0.0, {}, ModelKind::outdoors);
+    ASSERT_TRUE(proposal);
+    EXPECT_EQ(proposal->best.unit, "mm");
+    EXPECT_EQ(unit_reason(*proposal), "an extent of 240000 m is not that of a place outdoors");
 }
 
 TEST(Plausibility, AVolumeBeyondThatOfHallsIsTold) {
