@@ -16,6 +16,39 @@ namespace earshot::audio {
 
 namespace {
 
+// An instant is in the range of a reverberation time or not, so that a time jumps when the level of
+// an instant passes an end of the range. What jumps within half of this of an end, decibels, counts
+// as if it came evenly: the derivative is the mean over a change that moves the ends by as much. It
+// takes in some ten steps of a dense decay, and tells the trend where a decay falls in coarse
+// steps.
+constexpr double kEndWidthDb = 1.0;
+
+/// Sums over levels that give the slope of the line through any part of a decay at once.
+class LevelSums {
+public:
+    LevelSums() = default;
+    /// Levels in nepers of energy, of any reference.
+    explicit LevelSums(std::span<const double> levels)
+        : levels_(levels.size() + 1), moments_(levels.size() + 1) {
+        for (std::size_t n = 0; n < levels.size(); ++n) {
+            levels_[n + 1] = levels_[n] + levels[n];
+            moments_[n + 1] = moments_[n] + static_cast<double>(n) * levels[n];
+        }
+    }
+
+    /// Of the line by least squares: the sum of (n - middle) level[n], over the spread of n.
+    double slope(std::size_t begin, std::size_t end) const {
+        const auto count = static_cast<double>(end - begin);
+        const double middle = static_cast<double>(begin) + 0.5 * (count - 1.0);
+        const double moment = moments_[end] - moments_[begin];
+        return (moment - middle * (levels_[end] - levels_[begin])) / spread(count);
+    }
+    static double spread(double count) { return count * (count * count - 1.0) / 12.0; }
+
+private:
+    std::vector<double> levels_, moments_;  // of the instants before each
+};
+
 /// The gradients of the metrics of one band by its energy per instant.
 class BandGradient {
 public:
@@ -26,6 +59,13 @@ public:
             sum += energy[n];
             remaining_[n] = sum;
         }
+        const std::size_t end = first_below(-kT30.to_db - kEndWidthDb / 2.0);
+        std::vector<double> levels(end - onset);
+        for (std::size_t n = onset; n < end; ++n) {
+            levels[n - onset] = remaining_[n] / remaining_.front();
+        }
+        natural_logs(levels, levels);
+        level_sums_ = LevelSums(levels);
     }
 
     std::vector<double> of_time(const DecayRange& range, double time) const;
@@ -44,11 +84,15 @@ private:
         return std::min(static_cast<std::size_t>(found - remaining_.begin()),
                         remaining_.size() - 1);
     }
-    double level_db(std::size_t instant) const {
-        return 10.0 * math::log10(remaining_[instant] / remaining_.front());
+    /// Slope of the line through the levels of instants from the onset on, nepers per instant.
+    double slope(std::size_t begin, std::size_t end) const {
+        return level_sums_.slope(begin - onset_, end - onset_);
     }
-    /// What the line gains by an end of its range that moves, per decibel of the level there.
-    double gain_of_end(int below_db, double residual_db, double lever) const;
+    /// The instants whose levels are next to an end of a range.
+    Instants next_to(int below_db) const {
+        return {first_below(-below_db + kEndWidthDb / 2.0),
+                first_below(-below_db - kEndWidthDb / 2.0)};
+    }
     /// The first instant of the energy from a limit on; the last, if there is none.
     std::size_t limit_instant(double limit) const {
         return std::min(onset_ + static_cast<std::size_t>(std::llround(limit * sample_rate_)),
@@ -68,22 +112,11 @@ private:
     std::size_t onset_;
     double sample_rate_;
     std::vector<double> remaining_;  // energy from each instant on
+    LevelSums level_sums_;           // from the onset to the lowest end of a range
 };
 
-// Instants enter and leave the range with the level at its ends. Where the decay falls in steps,
-// the instant at which it passes an end is that of a step; the time for one decibel about it tells
-// how it moves on average.
-double BandGradient::gain_of_end(int below_db, double residual_db, double lever) const {
-    constexpr double kHalfDb = 0.5;
-    const double instants_per_db = (static_cast<double>(first_below(-below_db - kHalfDb)) -
-                                    static_cast<double>(first_below(-below_db + kHalfDb))) /
-                                   (2.0 * kHalfDb);
-    return residual_db * lever * instants_per_db;
-}
-
-// The line through the levels by least squares: slope = sum of (n - middle) level[n] / spread, so
-// an instant's level counts with its lever, and a point that enters at an end with its distance
-// from the line times its lever.
+// The line through the levels by least squares: an instant's level counts with its lever, and the
+// slope changes when an instant enters or leaves the range.
 std::vector<double> BandGradient::of_time(const DecayRange& range, double time) const {
     std::vector<double> by_remaining(remaining_.size());
     const std::size_t begin = range.from_db == 0 ? onset_ : first_below(-range.from_db);
@@ -91,29 +124,30 @@ std::vector<double> BandGradient::of_time(const DecayRange& range, double time) 
     if (end < begin + 2) {
         return by_remaining;
     }
+    // time = -60 / slope, decibels per second.
+    const double by_slope = kDbPerLogEnergy * time * time / 60.0 * sample_rate_;
     const auto count = static_cast<double>(end - begin);
     const double middle = static_cast<double>(begin) + 0.5 * (count - 1.0);
-    const double spread = count * (count * count - 1.0) / 12.0;
-    // time = -60 / slope, per second.
-    const double time_by_slope = time * time / 60.0 * sample_rate_ / spread;
-    double mean_db = 0.0;
     for (std::size_t n = begin; n < end; ++n) {
         const double lever = static_cast<double>(n) - middle;
-        by_remaining[n] += time_by_slope * kDbPerLogEnergy * lever / remaining_[n];
-        mean_db += level_db(n) / count;
+        by_remaining[n] += by_slope * lever / LevelSums::spread(count) / remaining_[n];
     }
-    const double db_per_instant = -60.0 / time / sample_rate_;
-    const auto add_end = [&](std::size_t instant, int below_db, double sign) {
-        const double lever = static_cast<double>(instant) - middle;
-        const double residual_db = -below_db - (mean_db + db_per_instant * lever);
-        const double by_level =
-            sign * time_by_slope * gain_of_end(below_db, residual_db, lever) * kDbPerLogEnergy;
-        by_remaining[instant] += by_level / remaining_[instant];
-        by_remaining.front() -= by_level / remaining_.front();
+    // An instant whose level rises enters at the lower end and leaves at the upper one. The level
+    // is that re the whole.
+    const double by_jump = by_slope * kDbPerLogEnergy / kEndWidthDb;
+    const auto add_jump = [&](std::size_t instant, double change_of_slope) {
+        by_remaining[instant] += by_jump * change_of_slope / remaining_[instant];
+        by_remaining.front() -= by_jump * change_of_slope / remaining_.front();
     };
-    add_end(end, range.to_db, 1.0);
+    const Instants lower = next_to(range.to_db);
+    for (std::size_t n = std::max(lower.begin, begin + 2); n < lower.end; ++n) {
+        add_jump(n, slope(begin, n + 1) - slope(begin, n));
+    }
     if (range.from_db > 0) {
-        add_end(begin, range.from_db, -1.0);
+        const Instants upper = next_to(range.from_db);
+        for (std::size_t n = upper.begin; n < std::min(upper.end, end - 2); ++n) {
+            add_jump(n, slope(n + 1, end) - slope(n, end));
+        }
     }
     return by_energy(std::move(by_remaining));
 }

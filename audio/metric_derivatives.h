@@ -22,8 +22,8 @@ struct EnergyRates {
 
 /// Derivatives of energy_metrics() by any parameter on which the energies depend: the gradient of
 /// each metric by the energy of each arrival and bin, taken once, times the rates of the energies.
-/// Where the ends of the range of a reverberation time fall into a step of the decay, they move
-/// with its mean slope over one decibel. Onsets stay.
+/// A reverberation time jumps where an end of its range passes a step of the decay: its derivative
+/// is the mean over a change that moves the ends by half a decibel both ways. Onsets stay.
 class MetricDerivatives {
 public:
     MetricDerivatives(const Bands& bands,

@@ -4,6 +4,7 @@
 
 #include "earshot/audio/energy_metrics.h"
 #include "earshot/base/error.h"
+#include "earshot/base/simd.h"
 #include "earshot/base/standard_error.h"
 #include "earshot/propagation/room_shapes.h"
 #include "earshot/propagation/simulator.h"
@@ -15,6 +16,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -302,30 +304,55 @@ TEST(Sensitivity, RecordingChangesNoOtherResult) {
     }
 }
 
-TEST(Sensitivity, HasTheSameBitsWithAnyNumberOfThreads) {
+/// All that a pair's sensitivity holds.
+void append_numbers(const PairSensitivity& pair, std::vector<double>& numbers) {
+    const auto append = [&](const audio::Spectrum& values) {
+        numbers.insert(numbers.end(), values.begin(), values.end());
+    };
+    const auto append_metrics = [&](const audio::BandMetrics& metrics) {
+        for (const audio::BandMetricKind& kind : audio::kBandMetricKinds) {
+            numbers.push_back((metrics.*kind.value).value_or(0.0));
+        }
+    };
+    for (const MaterialSensitivity& material : pair.materials) {
+        const MaterialEnergy& energy = material.energy;
+        for (const audio::Spectrum* values : {&energy.touched_before,
+                                              &energy.touched_after,
+                                              &energy.reflections_before,
+                                              &energy.reflections_after,
+                                              &energy.absorbed_before,
+                                              &energy.absorbed_after}) {
+            append(*values);
+        }
+        for (const auto* of : {&material.derivatives, &material.standard_errors}) {
+            std::for_each(of->bands.begin(), of->bands.end(), append_metrics);
+            append_metrics(of->mid);
+            for (const std::optional<double>& number : of->speech_bands) {
+                numbers.push_back(number.value_or(0.0));
+            }
+            numbers.push_back(of->speech_transmission_index.value_or(0.0));
+        }
+    }
+}
+
+TEST(Sensitivity, HasTheSameBitsWithAnyThreadsAndInstructionSet) {
     const Scene scene = test_room(true);
     const Options options = options_for(6000);
     const auto numbers_with = [&](int threads) {
         Executor executor(threads);
         std::vector<double> numbers;
         for (const PairResult& pair : Simulator(scene, options, executor).run(executor)) {
-            for (const MaterialSensitivity& material : pair_sensitivity(scene, pair).materials) {
-                numbers.insert(numbers.end(),
-                               material.energy.absorbed_after.begin(),
-                               material.energy.absorbed_after.end());
-                for (const auto* of : {&material.derivatives, &material.standard_errors}) {
-                    for (const audio::BandMetrics& metrics : of->bands) {
-                        numbers.push_back(metrics.reverberation_time_t30.value_or(0.0));
-                        numbers.push_back(metrics.clarity_c80_db.value_or(0.0));
-                    }
-                    numbers.push_back(of->speech_transmission_index.value_or(0.0));
-                }
-            }
+            append_numbers(pair_sensitivity(scene, pair), numbers);
         }
         return numbers;
     };
-    const std::vector<double> alone = numbers_with(1);
-    EXPECT_EQ(alone, numbers_with(3));
+    const std::vector<double> expected = numbers_with(1);
+    EXPECT_EQ(expected, numbers_with(3));
+    for (const std::string& target : simd_targets()) {
+        override_simd_target(target);
+        EXPECT_EQ(expected, numbers_with(2)) << target;
+    }
+    override_simd_target("auto");
 }
 
 // What one listener hears does not depend on which others are asked.
