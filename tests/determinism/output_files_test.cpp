@@ -87,6 +87,12 @@ TEST(OutputFiles, AreTheSameBytesForARoom) {
                         "0.5"});
 }
 
+// Derivatives and their standard errors too, of materials that scatter unlike in each band.
+TEST(OutputFiles, AreTheSameBytesForSensitivity) {
+    expect_determinism(
+        {"ir", kScenes + "classroom.gltf", "--order", "2", "--rays", "4000", "--sensitivity"});
+}
+
 // Rays that start at the listener find what surfaces near it scatter.
 TEST(OutputFiles, AreTheSameBytesForAListenerNearASurface) {
     expect_determinism({"ir",
