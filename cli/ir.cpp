@@ -10,6 +10,7 @@
 #include "earshot/cli/response_job.h"
 #include "earshot/cli/response_summary.h"
 #include "earshot/cli/scene_choice.h"
+#include "earshot/cli/simulation_choice.h"
 #include "earshot/cli/speech_options.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/default_hrir_set.h"
@@ -31,8 +32,6 @@
 namespace earshot::cli {
 namespace {
 
-constexpr std::string_view kAuto = "auto";
-constexpr std::size_t kMaxAutoRays = 1000000;
 constexpr const char* kReportName = "report.html";
 
 constexpr const char* kFooter =
@@ -74,10 +73,14 @@ public:
             ->type_name("FILE");
         emitters_.add_to(app());
         materials_.add_to(app());
+        simulation_.add_paths_to(app());
         add_tracing_options();
-        add_limits();
         add_visibility_options();
-        add_late_options();
+        simulation_.add_rays_to(app());
+        app().add_flag("--histograms",
+                       writes_histograms_,
+                       "also write the energy of late sound over time, with standard errors, to "
+                       "histograms.json");
         add_format_options();
         add_sound_options();
         add_metrics_options();
@@ -86,7 +89,7 @@ public:
 
     void run() override {
         const std::vector<double> instants = scene_.times(app());
-        const std::size_t rays = ray_count();
+        propagation::Options simulation = simulation_.options(app(), common().seed);
         propagation::ResponseFormat format = response_format();
         if (!plan_.empty() && !plan_.ends_with(".svg")) {
             throw wrong_usage(app(), "--plan", "'" + plan_ + "' does not end in .svg");
@@ -107,7 +110,7 @@ public:
             loaded.warnings.insert(loaded.warnings.end(), uncovered.begin(), uncovered.end());
         }
         const ResponseJob job = {.scene = loaded.scene,
-                                 .simulation = simulation_options(rays),
+                                 .simulation = with_own_options(std::move(simulation)),
                                  .format = std::move(format),
                                  .write_sofa = writes_sofa_,
                                  .write_histograms = writes_histograms_,
@@ -145,11 +148,6 @@ public:
 
 private:
     void add_tracing_options() {
-        add_integer(app(),
-                    "--order",
-                    order_,
-                    {0, 64},
-                    "maximum number of reflections and transmissions of a path");
         app()
             .add_option("--mode",
                         mode_,
@@ -161,6 +159,16 @@ private:
                     resolution_,
                     {0, 1024},
                     "sub-frusta along a cube face around the source; 0: the default");
+        add_number(app(),
+                   "--max-length",
+                   max_length_,
+                   {0.0, 1e9},
+                   "maximum length of a path, metres; 0: no limit");
+        add_number(app(),
+                   "--min-level",
+                   min_level_db_,
+                   {-1000.0, 1000.0},
+                   "minimum level of a path in its loudest band, decibels re the source at 1 m");
     }
 
     void add_visibility_options() {
@@ -177,25 +185,6 @@ private:
                       checks_visibility_,
                       "also search without the file and report how many paths it loses")
             ->needs(file);
-    }
-
-    void add_late_options() {
-        app()
-            .add_option(
-                "--rays",
-                rays_,
-                "of late sound, reverberation and scattering: a number, 0 for none, or auto: "
-                "until T30 and level are certain, at most a million")
-            ->capture_default_str();
-        add_number(app(),
-                   "--rays-error",
-                   rays_error_percent_,
-                   {0.1, 100.0},
-                   "standard error of T30 that --rays auto aims at, percent");
-        app().add_flag("--histograms",
-                       writes_histograms_,
-                       "also write the energy of late sound over time, with standard errors, to "
-                       "histograms.json");
     }
 
     void add_format_options() {
@@ -223,21 +212,6 @@ private:
         limits_.add_to(app())->needs(report);
     }
 
-    void add_limits() {
-        app().add_flag(
-            "--transmission", transmission_, "also find paths through transmissive materials");
-        add_number(app(),
-                   "--max-length",
-                   max_length_,
-                   {0.0, 1e9},
-                   "maximum length of a path, metres; 0: no limit");
-        add_number(app(),
-                   "--min-level",
-                   min_level_db_,
-                   {-1000.0, 1000.0},
-                   "minimum level of a path in its loudest band, decibels re the source at 1 m");
-    }
-
     void add_sound_options() {
         add_integer(app(), "--sample-rate", sample_rate_hz_, {1000, 768000}, "sample rate, hertz");
         add_number(app(),
@@ -245,20 +219,7 @@ private:
                    length_,
                    {0.0, 3600.0},
                    "length of a response, seconds; 0: until the last sound has arrived");
-        app()
-            .add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
-            ->check(CLI::IsMember({"octave", "third"}))
-            ->capture_default_str();
-        add_number(
-            app(), "--temperature", air_.temperature_c, {}, "air temperature, degrees Celsius");
-        add_number(app(),
-                   "--humidity",
-                   air_.humidity_percent,
-                   {},
-                   "relative humidity of the air, percent");
-        add_number(app(), "--pressure", air_.pressure_kpa, {}, "air pressure, kilopascal");
-        app().add_flag(
-            "--no-air-absorption", no_air_absorption_, "ignore the absorption of sound by air");
+        simulation_.add_sound_to(app());
     }
 
     void add_metrics_options() {
@@ -273,41 +234,19 @@ private:
                        "of the metrics by its absorption");
     }
 
-    propagation::Options simulation_options(std::size_t rays) const {
-        return {
-            .specular_order = static_cast<int>(order_),
-            .mode = mode_ == "sampled" ? frustum::Mode::sampled : frustum::Mode::complete,
-            .resolution = static_cast<int>(resolution_),
-            .air = air_,
-            .air_absorption = !no_air_absorption_,
-            .transmission = transmission_,
-            .max_length = max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity(),
-            .min_level_db = min_level_db_,
-            .rays = rays,
-            .max_error = rays_ == kAuto ? rays_error_percent_ / 100.0 : 0.0,
-            .seed = static_cast<std::uint64_t>(common().seed),
-            .late_length = length_,
-            .late_directions = format_ != "mono",
-            .report_materials = writes_sensitivity_ || writes_report_,
-            .keep_traces = scene_.is_sequence(),
-            .visible_sets = visible_sets_ ? &*visible_sets_ : nullptr,
-            .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
-    }
-
-    /// The number of --rays, at most where it is auto.
-    std::size_t ray_count() {
-        if (rays_ == kAuto) {
-            return kMaxAutoRays;
-        }
-        constexpr std::int64_t kMaxRays = 1000000000;
-        const auto count = parse_integer(rays_);
-        if (!count || *count < 0 || *count > kMaxRays) {
-            throw wrong_usage(
-                app(),
-                "--rays",
-                "'" + rays_ + "' is neither auto nor in 0 ... " + std::to_string(kMaxRays));
-        }
-        return static_cast<std::size_t>(*count);
+    /// Options of a simulation with those that no other command has.
+    propagation::Options with_own_options(propagation::Options options) const {
+        options.mode = mode_ == "sampled" ? frustum::Mode::sampled : frustum::Mode::complete;
+        options.resolution = static_cast<int>(resolution_);
+        options.max_length =
+            max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity();
+        options.min_level_db = min_level_db_;
+        options.late_length = length_;
+        options.late_directions = format_ != "mono";
+        options.report_materials = writes_sensitivity_ || writes_report_;
+        options.keep_traces = scene_.is_sequence();
+        options.visible_sets = visible_sets_ ? &*visible_sets_ : nullptr;
+        return options;
     }
 
     propagation::ResponseFormat response_format() {
@@ -409,10 +348,11 @@ private:
     }
 
     SceneChoice scene_;
-    std::string directory_, plan_, mode_ = "complete", bands_ = "octave";
+    std::string directory_, plan_, mode_ = "complete";
     std::string format_ = "mono", hrtf_file_;
     EmitterOptions emitters_;
     MaterialOptions materials_;
+    SimulationChoice simulation_;
     bool raw_hrtf_ = false;
     bool writes_sofa_ = false;
     bool writes_histograms_ = false;
@@ -422,19 +362,13 @@ private:
     std::string visibility_file_;
     std::optional<visibility::VisibleSets> visible_sets_;
     bool checks_visibility_ = false;
-    bool transmission_ = false;
     double max_length_ = 0.0;
     double min_level_db_ = -std::numeric_limits<double>::infinity();
     bool no_metrics_ = false;
     SpeechOptions speech_;
-    std::string rays_ = "auto";
-    double rays_error_percent_ = 2.0;
-    std::int64_t order_ = 4;
     std::int64_t resolution_ = 0;
     std::int64_t sample_rate_hz_ = 48000;
     double length_ = 0.0;
-    propagation::Air air_;
-    bool no_air_absorption_ = false;
 };
 
 }  // namespace

@@ -57,7 +57,7 @@ public:
         limits_.add_to(app());
         emitters_.add_sources_to(app());
         materials_.add_to(app());
-        simulation_.add_to(app(), kDefaults);
+        simulation_.add_to(app());
         speech_.add_to(app(), "1 m in front of the talker");
         app().add_flag(
             "--report",
@@ -185,7 +185,7 @@ private:
     MapLimitOptions limits_;
     EmitterOptions emitters_;
     MaterialOptions materials_;
-    SimulationChoice simulation_;
+    SimulationChoice simulation_{kDefaults};
     SpeechOptions speech_;
     bool writes_report_ = false;
 };

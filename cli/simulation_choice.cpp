@@ -13,16 +13,27 @@ constexpr std::string_view kAuto = "auto";
 
 }  // namespace
 
-void SimulationChoice::add_to(CLI::App& app, const Defaults& defaults) {
-    order_ = defaults.order;
-    rays_error_percent_ = defaults.rays_error_percent;
-    max_auto_rays_ = defaults.max_auto_rays;
+SimulationChoice::SimulationChoice(const Defaults& defaults)
+    : order_(defaults.order),
+      rays_error_percent_(defaults.rays_error_percent),
+      max_auto_rays_(defaults.max_auto_rays) {}
+
+void SimulationChoice::add_to(CLI::App& app) {
+    add_paths_to(app);
+    add_rays_to(app);
+    add_sound_to(app);
+}
+
+void SimulationChoice::add_paths_to(CLI::App& app) {
     add_integer(app,
                 "--order",
                 order_,
                 {0, 64},
                 "maximum number of reflections and transmissions of a path");
     app.add_flag("--transmission", transmission_, "also find paths through transmissive materials");
+}
+
+void SimulationChoice::add_rays_to(CLI::App& app) {
     app.add_option("--rays",
                    rays_,
                    "of late sound, reverberation and scattering: a number, 0 for none, or auto: "
@@ -34,6 +45,9 @@ void SimulationChoice::add_to(CLI::App& app, const Defaults& defaults) {
                rays_error_percent_,
                {0.1, 100.0},
                "standard error of T30 that --rays auto aims at, percent");
+}
+
+void SimulationChoice::add_sound_to(CLI::App& app) {
     app.add_option("--bands", bands_, "octave (31.5 Hz to 16 kHz) or third (20 Hz to 20 kHz)")
         ->check(CLI::IsMember({"octave", "third"}))
         ->capture_default_str();
