@@ -22,15 +22,17 @@ BeamTracer::BeamTracer(const FacetIndex& index,
                        const TraceOptions& options,
                        double contact_radius,
                        double max_radius,
-                       int orders)
+                       int orders,
+                       GrazingFacets grazing_facets)
     : index_(index),
       options_(options),
       contact_radius_(contact_radius),
       max_radius_(max_radius),
-      orders_(orders) {}
+      orders_(orders),
+      grazing_facets_(grazing_facets) {}
 
 VisibleFacets BeamTracer::make_search() const {
-    return {index_, options_.mode, contact_radius_, max_radius_};
+    return {index_, options_.mode, contact_radius_, max_radius_, grazing_facets_};
 }
 
 std::vector<Frustum> BeamTracer::frusta_around_source(const Vec3& source) const {
@@ -44,7 +46,10 @@ std::vector<Frustum> BeamTracer::frusta_around_source(const Vec3& source) const 
 }
 
 // A path over the facet is at least as long as the way from the image source to the facet's box.
-bool BeamTracer::within_limits(const Frustum& frustum, const VisibleFacet& visible) const {
+bool BeamTracer::may_reflect(const Frustum& frustum, const VisibleFacet& visible) const {
+    if (visible.grazing) {
+        return false;
+    }
     constexpr double kRoundedDown = 1.0 - 0x1p-30;  // for the rounding of this bound
     const geometry::Aabb& box = index_.box(visible.facet);
     Vec3 closest;

@@ -26,6 +26,10 @@ namespace {
 /// of it. Angles below a thousandth of a radian are left to the plane distance alone.
 constexpr double kContactRadius = 1024.0;
 
+/// Surfaces that meet in an edge do so within this many tolerances of its line: the ends of their
+/// outlines and of the line are off by one each, and outlines leave out vertices within another.
+constexpr double kEdgeTolerances = 4.0;
+
 }  // namespace
 
 PathVerifier::PathVerifier(const SceneView& scene)
@@ -41,15 +45,15 @@ double PathVerifier::contact_radius() const noexcept {
     return kContactRadius * scene_.facets.tolerance;
 }
 
-std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,
-                                                 std::span<const Vec3> images,
-                                                 const Vec3& listener) const {
+// From the listener back to the source: the leg towards image i meets facet i.
+std::optional<SpecularPath> PathVerifier::construct(std::span<const FacetId> sequence,
+                                                    std::span<const Vec3> images,
+                                                    const Vec3& listener) const {
     const std::size_t order = sequence.size();
     SpecularPath path;
     path.length = glm::distance(images[order], listener);
     const double slack = rounding_slack(path.length);
 
-    // From the listener back to the source: the leg towards image i meets facet i.
     path.points.resize(order + 2);
     path.triangles.resize(order);
     path.points[order + 1] = listener;
@@ -74,20 +78,45 @@ std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequen
         turns_at_outer_edge(sequence, images, path.points, slack)) {
         return std::nullopt;
     }
+    return path;
+}
 
+std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,
+                                                 std::span<const Vec3> images,
+                                                 const Vec3& listener) const {
+    auto path = construct(sequence, images, listener);
+    if (!path) {
+        return std::nullopt;
+    }
     // From the last leg to the first, so that what is inserted moves none that is still to come.
     std::vector<Transmission> transmissions;
-    for (std::size_t i = order + 1; i-- > 0;) {
-        const FacetId* from_facet = i > 0 ? &sequence[i - 1] : nullptr;
-        const FacetId* to_facet = i < order ? &sequence[i] : nullptr;
+    for (std::size_t i = sequence.size() + 1; i-- > 0;) {
         transmissions.clear();
-        if (!leg_is_unobstructed(
-                path.points[i], path.points[i + 1], from_facet, to_facet, transmissions)) {
+        if (!leg_is_unobstructed(*path, sequence, i, nullptr, transmissions)) {
             return std::nullopt;
         }
-        insert(path, i, transmissions);
+        insert(*path, i, transmissions);
     }
     return path;
+}
+
+bool PathVerifier::reaches_edge(std::span<const FacetId> sequence,
+                                std::span<const Vec3> images,
+                                const geometry::Wedge& wedge,
+                                const Vec3& point) const {
+    const auto path = construct(sequence, images, point);
+    if (!path) {
+        return false;
+    }
+    std::vector<Transmission> transmissions;
+    for (std::size_t i = sequence.size() + 1; i-- > 0;) {
+        const geometry::Wedge* edge = i == sequence.size() ? &wedge : nullptr;
+        if (!leg_is_unobstructed(*path, sequence, i, edge, transmissions) ||
+            !transmissions.empty()) {
+            return false;
+        }
+    }
+    return true;
 }
 
 template <typename Visit>
@@ -236,18 +265,43 @@ bool PathVerifier::runs_between_layers(std::span<const FacetId> sequence,
     return false;
 }
 
-bool PathVerifier::leg_is_unobstructed(const Vec3& from,
-                                       const Vec3& to,
-                                       const FacetId* from_facet,
-                                       const FacetId* to_facet,
+// Whether a triangle that a leg to a wedge meets at `t` belongs to the surfaces at the edge: it is
+// of a face or a layer of one, in whose planes the leg ends; or it meets the edge in the leg's end.
+bool PathVerifier::belongs_to_edge(const geometry::Wedge& wedge,
+                                   TriangleId triangle,
+                                   const Vec3& from,
+                                   const Vec3& to,
+                                   double t,
+                                   double max_t) const {
+    const geometry::Facets& facets = scene_.facets;
+    for (const geometry::WedgeFace& face : wedge.faces) {
+        if (belongs_to_reflection(end_of_leg(&face.facet, from), triangle, 1.0 - t, max_t)) {
+            return true;
+        }
+    }
+    const Vec3 offset = from + t * (to - from) - wedge.begin;
+    const Vec3 across = offset - glm::dot(offset, wedge.direction) * wedge.direction;
+    const double reach =
+        facets.facets[facets.of_triangle[triangle]].deviation + kEdgeTolerances * facets.tolerance;
+    return 1.0 - t <= max_t && glm::dot(across, across) <= reach * reach;
+}
+
+// `edge`: the wedge in which the leg ends, or null.
+bool PathVerifier::leg_is_unobstructed(const SpecularPath& path,
+                                       std::span<const FacetId> sequence,
+                                       std::size_t leg,
+                                       const geometry::Wedge* edge,
                                        std::vector<Transmission>& transmissions) const {
-    const LegEnd start = end_of_leg(from_facet, to);
-    const LegEnd finish = end_of_leg(to_facet, from);
+    const Vec3 from = path.points[leg];
+    const Vec3 to = path.points[leg + 1];
+    const LegEnd start = end_of_leg(leg > 0 ? &sequence[leg - 1] : nullptr, to);
+    const LegEnd finish = end_of_leg(leg < sequence.size() ? &sequence[leg] : nullptr, from);
     const double length = glm::distance(from, to);
     const double max_t = contact_radius() / length;
     const auto blocks = [&](TriangleId id, double t) {
         if (belongs_to_reflection(start, id, t, max_t) ||
-            belongs_to_reflection(finish, id, 1.0 - t, max_t)) {
+            belongs_to_reflection(finish, id, 1.0 - t, max_t) ||
+            (edge != nullptr && belongs_to_edge(*edge, id, from, to, t, max_t))) {
             return false;
         }
         const FacetId facet = scene_.facets.of_triangle[id];

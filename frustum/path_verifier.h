@@ -3,6 +3,7 @@
 
 #include "earshot/frustum/paths.h"
 #include "earshot/frustum/scene_view.h"
+#include "earshot/geometry/wedge.h"
 
 #include <optional>
 #include <span>
@@ -31,6 +32,15 @@ public:
     std::optional<SpecularPath> verify(std::span<const geometry::FacetId> sequence,
                                        std::span<const geometry::Vec3> images,
                                        const geometry::Vec3& listener) const;
+
+    /// Whether sound over the sequence reaches a point on the edge of a wedge from within its air.
+    /// As verify() for a listener there, but the surfaces that meet in the edge do not block the
+    /// last leg, and transmissive facets do. Preconditions as for verify(); the last image lies in
+    /// the wedge's sector, and no facet of the sequence ends in the edge.
+    bool reaches_edge(std::span<const geometry::FacetId> sequence,
+                      std::span<const geometry::Vec3> images,
+                      const geometry::Wedge& wedge,
+                      const geometry::Vec3& point) const;
 
     /// Metres: a point this close to a plane counts as in it, on a path of length `distance`.
     /// Sources and images within eight times as much of a facet's plane are not reflected there
@@ -82,10 +92,19 @@ private:
         geometry::TriangleId triangle = 0;
     };
 
-    bool leg_is_unobstructed(const geometry::Vec3& from,
-                             const geometry::Vec3& to,
-                             const geometry::FacetId* from_facet,
-                             const geometry::FacetId* to_facet,
+    std::optional<SpecularPath> construct(std::span<const geometry::FacetId> sequence,
+                                          std::span<const geometry::Vec3> images,
+                                          const geometry::Vec3& listener) const;
+    bool belongs_to_edge(const geometry::Wedge& wedge,
+                         geometry::TriangleId triangle,
+                         const geometry::Vec3& from,
+                         const geometry::Vec3& to,
+                         double t,
+                         double max_t) const;
+    bool leg_is_unobstructed(const SpecularPath& path,
+                             std::span<const geometry::FacetId> sequence,
+                             std::size_t leg,
+                             const geometry::Wedge* edge,
                              std::vector<Transmission>& transmissions) const;
     bool leg_lies_in_plane(geometry::FacetId facet,
                            const geometry::Vec3& from,

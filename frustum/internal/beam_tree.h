@@ -50,12 +50,14 @@ struct BeamTree {
 class BeamTracer {
 public:
     /// `orders`: frusta of this order and above are not traced. `max_radius`: the largest distance
-    /// of a source or listener from the origin, metres.
+    /// of a source or listener from the origin, metres. Facets in whose plane an apex lies are
+    /// never reflected in; those that are kept are visible.
     BeamTracer(const FacetIndex& index,
                const TraceOptions& options,
                double contact_radius,
                double max_radius,
-               int orders);
+               int orders,
+               GrazingFacets grazing_facets = GrazingFacets::skip);
 
     /// Calls task.visit(search) for every frustum, depth first within a task, and task.push(facet)
     /// and task.pop() around those of higher order. Frusta around the source and the subtrees of
@@ -74,7 +76,7 @@ private:
     static constexpr std::size_t kGrain = 4;
 
     std::vector<Frustum> frusta_around_source(const geometry::Vec3& source) const;
-    bool within_limits(const Frustum& frustum, const VisibleFacet& visible) const;
+    bool may_reflect(const Frustum& frustum, const VisibleFacet& visible) const;
     template <typename Task>
     void trace_subtree(const Frustum& frustum,
                        std::vector<VisibleFacets>& searches,
@@ -85,6 +87,7 @@ private:
     double contact_radius_;
     double max_radius_;
     int orders_;
+    GrazingFacets grazing_facets_;
 };
 
 /// A task of BeamTracer::trace that records the tree.
@@ -112,7 +115,7 @@ void BeamTracer::trace_subtree(const Frustum& frustum,
         return;
     }
     for (const VisibleFacet& visible : search.found()) {
-        if (within_limits(search.frustum(), visible)) {
+        if (may_reflect(search.frustum(), visible)) {
             const Frustum child = search.reflect(visible);
             task.push(child.facet);
             trace_subtree(child, searches, task);
@@ -142,7 +145,7 @@ std::vector<Task> BeamTracer::trace(const geometry::Vec3& source,
             }
             task.visit(search);
             for (const VisibleFacet& visible : search.found()) {
-                if (orders_ > 1 && within_limits(search.frustum(), visible)) {
+                if (orders_ > 1 && may_reflect(search.frustum(), visible)) {
                     reflections[i].push_back(search.reflect(visible));
                 }
             }

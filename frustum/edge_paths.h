@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/parallel.h"
+#include "earshot/frustum/scene_view.h"
+#include "earshot/geometry/interval.h"
+#include "earshot/geometry/wedge.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace earshot::frustum {
+
+/// Ways from a source over facets that reflect to a part of an edge, and over facets on to a
+/// listener: one contribution of edge diffraction.
+struct EdgePath {
+    std::size_t listener = 0;                 ///< index into the listeners asked for
+    std::size_t wedge = 0;                    ///< index into the wedges
+    std::vector<geometry::FacetId> before{};  ///< that reflect before the edge, source first
+    std::vector<geometry::FacetId> after{};   ///< that reflect after it, edge first
+    geometry::Vec3 source_image{0.0};         ///< the source mirrored in `before`
+    geometry::Vec3 listener_image{0.0};       ///< the listener mirrored in `after`, from its end
+    /// The part of the edge that both sides reach, metres from its beginning.
+    geometry::Interval part{};
+    double length = 0.0;  ///< of the shortest way over the part, metres
+};
+
+struct EdgePathOptions {
+    int max_reflections = 0;  ///< before and after the edge together, 0 ... 16
+    /// Longer ways are left out, metres.
+    double max_length = std::numeric_limits<double>::infinity();
+};
+
+/// Counts of work.
+struct EdgeStatistics {
+    std::uint64_t frusta = 0;      ///< traced from both sides
+    std::uint64_t candidates = 0;  ///< wedges with a sequence, of one side, whose parts were found
+};
+
+struct EdgePathResult {
+    /// By listener, wedge, number of reflections, facets before, facets after, place.
+    std::vector<EdgePath> paths;
+    EdgeStatistics statistics;
+};
+
+/// Every way over one edge and up to max_reflections reflections. Parts of edges are decided
+/// exactly, by PathVerifier between places at which something changes; frusta from both sides only
+/// generate candidates, of which a wedge on the border of a facet that is visible to a frustum is
+/// one. Sound that passes transmissive facets on its way to an edge is left out, and so is an edge
+/// seen along a face that it borders. Throws Error if an option is out of range. Preconditions: the
+/// wedges are those of the scene's facets; no point lies on a surface (surface_points.h).
+EdgePathResult find_edge_paths(const SceneView& scene,
+                               std::span<const geometry::Wedge> wedges,
+                               const geometry::Vec3& source,
+                               std::span<const geometry::Vec3> listeners,
+                               const EdgePathOptions& options = {},
+                               Executor& executor = Executor::serial());
+
+/// The same over all wedges and all sequences of facets, without frusta: a baseline.
+EdgePathResult find_edge_paths_brute_force(const SceneView& scene,
+                                           std::span<const geometry::Wedge> wedges,
+                                           const geometry::Vec3& source,
+                                           std::span<const geometry::Vec3> listeners,
+                                           const EdgePathOptions& options = {});
+
+/// The points of the shortest way over the part: source, reflections, apex, reflections, listener.
+std::vector<geometry::Vec3> points_of(const EdgePath& path,
+                                      const SceneView& scene,
+                                      std::span<const geometry::Wedge> wedges,
+                                      const geometry::Vec3& source,
+                                      const geometry::Vec3& listener);
+
+}  // namespace earshot::frustum
