@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Arrivals measured in a real room (Di Carlo et al. 2021).
+// Arrivals measured in a real room (Di Carlo et al. 2021), and positions from them.
+#include "earshot/propagation/least_squares.h"
+#include "earshot/propagation/locate.h"
 #include "earshot/propagation/simulator.h"
 
 #include <gtest/gtest.h>
@@ -42,23 +44,20 @@ std::vector<Measured> read_measured() {
     return rows;
 }
 
-/// The table is z up; the room's labels are low and high x, y, z.
-TEST(Dechorate, MeasuredArrivalsAreWherePathsAre) {
-    const auto rows = read_measured();
-    if (rows.empty()) {
-        GTEST_SKIP() << "reference/dechorate is not there";
-    }
-    ASSERT_EQ(rows.size(), 840U);
-    const std::map<std::string, int> label_of = {{"direct", -1},
-                                                 {"west", 0},
-                                                 {"east", 1},
-                                                 {"south", 2},
-                                                 {"north", 3},
-                                                 {"floor", 4},
-                                                 {"ceiling", 5}};
-    const Room room = box_room(Vec3(0.0), {5.705, 5.965, 2.355});
+/// The room and its loudspeakers and microphones, and the rows as arrivals. The table is z up; the
+/// walls are materials of their own.
+struct MeasuredRoom {
     propagation::Scene scene;
-    scene.materials.resize(6);
+    std::vector<propagation::MeasuredArrival> arrivals;
+};
+
+MeasuredRoom measured_room(const std::vector<Measured>& rows) {
+    const Room room = box_room(Vec3(0.0), {5.705, 5.965, 2.355});  // low and high x, y, z
+    MeasuredRoom measured;
+    propagation::Scene& scene = measured.scene;
+    for (const char* wall : {"west", "east", "south", "north", "floor", "ceiling"}) {
+        scene.materials.push_back({.name = wall});
+    }
     scene.material_of_triangle = room.labels;
     scene.mesh = geometry::AnimatedMesh::fixed(room.mesh);
     std::map<int, std::size_t> source_of, listener_of;
@@ -69,25 +68,65 @@ TEST(Dechorate, MeasuredArrivalsAreWherePathsAre) {
         if (listener_of.try_emplace(row.microphone, scene.listeners.size()).second) {
             scene.listeners.push_back({.name = "l", .node = -1, .position = row.to});
         }
+        using Surfaces = std::vector<std::string>;
+        measured.arrivals.push_back(
+            {.source = source_of[row.source],
+             .listener = listener_of[row.microphone],
+             .time = row.arrival,
+             .surfaces = row.wall == "direct" ? Surfaces{} : Surfaces{row.wall}});
     }
+    return measured;
+}
+
+TEST(Dechorate, MeasuredArrivalsAreWherePathsAre) {
+    const auto rows = read_measured();
+    if (rows.empty()) {
+        GTEST_SKIP() << "reference/dechorate is not there";
+    }
+    ASSERT_EQ(rows.size(), 840U);
+    const auto [scene, arrivals] = measured_room(rows);
     propagation::Simulator simulator(scene, {.specular_order = 1, .air = {.temperature_c = 24.0}});
     const auto pairs = simulator.run();
     std::vector<double> errors;
-    for (const Measured& row : rows) {
-        const auto& paths =
-            pairs[source_of[row.source] * scene.listeners.size() + listener_of[row.microphone]]
-                .paths;
-        const int label = label_of.at(row.wall);
+    for (const propagation::MeasuredArrival& arrival : arrivals) {
+        const auto& paths = pairs[arrival.source * scene.listeners.size() + arrival.listener].paths;
         const auto path = std::find_if(paths.begin(), paths.end(), [&](const auto& p) {
-            return label < 0 ? p.order == 0
-                             : p.order == 1 && p.materials[0] == static_cast<unsigned>(label);
+            return p.materials.size() == arrival.surfaces->size() &&
+                   (p.order == 0 ||
+                    scene.materials[p.materials[0]].name == arrival.surfaces->front());
         });
-        ASSERT_NE(path, paths.end()) << row.wall;
-        errors.push_back(std::abs(path->delay - row.arrival));
+        ASSERT_NE(path, paths.end());
+        errors.push_back(std::abs(path->delay - arrival.time));
     }
     std::sort(errors.begin(), errors.end());
     EXPECT_LT(errors[errors.size() / 2], 0.16e-3);
     EXPECT_LT(errors[errors.size() * 9 / 10], 0.5e-3);
+}
+
+/// Positions within the centimetre that they are stated to explain the arrivals better, those too
+/// that were not used to find them.
+TEST(Dechorate, LocatedPositionsPredictArrivalsThatWereLeftOut) {
+    const auto rows = read_measured();
+    if (rows.empty()) {
+        GTEST_SKIP() << "reference/dechorate is not there";
+    }
+    if (!propagation::least_squares_available()) {
+        GTEST_SKIP() << "built without Ceres' headers";
+    }
+    const auto [scene, arrivals] = measured_room(rows);
+    const propagation::LocateOptions options = {
+        .source_error = 0.01, .listener_error = 0.01, .air = {.temperature_c = 24.0}};
+    const propagation::LocateResult result = propagation::locate(scene, arrivals, options);
+    EXPECT_TRUE(result.converged);
+    EXPECT_EQ(result.matched, 840U);
+    EXPECT_NEAR(result.median_before, 0.150e-3, 0.002e-3);
+    EXPECT_LT(result.median_after, 0.065e-3);
+    EXPECT_NEAR(result.speed_of_sound.value, 345.8, 0.5);
+    for (const propagation::CommonMotion& motion : result.motions) {
+        EXPECT_TRUE(motion.is_told_by_data()) << motion.name;
+    }
+    const auto errors = propagation::cross_validate_locate(scene, arrivals, 5, 1, options);
+    EXPECT_LT(*propagation::median_absolute(errors), 0.085e-3);
 }
 
 }  // namespace
