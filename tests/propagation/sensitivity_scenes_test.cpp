@@ -240,7 +240,7 @@ int expect_agreement(const Comparisons& comparisons, const std::string& metric) 
     return certain;
 }
 
-TEST(SensitivityOfScenes, SlowIsTheDifferenceOfFullRunsOfTheClassroom) {
+TEST(SlowSensitivity, IsTheDifferenceOfFullRunsOfTheClassroom) {
     const Comparisons found =
         compare_with_full_runs("classroom.gltf", {.count = 10000, .length = 1.5});
     EXPECT_EQ(found.size(), 9U * 3U * (6U + 6U + 1U));
@@ -249,7 +249,7 @@ TEST(SensitivityOfScenes, SlowIsTheDifferenceOfFullRunsOfTheClassroom) {
     EXPECT_GE(expect_agreement(found, "STI"), 15);
 }
 
-TEST(SensitivityOfScenes, SlowIsTheDifferenceOfFullRunsOfTheCoupledRooms) {
+TEST(SlowSensitivity, IsTheDifferenceOfFullRunsOfTheCoupledRooms) {
     const Comparisons found =
         compare_with_full_runs("coupled_rooms.gltf", {.count = 10000, .length = 6.5});
     EXPECT_EQ(found.size(), 5U * 2U * (6U + 6U + 1U));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A headless Chromium that opens pages of made-up data from files and keeps what it complains about.
+// A headless Chromium that opens pages from files and keeps what it complains about.
 import { chromium } from "playwright-core";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -19,10 +19,19 @@ export async function launch(extra_arguments = []) {
     });
 }
 
-/** Opens a page; `complaints` collects errors, warnings and requests that leave the file. */
+/** Opens a page of made-up data, as open_file() does. */
 export async function open(browser, name, data, options = {}) {
     const file = join(artefacts, `${name}.html`);
     writeFileSync(file, page_of(data));
+    const opened = await open_file(browser, file, options);
+    if (data.scene) {
+        await opened.page.locator(".view-place[data-ready]").waitFor();
+    }
+    return opened;
+}
+
+/** Opens a page; `complaints` collects errors, warnings and requests that leave the file. */
+export async function open_file(browser, file, options = {}) {
     const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, ...options });
     const page = await context.newPage();
     page.setDefaultTimeout(60000);
@@ -40,9 +49,6 @@ export async function open(browser, name, data, options = {}) {
         }
     });
     await page.goto(url);
-    if (data.scene) {
-        await page.locator(".view-place[data-ready]").waitFor();
-    }
     return { page, complaints, file };
 }
 
