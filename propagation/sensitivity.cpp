@@ -3,8 +3,8 @@
 
 #include "earshot/audio/metric_derivatives.h"
 #include "earshot/base/assert.h"
-#include "earshot/base/error.h"
 #include "earshot/base/standard_error.h"
+#include "earshot/propagation/internal/pair_energies.h"
 
 #include <glm/geometric.hpp>
 
@@ -20,121 +20,6 @@ using audio::EnergyHistogram;
 using audio::EnergyRates;
 using audio::MetricDerivatives;
 using audio::Spectrum;
-
-/// Energy times the reflections by one material, per arrival and per bin of the late energy.
-struct Reflections {
-    std::vector<double> arrivals, bins;
-};
-
-/// What arrives at a pair, and how often each material has reflected it.
-class PairEnergies {
-public:
-    PairEnergies(const Scene& scene, const PairResult& pair)
-        : pair_(pair), arrivals_(arrivals_of(pair)), materials_(scene.materials.size()) {
-        reflections_of_path_.resize(pair.paths.size() * materials_);
-        for (std::size_t i = 0; i < pair.paths.size(); ++i) {
-            const Path& path = pair.paths[i];
-            for (std::size_t k = 0; k < path.materials.size(); ++k) {
-                if (path.transmitted.empty() || path.transmitted[k] == 0) {
-                    reflections_of_path_[i * materials_ + path.materials[k]] += 1.0;
-                }
-            }
-        }
-        const LateMaterials& late = pair.late_materials;
-        whole_ = {.share = 1.0,
-                  .energy = std::vector<double>(late.intervals() * late.bands),
-                  .reflections = std::vector<double>(late.touched.size())};
-        for (const LateMaterials::Part& part : late.parts) {
-            add(1.0, part, whole_);
-        }
-        for (std::size_t interval = 0; interval < late.intervals(); ++interval) {
-            for (std::size_t bin = late.first_bin[interval]; bin < late.first_bin[interval + 1];
-                 ++bin) {
-                interval_of_bin_.push_back(interval);
-            }
-        }
-    }
-
-    std::span<const audio::Arrival> arrivals() const { return arrivals_; }
-    const EnergyHistogram& late() const { return pair_.late; }
-    const LateMaterials::Part& whole() const { return whole_; }
-    const LateMaterials& materials() const { return pair_.late_materials; }
-    std::size_t interval_of_bin(std::size_t bin) const { return interval_of_bin_[bin]; }
-    double reflections_of_path(std::size_t path, std::size_t material) const {
-        return reflections_of_path_[path * materials_ + material];
-    }
-
-    /// All rays but those of a part.
-    LateMaterials::Part without(const LateMaterials::Part& part) const {
-        LateMaterials::Part rest = whole_;
-        add(-1.0, part, rest);
-        rest.share = 1.0 - part.share;
-        return rest;
-    }
-
-    /// The late energy as some of the rays have it.
-    EnergyHistogram late_of(const LateMaterials::Part& rays) const {
-        EnergyHistogram late = pair_.late;
-        const std::size_t bands = materials().bands;
-        for (std::size_t bin = 0; bin < late.energy.size(); ++bin) {
-            for (std::size_t band = 0; band < bands; ++band) {
-                const std::size_t cell = interval_of_bin_[bin] * bands + band;
-                const double all = whole_.energy[cell];
-                // Rounding may leave a negative rest of nothing.
-                late.energy[bin][band] *=
-                    all > 0.0 ? std::max(rays.energy[cell], 0.0) / (rays.share * all) : 0.0;
-            }
-        }
-        return late;
-    }
-
-    /// Of one material and band; `late` is that of the rays.
-    Reflections reflections(std::size_t material,
-                            std::size_t band,
-                            const LateMaterials::Part& rays,
-                            const EnergyHistogram& late) const {
-        Reflections result;
-        for (std::size_t i = 0; i < arrivals_.size(); ++i) {
-            const double pressure = arrivals_[i].pressure[band];
-            result.arrivals.push_back(reflections_of_path(i, material) * (pressure * pressure));
-        }
-        for (std::size_t bin = 0; bin < late.energy.size(); ++bin) {
-            result.bins.push_back(late.energy[bin][band] *
-                                  mean_of(rays.reflections, rays, bin, material, band));
-        }
-        return result;
-    }
-
-    /// A sum over rays by interval, material and band, over the energy of these rays in the
-    /// interval.
-    double mean_of(std::span<const double> sums,
-                   const LateMaterials::Part& rays,
-                   std::size_t bin,
-                   std::size_t material,
-                   std::size_t band) const {
-        const std::size_t bands = materials().bands;
-        const double energy = rays.energy[interval_of_bin_[bin] * bands + band];
-        const double sum = sums[(interval_of_bin_[bin] * materials_ + material) * bands + band];
-        return energy > 0.0 ? sum / energy : 0.0;
-    }
-
-private:
-    static void add(double factor, const LateMaterials::Part& part, LateMaterials::Part& sum) {
-        for (std::size_t i = 0; i < sum.energy.size(); ++i) {
-            sum.energy[i] += factor * part.energy[i];
-        }
-        for (std::size_t i = 0; i < sum.reflections.size(); ++i) {
-            sum.reflections[i] += factor * part.reflections[i];
-        }
-    }
-
-    const PairResult& pair_;
-    std::vector<audio::Arrival> arrivals_;
-    std::size_t materials_;
-    std::vector<double> reflections_of_path_;  // path, material
-    LateMaterials::Part whole_;
-    std::vector<std::size_t> interval_of_bin_;
-};
 
 /// Splits energy at an instant.
 class EarlyAndLate {
@@ -298,15 +183,8 @@ private:
 };
 
 void check(const Scene& scene, const PairResult& pair, const SensitivityOptions& options) {
-    if (!pair.arrivals.empty()) {
-        throw Error("sensitivity", "needs the paths of each pair", "simulate with report_paths");
-    }
-    const LateMaterials& late = pair.late_materials;
-    if (!pair.late.energy.empty() && late.parts.empty()) {
-        throw Error("sensitivity",
-                    "needs the materials that late sound has met",
-                    "simulate with report_materials");
-    }
+    require_materials(pair, "sensitivity");
+    [[maybe_unused]] const LateMaterials& late = pair.late_materials;
     EARSHOT_ASSERT(pair.late.energy.empty() || (late.bands == options.bands.count() &&
                                                 late.materials == scene.materials.size()));
 }

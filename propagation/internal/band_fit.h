@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/propagation/absorption_prior.h"
+#include "earshot/propagation/internal/absorption_model.h"
+#include "earshot/propagation/internal/identifiability.h"
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace earshot::propagation {
+
+/// A measured metric of the band that is fitted.
+struct BandDatum {
+    std::size_t pair = 0;  ///< index of the pair's model
+    std::size_t kind = 0;  ///< index into audio::kBandMetricKinds
+    double value = 0.0;
+    double error = 0.0;  ///< standard error, > 0
+};
+
+/// The fit of one band.
+struct BandFitProblem {
+    std::size_t band = 0;
+    std::span<const AbsorptionModel> models{};
+    std::vector<BandDatum> data{};          ///< ordered by pair
+    std::vector<double> absorption{};       ///< of each material, as simulated
+    std::vector<AbsorptionPrior> priors{};  ///< of each material; deviation 0: fixed
+    std::vector<double> min_absorption{};   ///< of each material
+    double outlier_limit = 2.5;
+};
+
+struct BandFit {
+    std::vector<std::size_t> parameters{};  ///< the materials that were fitted
+    std::vector<double> absorption{};       ///< of each material
+    std::vector<bool> is_at_bound{};        ///< per parameter
+    /// Of the parameters in units of their priors' deviations.
+    std::optional<Identifiability> identifiability{};
+    /// Per datum: of the model as simulated, and its standard error for the chance of the rays.
+    std::vector<std::optional<double>> values{};
+    std::vector<double> model_errors{};
+    std::vector<double> weights{};  ///< per datum; 0 where the model has no value
+    std::optional<double> reduced_chi_squared{};
+    bool converged = true;
+};
+
+inline constexpr double kMinFittedAbsorption = 0.001, kMaxFittedAbsorption = 0.999;
+
+BandFit fit_band(const BandFitProblem& problem);
+
+}  // namespace earshot::propagation

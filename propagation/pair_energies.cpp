@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/propagation/internal/pair_energies.h"
+
+#include "earshot/base/error.h"
+
+#include <algorithm>
+
+namespace earshot::propagation {
+
+using audio::EnergyHistogram;
+
+namespace {
+
+void add(double factor, const LateMaterials::Part& part, LateMaterials::Part& sum) {
+    for (std::size_t i = 0; i < sum.energy.size(); ++i) {
+        sum.energy[i] += factor * part.energy[i];
+    }
+    for (std::size_t i = 0; i < sum.reflections.size(); ++i) {
+        sum.reflections[i] += factor * part.reflections[i];
+    }
+}
+
+}  // namespace
+
+PairEnergies::PairEnergies(const Scene& scene, const PairResult& pair)
+    : pair_(pair), arrivals_(arrivals_of(pair)), materials_(scene.materials.size()) {
+    reflections_of_path_.resize(pair.paths.size() * materials_);
+    for (std::size_t i = 0; i < pair.paths.size(); ++i) {
+        const Path& path = pair.paths[i];
+        for (std::size_t k = 0; k < path.materials.size(); ++k) {
+            if (path.transmitted.empty() || path.transmitted[k] == 0) {
+                reflections_of_path_[i * materials_ + path.materials[k]] += 1.0;
+            }
+        }
+    }
+    const LateMaterials& late = pair.late_materials;
+    whole_ = {.share = 1.0,
+              .energy = std::vector<double>(late.intervals() * late.bands),
+              .reflections = std::vector<double>(late.touched.size())};
+    for (const LateMaterials::Part& part : late.parts) {
+        add(1.0, part, whole_);
+    }
+    for (std::size_t interval = 0; interval < late.intervals(); ++interval) {
+        for (std::size_t bin = late.first_bin[interval]; bin < late.first_bin[interval + 1];
+             ++bin) {
+            interval_of_bin_.push_back(interval);
+        }
+    }
+}
+
+LateMaterials::Part PairEnergies::without(const LateMaterials::Part& part) const {
+    LateMaterials::Part rest = whole_;
+    add(-1.0, part, rest);
+    rest.share = 1.0 - part.share;
+    return rest;
+}
+
+EnergyHistogram PairEnergies::late_of(const LateMaterials::Part& rays) const {
+    EnergyHistogram late = pair_.late;
+    const std::size_t bands = materials().bands;
+    for (std::size_t bin = 0; bin < late.energy.size(); ++bin) {
+        for (std::size_t band = 0; band < bands; ++band) {
+            const std::size_t cell = interval_of_bin_[bin] * bands + band;
+            const double all = whole_.energy[cell];
+            // Rounding may leave a negative rest of nothing.
+            late.energy[bin][band] *=
+                all > 0.0 ? std::max(rays.energy[cell], 0.0) / (rays.share * all) : 0.0;
+        }
+    }
+    return late;
+}
+
+Reflections PairEnergies::reflections(std::size_t material,
+                                      std::size_t band,
+                                      const LateMaterials::Part& rays,
+                                      const EnergyHistogram& late) const {
+    Reflections result;
+    for (std::size_t i = 0; i < arrivals_.size(); ++i) {
+        const double pressure = arrivals_[i].pressure[band];
+        result.arrivals.push_back(reflections_of_path(i, material) * (pressure * pressure));
+    }
+    for (std::size_t bin = 0; bin < late.energy.size(); ++bin) {
+        result.bins.push_back(late.energy[bin][band] *
+                              mean_of(rays.reflections, rays, bin, material, band));
+    }
+    return result;
+}
+
+double PairEnergies::mean_of(std::span<const double> sums,
+                             const LateMaterials::Part& rays,
+                             std::size_t bin,
+                             std::size_t material,
+                             std::size_t band) const {
+    const std::size_t bands = materials().bands;
+    const double energy = rays.energy[interval_of_bin_[bin] * bands + band];
+    const double sum = sums[(interval_of_bin_[bin] * materials_ + material) * bands + band];
+    return energy > 0.0 ? sum / energy : 0.0;
+}
+
+void require_materials(const PairResult& pair, const char* purpose) {
+    if (!pair.arrivals.empty()) {
+        throw Error(purpose, "needs the paths of each pair", "simulate with report_paths");
+    }
+    if (!pair.late.energy.empty() && pair.late_materials.parts.empty()) {
+        throw Error(purpose,
+                    "needs the materials that late sound has met",
+                    "simulate with report_materials");
+    }
+}
+
+}  // namespace earshot::propagation
