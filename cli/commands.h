@@ -12,6 +12,7 @@ namespace earshot::cli {
 
 std::unique_ptr<Command> make_auralize_command(CLI::App& program);
 std::unique_ptr<Command> make_bvh_command(CLI::App& program);
+std::unique_ptr<Command> make_calibrate_command(CLI::App& program);
 std::unique_ptr<Command> make_ccd_command(CLI::App& program);
 std::unique_ptr<Command> make_check_command(CLI::App& program);
 std::unique_ptr<Command> make_collide_command(CLI::App& program);

@@ -18,6 +18,7 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_ir_command,
     make_map_command,
     make_metrics_command,
+    make_calibrate_command,
     make_auralize_command,
     make_report_command,
     make_bvh_command,

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/map_outputs.h"
 
-#include "earshot/cli/result_names.h"
 #include "earshot/io/map_picture.h"
 #include "earshot/io/map_table.h"
+#include "earshot/io/result_names.h"
 #include "earshot/io/whole_file.h"
 
 #include <algorithm>
@@ -65,10 +65,10 @@ private:
         const std::filesystem::path path(file);
         std::string stem = path.stem().string();
         if (map_.sources.size() > 1) {
-            stem += "__" + as_file_name(map_.sources[source]);
+            stem += "__" + io::as_file_name(map_.sources[source]);
         }
         if (map_.metrics.size() > 1) {
-            stem += "__" + as_file_name(map_.metrics[metric].name());
+            stem += "__" + io::as_file_name(map_.metrics[metric].name());
         }
         return (path.parent_path() / (stem + path.extension().string())).string();
     }

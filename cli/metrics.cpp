@@ -10,7 +10,7 @@
 #include "earshot/cli/output.h"
 #include "earshot/cli/sound_metrics_table.h"
 #include "earshot/cli/speech_options.h"
-#include "earshot/cli/values.h"
+#include "earshot/cli/strength_reference.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
 
@@ -264,17 +264,7 @@ public:
                                    {0.0},
                                    "seconds into the file at which the direct sound begins; "
                                    "default: found, and told");
-        app()
-            .add_option("--reference",
-                        reference_,
-                        "calibrates G: level of the source in free field at 1 m, decibels re full "
-                        "scale (0 for files of earshot ir), or a recording of it in free field")
-            ->type_name("DB|FILE");
-        distance_option_ = add_number(app(),
-                                      "--reference-distance",
-                                      reference_distance_,
-                                      {0.01, 1000.0},
-                                      "metres from the source in that recording (default: 10)");
+        reference_.add_to(app());
         app().add_flag("--support",
                        support_,
                        "add the stage support ST_early and ST_late: the microphone was 1 m from "
@@ -357,23 +347,12 @@ private:
         return choice;
     }
 
-    std::optional<std::vector<std::optional<double>>> strength_correction(
-        const audio::Bands& bands) {
-        if (distance_option_->count() > 0 && (reference_.empty() || parse_number(reference_))) {
-            throw wrong_usage(
-                app(), "--reference-distance", "goes with a recording as --reference");
-        }
-        if (calibrated_ && !reference_.empty()) {
+    std::optional<audio::StrengthCorrection> strength_correction(const audio::Bands& bands) {
+        if (calibrated_ && reference_.is_given()) {
             throw wrong_usage(app(), "--calibrated", "is --reference 0: give one of them");
         }
-        if (reference_.empty() && !calibrated_) {
-            return std::nullopt;
-        }
-        if (const auto level_db = calibrated_ ? std::optional(0.0) : parse_number(reference_)) {
-            return std::vector<std::optional<double>>(bands.count(), -*level_db);
-        }
-        const io::Sound sound = io::read_sound(reference_);
-        return audio::strength_correction_db(bands, response_of(sound, 0), reference_distance_);
+        const auto correction_db = reference_.correction_db(bands);
+        return calibrated_ ? audio::StrengthCorrection(bands.count(), 0.0) : correction_db;
     }
 
     std::vector<std::string> files_;
@@ -382,15 +361,13 @@ private:
     std::string bands_ = "octave";
     std::string listening_ = "any";
     double onset_ = 0.0;
-    std::string reference_;
-    double reference_distance_ = 10.0;
+    StrengthReference reference_;
     bool support_ = false;
     bool noise_free_ = false;
     bool calibrated_ = false;
     SpeechOptions speech_;
     CLI::Option* output_option_ = nullptr;  // owned by the program, as those below
     CLI::Option* onset_option_ = nullptr;
-    CLI::Option* distance_option_ = nullptr;
 };
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include "earshot/cli/material_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/report_output.h"
-#include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/report_contacts.h"
 #include "earshot/io/report_map.h"
+#include "earshot/io/result_names.h"
 #include "earshot/io/sound_signal.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
@@ -201,7 +201,7 @@ private:
             propagation::Scene names;
             names.sources = {{.name = source}};
             names.listeners = {{.name = listener}};
-            const std::filesystem::path sound = folder / (ResultNames(names).of(0, 0) + ".wav");
+            const std::filesystem::path sound = folder / (io::ResultNames(names).of(0, 0) + ".wav");
             if (!std::filesystem::exists(sound)) {
                 return std::nullopt;
             }

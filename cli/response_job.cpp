@@ -2,9 +2,9 @@
 #include "earshot/cli/response_job.h"
 
 #include "earshot/base/stage_progress.h"
-#include "earshot/cli/result_names.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/metrics.h"
+#include "earshot/io/result_names.h"
 #include "earshot/io/results.h"
 #include "earshot/io/room_sofa.h"
 #include "earshot/io/scene_picture.h"
@@ -300,7 +300,7 @@ private:
     const ResponseJob& job_;
     Executor& executor_;
     Progress& progress_;
-    ResultNames names_;
+    io::ResultNames names_;
     propagation::ResponseRenderer renderer_;
     std::vector<PairResult> all_pairs_;
     std::vector<io::RoomMeasurement> measurements_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/cli/result_names.h"
+#include "earshot/io/result_names.h"
 
 #include "earshot/base/error.h"
 
@@ -7,7 +7,7 @@
 #include <cctype>
 #include <map>
 
-namespace earshot::cli {
+namespace earshot::io {
 namespace {
 
 using propagation::Emitter;
@@ -50,4 +50,4 @@ ResultNames::ResultNames(const propagation::Scene& scene)
     }
 }
 
-}  // namespace earshot::cli
+}  // namespace earshot::io

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace earshot::cli {
+namespace earshot::io {
 
 /// A name as a part of a file's name: what a file system might not take becomes `_`, and it is cut
 /// after 80 bytes, at the beginning of a character.
@@ -29,4 +29,4 @@ private:
     std::vector<std::string> names_;
 };
 
-}  // namespace earshot::cli
+}  // namespace earshot::io

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/calibration_report.h"
+
+#include "earshot/cli/output.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace earshot::cli {
+namespace {
+
+using namespace propagation;
+
+template <typename... Values>
+std::string formatted(const char* format, Values... values) {
+    std::array<char, 256> text{};
+    std::snprintf(text.data(), text.size(), format, values...);
+    return text.data();
+}
+
+class CalibrationText {
+public:
+    explicit CalibrationText(const io::CalibrationParts& parts)
+        : parts_(parts), result_(parts.result) {
+        for (std::size_t band = 0; band < result_.bands.size(); ++band) {
+            if (result_.bands[band].values > 0) {
+                bands_.push_back(band);
+            }
+        }
+    }
+
+    std::string text() const { return head() + residuals() + absorption() + groups(); }
+
+private:
+    std::string head() const {
+        std::set<std::pair<std::size_t, std::size_t>> pairs;
+        std::size_t values = 0, left_out = 0;
+        for (const CalibratedMetric& metric : result_.metrics) {
+            pairs.insert({metric.measured.source, metric.measured.listener});
+            ++(metric.weight > 0.0 ? values : left_out);
+        }
+        return formatted("%zu values of %zu pairs%s; %d simulations, %zu rays each%s\n\n",
+                         values,
+                         pairs.size(),
+                         left_out > 0 ? formatted(", %zu left out", left_out).c_str() : "",
+                         result_.simulations,
+                         result_.rays,
+                         result_.converged ? "" : "; not converged");
+    }
+
+    std::string row(const std::string& name,
+                    const std::string& what,
+                    const std::vector<std::string>& cells) const {
+        std::string text = formatted("%-16s  %-7s", on_one_line(name).c_str(), what.c_str());
+        for (const std::string& cell : cells) {
+            text += formatted(" %7s", cell.c_str());
+        }
+        while (text.ends_with(' ')) {
+            text.pop_back();
+        }
+        return text + "\n";
+    }
+
+    template <typename CellOf>
+    std::vector<std::string> cells(CellOf cell_of) const {
+        std::vector<std::string> result;
+        for (const std::size_t band : bands_) {
+            result.push_back(cell_of(band));
+        }
+        return result;
+    }
+
+    std::string residuals() const {
+        const auto of_bands = [&](double CalibratedBand::*value) {
+            return cells(
+                [&](std::size_t band) { return formatted("%.2f ", result_.bands[band].*value); });
+        };
+        return row("", "Hz", cells([&](std::size_t band) {
+                       return formatted("%g ", parts_.bands.nominal_hz()[band]);
+                   })) +
+               row("differences, JND", "before", of_bands(&CalibratedBand::before)) +
+               row("", "after", of_bands(&CalibratedBand::after)) + "\n";
+    }
+
+    std::string absorption() const {
+        std::string text;
+        for (std::size_t material = 0; material < result_.absorption.size(); ++material) {
+            const auto& fitted = result_.absorption[material];
+            if (std::none_of(fitted.begin(), fitted.end(), [](const FittedAbsorption& band) {
+                    return band.is_fitted;
+                })) {
+                text += row(parts_.scene.materials[material].name, "kept", {});
+                continue;
+            }
+            text += row(parts_.scene.materials[material].name, "prior", cells([&](std::size_t b) {
+                            return formatted("%.3f ", fitted[b].prior.mean);
+                        }));
+            text += row("", "fitted", cells([&](std::size_t b) {
+                            return formatted(
+                                "%.3f%s", fitted[b].value, fitted[b].is_identified() ? "*" : " ");
+                        }));
+            text += row("", "+-", cells([&](std::size_t b) {
+                            return formatted("%.3f ", fitted[b].error);
+                        }));
+        }
+        return text +
+               "* told by the measurements alone; others lean on what the scene or the library "
+               "says\n";
+    }
+
+    /// One line for each set of materials, with its bands.
+    std::string groups() const {
+        std::map<std::vector<std::uint32_t>, std::vector<const UnidentifiedGroup*>> of_materials;
+        for (const UnidentifiedGroup& group : result_.groups) {
+            of_materials[group.materials].push_back(&group);
+        }
+        std::string text;
+        for (const auto& [materials, list] : of_materials) {
+            std::string names, bands, means;
+            for (const std::uint32_t material : materials) {
+                names += (names.empty() ? "" : ", ") +
+                         on_one_line(parts_.scene.materials[material].name);
+            }
+            for (const UnidentifiedGroup* group : list) {
+                const double band_hz = parts_.bands.nominal_hz()[group->band];
+                bands += (bands.empty() ? "" : ", ") + formatted("%g", band_hz);
+                if (!group->weights.empty()) {
+                    means +=
+                        (means.empty() ? "" : ", ") +
+                        formatted("%.3f +- %.3f at %g Hz", group->value, group->error, band_hz);
+                }
+            }
+            text += "\n" + names + (materials.size() > 1 ? ": not told apart" : ": hardly told") +
+                    " at " + bands + " Hz\n";
+            if (!means.empty()) {
+                text += "  their weighted mean is: " + means + "\n";
+            }
+        }
+        return text;
+    }
+
+    const io::CalibrationParts& parts_;
+    const CalibrationResult& result_;
+    std::vector<std::size_t> bands_;  // that were measured
+};
+
+}  // namespace
+
+std::string calibration_text(const io::CalibrationParts& parts) {
+    return CalibrationText(parts).text();
+}
+
+}  // namespace earshot::cli

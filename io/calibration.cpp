@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/io/calibration.h"
+
+#include "earshot/io/internal/json_lines.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+namespace earshot::io {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using namespace propagation;
+
+/// A name as a shell pattern that matches it alone.
+std::string pattern_of(const std::string& name) {
+    std::string pattern;
+    for (const char c : name) {
+        pattern += std::string_view("*?[\\").find(c) != std::string_view::npos ? "\\" : "";
+        pattern += c;
+    }
+    return pattern;
+}
+
+Json coefficient_of(const EnergyCoefficient& coefficient) {
+    if (coefficient.points().size() == 1) {
+        return coefficient.points().front().value;
+    }
+    Json json = Json::object();
+    for (const EnergyCoefficient::Point& point : coefficient.points()) {
+        json[json_number(point.frequency_hz)] = point.value;
+    }
+    return json;
+}
+
+Json material_of(const Material& material) {
+    Json json = {{"absorption", coefficient_of(material.absorption)},
+                 {"scattering", coefficient_of(material.scattering)}};
+    const auto& transmission = material.transmission.points();
+    if (std::any_of(transmission.begin(), transmission.end(), [](const auto& point) {
+            return point.value > 0.0;
+        })) {
+        json["transmission"] = coefficient_of(material.transmission);
+    }
+    if (material.one_sided) {
+        json["one_sided"] = true;
+    }
+    return json;
+}
+
+Json number_or_null(const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+/// A list with an entry per band.
+template <typename Items, typename ValueOf>
+Json listed(const Items& items, ValueOf value_of) {
+    Json list = Json::array();
+    for (const auto& item : items) {
+        list.push_back(value_of(item));
+    }
+    return list;
+}
+
+Json fitted_of(const std::string& name, const std::vector<FittedAbsorption>& bands) {
+    using Fitted = FittedAbsorption;
+    return {
+        {"name", name},
+        {"prior", listed(bands, [](const Fitted& f) { return f.prior.mean; })},
+        {"prior_error",
+         listed(bands, [](const Fitted& f) { return f.prior.rate_at(f.prior.mean); })},
+        {"absorption", listed(bands, [](const Fitted& f) { return f.value; })},
+        {"error", listed(bands, [](const Fitted& f) { return f.error; })},
+        {"interval",
+         listed(bands,
+                [](const Fitted& f) {
+                    return Json{f.lower, f.upper};
+                })},
+        {"data_error", listed(bands, [](const Fitted& f) { return number_or_null(f.data_error); })},
+        {"data_share", listed(bands, [](const Fitted& f) { return f.data_share; })},
+        {"fitted", listed(bands, [](const Fitted& f) { return f.is_fitted; })},
+        {"identified", listed(bands, [](const Fitted& f) { return f.is_identified(); })}};
+}
+
+Json group_of(const CalibrationParts& parts, const UnidentifiedGroup& group) {
+    Json json = {{"band_hz", parts.bands.nominal_hz()[group.band]},
+                 {"materials", listed(group.materials, [&](std::uint32_t material) {
+                      return parts.scene.materials[material].name;
+                  })}};
+    if (!group.weights.empty()) {
+        json["mean"] = {
+            {"weights", group.weights}, {"absorption", group.value}, {"error", group.error}};
+    }
+    return json;
+}
+
+Json metric_of(const CalibrationParts& parts, const CalibratedMetric& metric) {
+    const MeasuredMetric& measured = metric.measured;
+    return {{"source", parts.scene.sources[measured.source].name},
+            {"listener", parts.scene.listeners[measured.listener].name},
+            {"metric", std::string(audio::kBandMetricKinds[measured.kind].key)},
+            {"band_hz", parts.bands.nominal_hz()[measured.band]},
+            {"measured", measured.value},
+            {"error", metric.error},
+            {"before", number_or_null(metric.before)},
+            {"after", number_or_null(metric.after)},
+            {"model_error", metric.model_error},
+            {"jnd", metric.just_noticeable_difference},
+            {"weight", metric.weight}};
+}
+
+Json band_of(double band_hz, const CalibratedBand& band) {
+    return {{"band_hz", band_hz},
+            {"values", band.values},
+            {"before_jnd", band.before},
+            {"after_jnd", band.after},
+            {"reduced_chi_squared", number_or_null(band.reduced_chi_squared)},
+            {"converged", band.converged}};
+}
+
+}  // namespace
+
+std::string encode_calibrated_materials(const CalibrationParts& parts) {
+    const std::vector<Material> materials =
+        calibrated_materials(parts.scene, parts.result, parts.bands);
+    std::vector<std::string> lines;
+    for (std::size_t i = 0; i < materials.size(); ++i) {
+        const std::vector<FittedAbsorption>& fitted = parts.result.absorption[i];
+        const bool is_fitted =
+            std::any_of(fitted.begin(), fitted.end(), [](const auto& f) { return f.is_fitted; });
+        const bool is_default =
+            std::find(parts.default_materials.begin(), parts.default_materials.end(), i) !=
+            parts.default_materials.end();
+        if (is_fitted || !is_default) {
+            lines.push_back("  " + json_text(pattern_of(materials[i].name)) + ": " +
+                            json_text(material_of(materials[i])));
+        }
+    }
+    std::string text = "{";
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        text += (i == 0 ? "\n" : ",\n") + lines[i];
+    }
+    return text + "\n}\n";
+}
+
+std::string encode_calibration(const CalibrationParts& parts) {
+    const CalibrationResult& result = parts.result;
+    std::vector<double> bands_hz(parts.bands.nominal_hz().begin(), parts.bands.nominal_hz().end());
+    JsonLines lines;
+    std::string head = json_text(Json{{"version", 1},
+                                      {"scene", parts.scene.name},
+                                      {"bands_hz", bands_hz},
+                                      {"simulations", result.simulations},
+                                      {"rays", result.rays},
+                                      {"converged", result.converged}});
+    head.pop_back();
+    lines.append(head);
+    const auto add_list = [&](const char* name, const auto& items, auto text_of) {
+        lines.begin_list(", \"" + std::string(name) + "\": ", 2);
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            lines.add_record(json_text(text_of(i)));
+        }
+        lines.end_list();
+    };
+    add_list("bands", result.bands, [&](std::size_t i) {
+        return band_of(bands_hz[i], result.bands[i]);
+    });
+    add_list("materials", result.absorption, [&](std::size_t i) {
+        return fitted_of(parts.scene.materials[i].name, result.absorption[i]);
+    });
+    add_list(
+        "groups", result.groups, [&](std::size_t i) { return group_of(parts, result.groups[i]); });
+    add_list("metrics", result.metrics, [&](std::size_t i) {
+        return metric_of(parts, result.metrics[i]);
+    });
+    add_list("warnings", result.warnings, [&](std::size_t i) {
+        return Json{{"subject", result.warnings[i].subject}, {"text", result.warnings[i].what}};
+    });
+    return lines.finish();
+}
+
+}  // namespace earshot::io
