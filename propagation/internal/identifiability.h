@@ -26,7 +26,8 @@ public:
     double told_parameters() const;
 
     /// Parameters that the data do not tell one by one, those together that they do not part: they
-    /// stand together in directions in which the data do not halve the prior's deviation.
+    /// stand together in directions in which the data leave more than half of the prior's
+    /// deviation.
     std::vector<std::vector<std::size_t>> groups() const;
     /// The direction within some of the parameters that data and prior know best.
     std::vector<double> known_direction(std::span<const std::size_t> group) const;
