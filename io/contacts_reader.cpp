@@ -25,13 +25,14 @@ ContactKind kind_of(const ReportFile& file, const std::string& name) {
 }
 
 collision::Element element_of(const ReportFile& file, const Json& json) {
-    const auto vertices = json.at("element").get<std::vector<geometry::VertexId>>();
-    collision::Element element{.mesh = json.at("mesh").get<std::uint32_t>()};
-    if (vertices.empty() || vertices.size() > element.vertices.size()) {
+    const Json& vertices = json.at("element");
+    collision::Element element{.mesh = result_index(file, json.at("mesh"))};
+    if (!vertices.is_array() || vertices.empty() || vertices.size() > element.vertices.size()) {
         refuse_result_file(file, "has an element that is no vertex, edge or face");
     }
-    element.size = static_cast<std::uint32_t>(vertices.size());
-    std::copy(vertices.begin(), vertices.end(), element.vertices.begin());
+    for (const Json& vertex : vertices) {
+        element.vertices[element.size++] = result_index(file, vertex);
+    }
     return element;
 }
 

@@ -67,7 +67,7 @@ void require_lists(const ReportFile& file, const Json& json) {
 Map read_map(const ReportFile& file, const Json& json, std::size_t sources) {
     require_lists(file, json);
     Map map{.json = json,
-            .source = json.at("source").get<std::size_t>(),
+            .source = result_index(file, json.at("source")),
             .metric = json.at("metric").get<std::string>(),
             .unit = json.at("unit").get<std::string>()};
     if (map.source >= sources) {

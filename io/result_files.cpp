@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -61,6 +62,15 @@ void read_result_file(const ReportFile& file, const std::function<void()>& body)
     } catch (const Json::exception& exception) {
         refuse_result_file(file, "does not hold what it should: " + reason(exception));
     }
+}
+
+std::uint32_t result_index(const ReportFile& file, const Json& json) {
+    // Other numbers would be converted, or cannot be.
+    if (!json.is_number_unsigned() ||
+        json.get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
+        refuse_result_file(file, "holds " + shortened(json.dump()) + " where an index should be");
+    }
+    return json.get<std::uint32_t>();
 }
 
 namespace {

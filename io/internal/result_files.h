@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,6 +27,10 @@ void read_result_file(const ReportFile& file, const std::function<void()>& body)
 
 /// Throws Error naming the file and what is wrong with it.
 [[noreturn]] void refuse_result_file(const ReportFile& file, const std::string& what);
+
+/// An index that the file holds: a whole number from 0 on. Throws Error naming the file if it is
+/// none.
+std::uint32_t result_index(const ReportFile& file, const nlohmann::ordered_json& json);
 
 /// A source and a listener at one time, by their names.
 struct ResultPair {

@@ -8,10 +8,14 @@
 #include "earshot/io/internal/sofa_file.h"
 #include "earshot/io/material_assignments.h"
 #include "earshot/io/points.h"
+#include "earshot/io/report_contacts.h"
+#include "earshot/io/report_map.h"
 #include "earshot/io/scene_file.h"
 #include "earshot/io/visibility_file.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
+
+#include <nlohmann/json.hpp>
 
 #include "fuzz/input_file.h"
 #include "fuzz/repair.h"
@@ -170,6 +174,62 @@ void read_visible_sets(const fs::path& file) {
     }
 }
 
+io::ReportFile report_file(const fs::path& file) {
+    return {.name = file.filename().string(), .text = io::read_whole_file(file)};
+}
+
+void require_page_data(const std::string& data) {
+    require(nlohmann::json::accept(data), "the data of pages is JSON");
+}
+
+void read_contact_results(const fs::path& file) {
+    const io::ContactReport report = io::read_contacts(report_file(file));
+    for (const io::ContactStep& step : report.steps) {
+        for (const collision::Contact& contact : step.contacts) {
+            for (const collision::Element& element : {contact.a, contact.b}) {
+                require(element.mesh < report.meshes.size(), "meshes of contacts have a name");
+                require(element.size >= 1 && element.size <= element.vertices.size(),
+                        "elements are vertices, edges or faces");
+            }
+        }
+    }
+    require_page_data(io::encode_contacts_page({.title = "fuzz", .contacts = report}));
+}
+
+void read_map_results(const fs::path& file) {
+    require_page_data(io::encode_map_page({.title = "fuzz", .map = report_file(file)}));
+}
+
+/// Several files of results in one: each begins behind a line "=== NAME".
+void read_room_results(const fs::path& file) {
+    constexpr std::string_view kMark = "=== ";
+    const std::string text = io::read_whole_file(file);
+    io::RoomReport report{.title = "fuzz",
+                          .reference_name = "before",
+                          .limits = {{"sti", 0.6}, {"t30", 0.8}, {"c80", 0.0}}};
+    const std::map<std::string_view, io::ReportFile*> parts = {{"metrics", &report.metrics},
+                                                               {"paths", &report.paths},
+                                                               {"histograms", &report.histograms},
+                                                               {"sensitivity", &report.sensitivity},
+                                                               {"reference", &report.reference}};
+    std::size_t begin = text.find(kMark);
+    if (begin == std::string::npos) {
+        throw Error(file.string(), "holds no results");
+    }
+    while (begin != std::string::npos) {
+        begin += kMark.size();
+        const std::size_t end = std::min(text.find(kMark, begin), text.size());
+        const std::size_t line = std::min(text.find('\n', begin), end);
+        const auto part = parts.find(std::string_view(text).substr(begin, line - begin));
+        if (part != parts.end()) {
+            *part->second = {.name = std::string(part->first),
+                             .text = text.substr(line, end - line)};
+        }
+        begin = end < text.size() ? end : std::string::npos;
+    }
+    require_page_data(io::encode_room_report(report));
+}
+
 /// As load_scene() words what std::bad_alloc means. Messages may quote the file: they only hold it.
 bool is_out_of_memory(const Error& error) {
     return std::string_view(error.what()) == "needs more memory than is available";
@@ -185,15 +245,18 @@ InputFile& input_of(const Reader& reader) {
 const std::vector<Reader>& readers() {
     static const std::vector<Reader> kReaders{
         {"contact_queries", ".csv", read_contact_queries},
+        {"contacts", ".json", read_contact_results},
         {"directivity", ".csv", read_directivity},
         {"glb", ".glb", read_scene, repair_glb},
         {"gltf", ".gltf", read_scene},
         {"listeners", ".csv", read_listeners},
+        {"map_results", ".json", read_map_results},
         {"materials", ".json", read_materials},
         {"obj", ".obj", read_scene},
         {"off", ".off", read_scene},
         {"ply", ".ply", read_scene},
         {"points", ".csv", read_points},
+        {"room_results", ".txt", read_room_results},
         {"sofa_reply", ".bin", read_sofa_reply},
         {"stl", ".stl", read_scene, repair_stl},
         {"visible_sets", ".pvs", read_visible_sets, repair_visible_sets},

@@ -114,6 +114,8 @@ TEST(MapReport, RefusesDamagedFiles) {
                                      {"cells", {{1, 2}}},
                                      {"source", 1},
                                      {"source", "talker"},
+                                     {"source", 0.5},
+                                     {"source", -1e300},
                                      {"metric", nullptr},
                                      {"share", "all"}}) {
         Json file = map_file();
