@@ -43,8 +43,9 @@ constexpr std::array kKindNames = {"an object",
                                    "visible sets",
                                    "a sound",
                                    "messages",
-                                   "a map"};
-static_assert(kKindNames.size() == ES_KIND_METRIC_MAP + 1);
+                                   "a map",
+                                   "a calibration"};
+static_assert(kKindNames.size() == ES_KIND_CALIBRATION + 1);
 
 struct Slot {
     std::shared_ptr<Object> object{};

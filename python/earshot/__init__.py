@@ -25,6 +25,7 @@ from ._errors import (
 )
 from ._library import NONE, Message, Messages, lib, text
 from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
+from .calibration import Calibration, calibrate
 from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
 from .names import Names
@@ -46,6 +47,7 @@ __all__ = [
     "ArgumentError",
     "Blockers",
     "Bvh",
+    "Calibration",
     "Cancelled",
     "ClosestPoints",
     "Contact",
@@ -82,6 +84,7 @@ __all__ = [
     "World",
     "auralize",
     "band_centres",
+    "calibrate",
     "extrude",
     "library",
     "load",

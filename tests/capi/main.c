@@ -124,6 +124,7 @@ int main(int argc, char** argv) {
                   {"world_errors", test_world_errors},
                   {"visible_sets", test_visible_sets},
                   {"maps", test_maps},
+                  {"calibrations", test_calibrations},
                   {"without_module", test_without_module},
                   {"threads", test_threads}};
     if (argc != 3) {
