@@ -63,11 +63,11 @@ std::size_t WallPlanes::wall_of(TriangleId triangle) {
     const double largest = geometry::max_abs(normal) * (1.0 - 1e-6);
     for (int axis = 0; axis < 3; ++axis) {
         if (std::abs(normal[axis]) >= largest) {
-            normal = normal[axis] < 0.0 ? -normal : normal;
+            normal = (normal[axis] < 0.0 ? -normal : normal) + 0.0;  // no negative zeros
             break;
         }
     }
-    const double offset = glm::dot(normal, positions_[a]);
+    const double offset = glm::dot(normal, positions_[a]) + 0.0;
     const auto [entry, is_new] = wall_of_plane_.try_emplace({std::llround(normal.x / kNormalCell),
                                                              std::llround(normal.y / kNormalCell),
                                                              std::llround(normal.z / kNormalCell),

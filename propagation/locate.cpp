@@ -18,14 +18,14 @@ using geometry::Vec3;
 
 constexpr double kKelvinAtZero = 273.15;
 
-// What is reported is rounded far more coarsely than the sums of a fit are.
-constexpr double kLengthUnit = 1e-4;  // metres
-constexpr double kSpeedUnit = 1e-3;   // metres per second, kelvin
-constexpr double kTimeUnit = 1e-7;    // seconds
-constexpr double kShareUnit = 1e-3;
+// What is reported is rounded far more coarsely than the sums of a fit are: steps per unit.
+constexpr double kLengthSteps = 1e4;  // metres
+constexpr double kSpeedSteps = 1e3;   // metres per second, kelvin
+constexpr double kTimeSteps = 1e7;    // seconds
+constexpr double kShareSteps = 1e3;
 
-double rounded(double value, double unit) noexcept {
-    return std::isfinite(value) ? std::nearbyint(value / unit) * unit + 0.0 : value;
+double rounded(double value, double steps) noexcept {
+    return std::isfinite(value) ? std::nearbyint(value * steps) / steps + 0.0 : value;
 }
 
 void require(bool is_met, const char* option, const char* remedy) {
@@ -101,15 +101,15 @@ void check(const Scene& scene,
 
 /// A number of the state and what the fit tells of it, rounded.
 LocatedValue value_of(
-    const ArrivalFit& fit, std::size_t at, double stated, double value, double unit) {
+    const ArrivalFit& fit, std::size_t at, double stated, double value, double steps) {
     if (at == ArrivalParameters::kHeld) {
         return {.stated = stated, .value = stated};
     }
-    LocatedValue result{.stated = stated, .value = rounded(value, unit)};
+    LocatedValue result{.stated = stated, .value = rounded(value, steps)};
     const ArrivalParameters::Entry& entry = fit.parameters->entries()[at];
     const double error = fit.solution.information.standard_errors[at];
-    result.standard_error = rounded(entry.scale * error, unit / 10.0);
-    result.data_share = entry.has_prior ? rounded(std::max(0.0, 1.0 - error * error), kShareUnit)
+    result.standard_error = rounded(entry.scale * error, 10.0 * steps);
+    result.data_share = entry.has_prior ? rounded(std::max(0.0, 1.0 - error * error), kShareSteps)
                         : std::isfinite(error) ? 1.0
                                                : 0.0;
     return result;
@@ -123,7 +123,8 @@ std::vector<LocatedPoint> points_of(const ArrivalFit& fit,
     std::vector<LocatedPoint> points(stated.size());
     for (std::size_t i = 0; i < stated.size(); ++i) {
         const auto value = [&](int axis) {
-            return value_of(fit, place_of(i, axis), stated[i][axis], located[i][axis], kLengthUnit);
+            return value_of(
+                fit, place_of(i, axis), stated[i][axis], located[i][axis], kLengthSteps);
         };
         points[i].x = value(0);
         points[i].y = value(1);
@@ -150,7 +151,7 @@ std::vector<LocatedWall> walls_of(const ArrivalFit& fit, std::span<const Reflect
                                                  fit.parameters->wall(i),
                                                  wall.plane.offset,
                                                  wall.plane.offset + fit.at.wall_offsets[i],
-                                                 kLengthUnit),
+                                                 kLengthSteps),
                               .arrivals = arrivals[i]});
         }
     }
@@ -173,15 +174,15 @@ void describe_arrivals(const ArrivalFit& fit,
         const std::size_t i = fit.arrival_of_term[k];
         result.arrivals[i] = {.is_matched = true,
                               .triangles = *fit.paths[i],
-                              .before = rounded(error_before, kTimeUnit),
-                              .after = rounded(error_after, kTimeUnit),
-                              .weight = rounded(fit.solution.robust_weights[k], kShareUnit)};
+                              .before = rounded(error_before, kTimeSteps),
+                              .after = rounded(error_after, kTimeSteps),
+                              .weight = rounded(fit.solution.robust_weights[k], kShareSteps)};
         ++result.sources[term.source].arrivals;
         ++result.listeners[term.listener].arrivals;
     }
     result.matched = fit.terms.size();
-    result.median_before = rounded(median(std::move(before)), kTimeUnit);
-    result.median_after = rounded(median(std::move(after)), kTimeUnit);
+    result.median_before = rounded(median(std::move(before)), kTimeSteps);
+    result.median_after = rounded(median(std::move(after)), kTimeSteps);
 }
 
 double rms_move(const LocateResult& result, const LocateOptions& options) {
@@ -216,22 +217,22 @@ LocateResult result_of(const Scene& scene,
             return parameters.listener(i, axis);
         });
     result.speed_of_sound =
-        value_of(fit, parameters.speed(), fit.stated.speed, fit.at.speed, kSpeedUnit);
+        value_of(fit, parameters.speed(), fit.stated.speed, fit.at.speed, kSpeedSteps);
     const double ratio = fit.at.speed / fit.stated.speed;
     result.temperature_c = rounded(
-        (kKelvinAtZero + options.air.temperature_c) * ratio * ratio - kKelvinAtZero, kSpeedUnit);
+        (kKelvinAtZero + options.air.temperature_c) * ratio * ratio - kKelvinAtZero, kSpeedSteps);
     for (std::size_t i = 0; i < scene.sources.size(); ++i) {
         result.latencies.push_back(
-            value_of(fit, parameters.latency(i), 0.0, fit.at.latencies[i], kTimeUnit));
+            value_of(fit, parameters.latency(i), 0.0, fit.at.latencies[i], kTimeSteps));
     }
     result.walls = walls_of(fit, walls);
     result.arrivals.resize(arrivals);
     describe_arrivals(fit, walls, result);
     result.motions = common_motions(fit, walls, options.timing_error);
     for (CommonMotion& motion : result.motions) {
-        motion.data_share = rounded(motion.data_share, kShareUnit);
+        motion.data_share = rounded(motion.data_share, kShareSteps);
     }
-    result.rms_move = rounded(rms_move(result, options), kShareUnit);
+    result.rms_move = rounded(rms_move(result, options), kShareSteps);
     result.rounds = fit.rounds;
     result.converged = fit.converged;
     return result;
@@ -288,7 +289,8 @@ std::vector<std::optional<double>> cross_validate_locate(const Scene& scene,
         std::size_t next = 0;
         for (std::size_t i = 0; i < arrivals.size(); ++i) {
             if (fold_of[i] == fold) {
-                errors[i] = of_fold[next++];
+                const std::optional<double>& error = of_fold[next++];
+                errors[i] = error ? std::optional(rounded(*error, kTimeSteps)) : std::nullopt;
             }
         }
         if (progress != nullptr) {

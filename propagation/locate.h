@@ -134,8 +134,8 @@ LocateResult locate(const Scene& scene,
                     Progress* progress = nullptr);
 
 /// Model - measured of each arrival, seconds, from locate() without it: in turn each of `folds`
-/// (>= 2) equal parts, drawn by `seed`, is left out. Nothing where no path fits. Reports the stage
-/// "cross-validation", by folds.
+/// (>= 2) equal parts, drawn by `seed`, is left out. Rounded to 0.1 us; nothing where no path fits.
+/// Reports the stage "cross-validation", by folds.
 std::vector<std::optional<double>> cross_validate_locate(const Scene& scene,
                                                          std::span<const MeasuredArrival> arrivals,
                                                          std::size_t folds,
