@@ -74,6 +74,7 @@ typedef uint64_t es_sound;         ///< samples of a sound
 typedef uint64_t es_messages;      ///< warnings and notes
 typedef uint64_t es_metric_map;    ///< metrics over an area
 typedef uint64_t es_calibration;   ///< absorption fitted to measurements
+typedef uint64_t es_location;      ///< positions from arrival times
 
 typedef enum es_kind {
     ES_KIND_NONE = 0,
@@ -87,7 +88,8 @@ typedef enum es_kind {
     ES_KIND_SOUND = 8,
     ES_KIND_MESSAGES = 9,
     ES_KIND_METRIC_MAP = 10,
-    ES_KIND_CALIBRATION = 11
+    ES_KIND_CALIBRATION = 11,
+    ES_KIND_LOCATION = 12
 } es_kind;
 
 /// Ends an object of any kind; its views end with it. 0 is allowed and does nothing. A call of

@@ -44,8 +44,9 @@ constexpr std::array kKindNames = {"an object",
                                    "a sound",
                                    "messages",
                                    "a map",
-                                   "a calibration"};
-static_assert(kKindNames.size() == ES_KIND_CALIBRATION + 1);
+                                   "a calibration",
+                                   "a location"};
+static_assert(kKindNames.size() == ES_KIND_LOCATION + 1);
 
 struct Slot {
     std::shared_ptr<Object> object{};

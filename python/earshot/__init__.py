@@ -26,6 +26,7 @@ from ._errors import (
 from ._library import NONE, Message, Messages, lib, text
 from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
 from .calibration import Calibration, calibrate
+from .locations import Located, Location, locate
 from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
 from .names import Names
@@ -59,6 +60,8 @@ __all__ = [
     "Histogram",
     "Hits",
     "LibraryMaterial",
+    "Located",
+    "Location",
     "MapLimit",
     "Material",
     "MeshInWorld",
@@ -88,6 +91,7 @@ __all__ = [
     "extrude",
     "library",
     "load",
+    "locate",
     "map",
     "mix",
     "plot_decay",
