@@ -3,6 +3,7 @@
 #include "earshot/cli/calibration_report.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/emitter_options.h"
+#include "earshot/cli/locate_job.h"
 #include "earshot/cli/material_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
@@ -36,6 +37,12 @@ constexpr const char* kFooter =
     "or\n"
     "a table with the columns source, listener, metric, band (hertz), value and, if known, its\n"
     "standard error.\n\n"
+    "With --locate positions of sources and listeners and the speed of sound are fitted instead, "
+    "to\n"
+    "measured arrival times (docs/locate.md): a table with the columns source, listener, surfaces\n"
+    "and time in seconds. Surfaces are names of materials or meshes in order, as floor>ceiling, "
+    "or\n"
+    "direct; without them the path closest in time is taken.\n\n"
     "Examples:\n"
     "  earshot calibrate room.gltf --measured recordings/ -o room.materials.json\n"
     "      EDT, T30 and C80 of the recordings\n"
@@ -43,23 +50,60 @@ constexpr const char* kFooter =
     "      some metrics of a table; everything in numbers\n"
     "  earshot calibrate room.gltf --measured table.csv --unknown 'Curtain*' --keep Glass \\\n"
     "      --spread 0.5 -o fitted.json\n"
-    "      what is known of the materials";
+    "      what is known of the materials\n"
+    "  earshot calibrate room.gltf --locate arrivals.csv --folds 5 -o positions.json\n"
+    "      where sources and listeners were, and how well that predicts other arrivals";
 
 class CalibrateCommand : public Command {
 public:
     explicit CalibrateCommand(CLI::App& program)
         : Command(program,
                   "calibrate",
-                  "Fit the absorption of materials to measured responses",
+                  "Fit the absorption of materials, or positions, to measured responses",
                   {.seed = true}) {
         scene_.add_to(app());
+        add_output("-o,--output", output_, "the calibrated materials or positions, FILE.json")
+            ->required();
+        add_absorption_options();
+        locate_.add_to(app());
+        emitters_.add_to(app());
+        materials_.add_to(app());
+        simulation_.add_to(app());
+        app().footer(kFooter);
+    }
+
+    void run() override {
+        if (locate_.is_chosen() == !measured_.empty()) {
+            throw wrong_usage(app(), "earshot calibrate", "give either --measured or --locate");
+        }
+        if (!propagation::least_squares_available()) {
+            throw Error("earshot calibrate",
+                        "this build is without Ceres",
+                        "install libceres-dev, configure and build again");
+        }
+        const propagation::Options simulation = simulation_.options(app(), common().seed);
+        override_simd_target(common().simd);
+        io::LoadedScene loaded = scene_.load();
+        materials_.apply(scene_.file(), loaded);
+        emitters_.apply(app(), scene_, loaded.scene);
+        if (locate_.is_chosen()) {
+            locate(loaded, simulation);
+        } else {
+            fit_absorption(loaded, simulation);
+        }
+    }
+
+private:
+    /// The rays' chance must be small beside the errors of measurement.
+    static constexpr SimulationChoice::Defaults kDefaults = {
+        .order = 3, .rays_error_percent = 1.0, .max_auto_rays = 200000};
+
+    void add_absorption_options() {
         app()
             .add_option("--measured",
                         measured_,
                         "a folder of recordings SOURCE__LISTENER.wav, or a table FILE.csv")
-            ->required()
             ->type_name("DIR|FILE");
-        add_output("-o,--output", output_, "the calibrated materials, FILE.json")->required();
         metric_option_ =
             app().add_option("--metric",
                              metrics_,
@@ -94,28 +138,32 @@ public:
                        noise_free_,
                        "the recordings are computed responses without a noise floor");
         reference_.add_to(app());
-        emitters_.add_to(app());
-        materials_.add_to(app());
-        simulation_.add_to(app());
-        app().footer(kFooter);
     }
 
-    void run() override {
-        if (!propagation::least_squares_available()) {
-            throw Error("earshot calibrate",
-                        "this build is without Ceres",
-                        "install libceres-dev, configure and build again");
+    void locate(const io::LoadedScene& loaded, const propagation::Options& simulation) {
+        if (!common().quiet) {
+            print_warnings(loaded.warnings);
         }
+        Executor executor(static_cast<int>(common().threads));
+        locate_.run(
+            {.scene = loaded.scene,
+             .air = simulation.air,
+             .time = scene_.times(app()).front(),
+             .order = app().get_option("--order")->count() > 0 ? simulation.specular_order : -1,
+             .seed = simulation.seed,
+             .output = output_,
+             .quiet = common().quiet,
+             .json = common().json},
+            executor);
+    }
+
+    void fit_absorption(const io::LoadedScene& loaded, const propagation::Options& simulation) {
         propagation::CalibrationOptions options = {
-            .simulation = simulation_.options(app(), common().seed),
+            .simulation = simulation,
+            .time = scene_.times(app()).front(),
             .default_error = error_,
             .prior_deviation = spread_,
             .max_simulations = static_cast<int>(simulations_)};
-        override_simd_target(common().simd);
-        io::LoadedScene loaded = scene_.load();
-        materials_.apply(scene_.file(), loaded);
-        emitters_.apply(app(), scene_, loaded.scene);
-        options.time = scene_.times(app()).front();
         choose_materials(loaded, options);
         const io::MeasuredMetrics measured = read(loaded.scene, options.simulation.bands);
         if (!common().quiet) {
@@ -143,11 +191,6 @@ public:
             write_output(calibration_text(parts));
         }
     }
-
-private:
-    /// The rays' chance must be small beside the errors of measurement.
-    static constexpr SimulationChoice::Defaults kDefaults = {
-        .order = 3, .rays_error_percent = 1.0, .max_auto_rays = 200000};
 
     io::MeasuredMetrics read(const propagation::Scene& scene, const audio::Bands& bands) const {
         io::MeasuredResponseOptions options = {
@@ -191,6 +234,7 @@ private:
     MaterialOptions materials_;
     SimulationChoice simulation_{kDefaults};
     StrengthReference reference_;
+    LocateJob locate_;
     std::string measured_, output_, metrics_;
     double error_ = 0.5, spread_ = 1.0;
     std::vector<std::string> unknown_, kept_;
