@@ -10,6 +10,7 @@
 #include <OpenMesh/Tools/Decimater/BaseDecimaterT.hh>
 #include <OpenMesh/Tools/Decimater/ModAspectRatioT.hh>
 #include <OpenMesh/Tools/Decimater/ModNormalDeviationT.hh>
+#include <OpenMesh/Tools/Decimater/ModNormalFlippingT.hh>
 #include <OpenMesh/Tools/Decimater/ModQuadricT.hh>
 
 #include <algorithm>
@@ -93,6 +94,10 @@ HalfEdgeId inner_half_edge(const Connectivity& mesh,
 
 namespace decimater = OpenMesh::Decimater;
 
+/// No collapse turns a triangle by more: somewhat more than a chamfer, half of a right angle, which
+/// vanishes so. More leaves folds in which later collapses are stuck.
+constexpr float kMaxTurnDegrees = 50.0F;
+
 /// Collapses half-edges in the order of their quadric errors. OpenMesh's own loop asks all modules
 /// about every half-edge around a change; here the costly questions are asked only about the
 /// cheapest collapse of all.
@@ -111,6 +116,9 @@ public:
         add(quadric);
         add(normal_deviation);
         add(aspect_ratio);
+        decimater::ModNormalFlippingT<Surface>::Handle normal_flipping;
+        add(normal_flipping);
+        module(normal_flipping).set_max_normal_deviation(kMaxTurnDegrees);
         module(quadric).unset_max_err();
         module(normal_deviation).set_normal_deviation(limits.max_angle * 180.0 / M_PI);
         module(aspect_ratio).set_aspect_ratio(static_cast<float>(limits.max_aspect_ratio));
@@ -143,6 +151,17 @@ public:
         }
     }
 
+    /// The vertices among the samples of a face that is left.
+    std::vector<VertexId> samples_of(OpenMesh::FaceHandle face) const {
+        std::vector<VertexId> vertices;
+        samples_.for_each(static_cast<TriangleId>(face.idx()), [&](std::size_t sample) {
+            if (sample < sampled_vertices_.size()) {
+                vertices.push_back(sampled_vertices_[sample]);
+            }
+        });
+        return vertices;
+    }
+
 private:
     using HalfEdge = OpenMesh::HalfedgeHandle;
 
@@ -162,6 +181,7 @@ private:
                 if (std::find(labels.begin(), labels.end(), input_.labels[id]) == labels.end()) {
                     labels.push_back(input_.labels[id]);
                     samples_.add(id, input_.mesh.positions[id_of(vertex)]);
+                    sampled_vertices_.push_back(id_of(vertex));
                 }
             }
         }
@@ -266,7 +286,8 @@ private:
 
     const DecimationInput& input_;
     DecimationLimits limits_;
-    SurfaceSamples samples_;  // elements: faces
+    SurfaceSamples samples_;                  // elements: faces
+    std::vector<VertexId> sampled_vertices_;  // of the first samples
     SurfaceCurves curves_;
     decimater::ModQuadricT<Surface>* quadric_ = nullptr;
     std::vector<std::uint32_t> version_;  // per vertex: of its entry that counts
@@ -306,10 +327,13 @@ HalfEdgeBorders find_borders(std::span<const Triangle> triangles, std::size_t ve
 std::vector<DecimatedTriangle> decimate(const DecimationInput& input,
                                         const DecimationLimits& limits) {
     Surface surface = surface_of(input.mesh);
-    BoundedDecimater(surface, input, limits).run();
+    BoundedDecimater decimation(surface, input, limits);
+    decimation.run();
     std::vector<DecimatedTriangle> left;
     for (const OpenMesh::FaceHandle face : surface.faces()) {  // leaves out what is deleted
-        DecimatedTriangle triangle{.corners = {}, .origin = static_cast<TriangleId>(face.idx())};
+        DecimatedTriangle triangle{.corners = {},
+                                   .origin = static_cast<TriangleId>(face.idx()),
+                                   .samples = decimation.samples_of(face)};
         std::size_t corner = 0;
         for (const OpenMesh::VertexHandle vertex : surface.fv_range(face)) {
             triangle.corners[corner++] = id_of(vertex);

@@ -13,7 +13,7 @@ namespace earshot::geometry {
 
 /// A mesh that stands for another one.
 struct SimplifiedMesh {
-    Mesh mesh;                        ///< its vertices are vertices of the original
+    Mesh mesh;
     std::vector<TriangleId> origins;  ///< per triangle one of the original that it replaces
 };
 

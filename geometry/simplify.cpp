@@ -5,9 +5,12 @@
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/internal/half_edge_mesh.h"
 #include "earshot/geometry/internal/manifold_fans.h"
+#include "earshot/geometry/internal/plane_placement.h"
+#include "earshot/geometry/internal/surface_curves.h"
 #include "earshot/geometry/mesh_topology.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace earshot::geometry {
@@ -100,6 +103,25 @@ SimplifiedMesh merged(const SimplifiedMesh& part,
     return result;
 }
 
+/// Positions of the vertices that are left, moved onto the planes of large facets.
+std::vector<Vec3> sharpened(std::span<const std::uint32_t> labels,
+                            const Patches& patches,
+                            std::span<const DecimatedTriangle> left,
+                            double max_distance,
+                            Executor& executor) {
+    const MeshView surface{patches.positions, patches.fans.triangles};
+    std::vector<VertexId> weld(surface.positions.size());
+    std::iota(weld.begin(), weld.end(), VertexId{0});
+    const Facets facets = find_facets(surface, weld, labels, executor);
+    std::vector<bool> is_fixed = patches.is_locked;
+    const SurfaceCurves curves(surface, labels, 0);
+    for (VertexId vertex = 0; vertex < is_fixed.size(); ++vertex) {
+        is_fixed[vertex] = is_fixed[vertex] || curves.is_on_curve(vertex);
+    }
+    return place_on_planes(
+        {.mesh = surface, .facets = facets, .is_fixed = is_fixed}, left, max_distance);
+}
+
 /// What decimation has left of a mesh, with its windings.
 SimplifiedMesh joined(const SimplifiedMesh& before,
                       const Patches& patches,
@@ -158,7 +180,7 @@ SimplifiedMesh simplify(const MeshView& mesh,
                         Executor& executor) {
     validate(options);
     const SimplifiedMesh part = merged(cleaned(mesh, executor), labels, executor);
-    const Patches patches = patches_of(part.mesh);
+    Patches patches = patches_of(part.mesh);
     const std::vector<std::uint32_t> part_labels = labels_of(part, labels);
     const std::vector<DecimatedTriangle> left =
         decimate({.mesh = {patches.positions, patches.fans.triangles},
@@ -168,6 +190,9 @@ SimplifiedMesh simplify(const MeshView& mesh,
                   .max_angle = options.max_angle,
                   .max_aspect_ratio = options.max_aspect_ratio,
                   .samples_per_edge = options.samples_per_edge});
+    if (options.sharpen) {
+        patches.positions = sharpened(part_labels, patches, left, options.max_distance, executor);
+    }
     return merged(joined(part, patches, left), labels, executor);
 }
 

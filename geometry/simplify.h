@@ -16,11 +16,15 @@ struct SimplifyOptions {
     /// Metres. Of samples of the surface: vertices and points within edges. Measure what came of it
     /// (bvh/surface_distance.h) before it is called a bound.
     double max_distance = 0.01;
-    /// Radians, between the normal of a triangle and of those that it replaces, 0 ... pi.
-    double max_angle = 1.5707963267948966;
+    /// Radians, 0 ... pi: the opening of the cone that holds the normals of a triangle and of all
+    /// that it replaces.
+    double max_angle = 3.141592653589793;
     /// Of the triangles that are made: no longer in proportion to their height, unless those before
     /// were. Slivers have no normal to speak of.
     double max_aspect_ratio = 200.0;
+    /// Move vertices that are left onto the planes of large facets, so that what was rounded
+    /// becomes sharp and flat walls stay flat. Off: vertices stay where they are or vanish.
+    bool sharpen = true;
     /// Samples within an edge, besides its ends. More follow coarse meshes more closely.
     int samples_per_edge = 3;
 };

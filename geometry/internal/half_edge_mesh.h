@@ -32,7 +32,7 @@ struct DecimationInput {
 
 struct DecimationLimits {
     double max_distance = 0.0;      ///< of samples of the surface from what replaces them, metres
-    double max_angle = 0.0;         ///< between normals before and after, radians
+    double max_angle = 0.0;         ///< opening of the cone of normals that become one, radians
     double max_aspect_ratio = 0.0;  ///< of what is made, unless it was worse before
     int samples_per_edge = 0;       ///< inside an edge at most
 };
@@ -41,13 +41,14 @@ struct DecimationLimits {
 struct DecimatedTriangle {
     Triangle corners;       ///< vertices of the input
     TriangleId origin = 0;  ///< the triangle of the input that it was, which has its label
+    std::vector<VertexId> samples{};  ///< vertices of the input that are gone and closest to it
 };
 
 /// Collapses half-edges with OpenMesh's decimation modules: in the order of quadric errors (Garland
-/// and Heckbert 1997), within bounds on the deviation of normals and the aspect ratio. Vertices
-/// stay where they are or vanish. Borders and the lines between two labels keep within
-/// `max_distance` of what they were, as points on them, vertices and points within edges do. Throws
-/// Error if the triangles are no oriented manifold.
+/// and Heckbert 1997), within bounds on the deviation and the turn of normals and on the aspect
+/// ratio. Vertices stay where they are or vanish. Borders and the lines between two labels keep
+/// within `max_distance` of what they were, as points on them, vertices and points within edges do.
+/// Throws Error if the triangles are no oriented manifold.
 std::vector<DecimatedTriangle> decimate(const DecimationInput& input,
                                         const DecimationLimits& limits);
 

@@ -44,6 +44,8 @@ public:
     /// Whether curves end or meet in the vertex, so that it must stay.
     bool is_junction(VertexId vertex) const noexcept { return is_junction_[vertex]; }
 
+    bool is_on_curve(VertexId vertex) const noexcept { return pieces_of_[vertex][0] != kNone; }
+
     /// Whether the vertex is on no curve or `to` is the next vertex of its curve.
     bool allows(VertexId vertex, VertexId to) const noexcept;
 
@@ -63,7 +65,6 @@ private:
     using Piece = std::uint32_t;
 
     void add_piece(VertexId a, VertexId b);
-    bool is_on_curve(VertexId vertex) const noexcept { return pieces_of_[vertex][0] != kNone; }
     VertexId other_end(Piece piece, VertexId vertex) const noexcept {
         return ends_[piece][0] == vertex ? ends_[piece][1] : ends_[piece][0];
     }

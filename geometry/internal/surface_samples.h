@@ -43,6 +43,15 @@ public:
               double max_distance,
               Moves& moves) const;
 
+    /// Calls visit(point) for the numbers of the points of an element, which add() has counted from
+    /// 0.
+    template <typename Visit>
+    void for_each(Element element, Visit&& visit) const {
+        for (std::uint32_t i = first_[element]; i != kNone; i = next_[i]) {
+            visit(i);
+        }
+    }
+
     /// Hands the points on. Precondition: what fits() has found for these elements.
     void move(std::span<const Element> removed, const Moves& moves);
 

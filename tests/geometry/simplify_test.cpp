@@ -142,6 +142,44 @@ TEST_F(Simplify, AnglesBoundWhatMayBecomeFlat) {
     EXPECT_LT(left(90.0), left(30.0));
 }
 
+/// A cuboid whose edges and corners are rounded.
+Mesh rounded_cuboid(const Vec3& half_size, double radius) {
+    // A ball whose eighths are drawn apart; triangles between them become the sides.
+    Mesh mesh = test::cube(12, 1.0);
+    for (Triangle& triangle : mesh.triangles) {
+        const auto [a, b, c] = corners(mesh.positions, triangle);
+        if (glm::dot(glm::cross(b - a, c - a), a + b + c) < 0.0) {
+            std::swap(triangle[1], triangle[2]);
+        }
+    }
+    for (Vec3& p : mesh.positions) {
+        const auto snapped = [&](double x, double half) {
+            // The outer third of a side's cells becomes arcs.
+            return std::abs(x) < 0.5 ? x / 0.5 * (half - radius) : std::copysign(half - radius, x);
+        };
+        const Vec3 core(
+            snapped(p.x, half_size.x), snapped(p.y, half_size.y), snapped(p.z, half_size.z));
+        Vec3 direction(0.0);
+        for (int axis = 0; axis < 3; ++axis) {
+            direction[axis] = std::abs(p[axis]) < 0.5
+                                  ? 0.0
+                                  : std::copysign((std::abs(p[axis]) - 0.5) / 0.5, p[axis]);
+        }
+        p = core + radius * normalized_or_zero(direction);
+    }
+    return mesh;
+}
+
+TEST_F(Simplify, MakesRoundedEdgesSharpAndSidesFlat) {
+    const Vec3 half(0.3, 0.2, 0.25);
+    const Mesh round = rounded_cuboid(half, 0.01);
+    ASSERT_TRUE(is_closed(round));
+    const SimplifiedMesh result = simplify(round.view(), no_labels(round), {.max_distance = 0.012});
+    EXPECT_EQ(result.mesh.triangles.size(), 12U);  // of 1,728
+    EXPECT_NEAR(volume(result.mesh), 8.0 * half.x * half.y * half.z, 1e-12);
+    EXPECT_LE(sampled_hausdorff(round, result.mesh, 3), 0.012);
+}
+
 TEST_F(Simplify, KeepsTheLinesBetweenLabels) {
     // A wall with a round patch of another material.
     Mesh wall;
@@ -217,9 +255,10 @@ TEST_F(Simplify, HolesOfFacetsStay) {
     EXPECT_NEAR(area(result.mesh), area(open), 1e-12);
 }
 
-TEST_F(Simplify, VerticesAndOriginsAreThoseOfTheOriginal) {
+TEST_F(Simplify, VerticesStayOrVanishUnlessItSharpens) {
     const Mesh ball = bumpy_ball(3, 0.05, 2);
-    const SimplifiedMesh result = simplify(ball.view(), no_labels(ball), {.max_distance = 0.05});
+    const SimplifiedMesh result =
+        simplify(ball.view(), no_labels(ball), {.max_distance = 0.05, .sharpen = false});
     const auto less = [](const Vec3& a, const Vec3& b) { return lexicographic_less(a, b); };
     const std::set<Vec3, decltype(less)> vertices(
         ball.positions.begin(), ball.positions.end(), less);
