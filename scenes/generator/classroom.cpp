@@ -2,6 +2,7 @@
 #include "earshot/scenes/carving.h"
 #include "earshot/scenes/colours.h"
 #include "earshot/scenes/models.h"
+#include "earshot/scenes/rounded_prism.h"
 #include "earshot/scenes/shapes.h"
 
 namespace earshot::scenes {
@@ -11,8 +12,17 @@ namespace {
 // Pupils face -z, where the blackboard is. Feet end above the floor by this, as on felt pads.
 constexpr double kFoot = 0.01;
 
+Faces solid(const std::vector<Vec2>& profile,
+            double length,
+            const Frame& frame,
+            std::size_t material,
+            int rounding) {
+    return rounding > 0 ? rounded_prism(profile, length, frame, material, {.pieces = rounding})
+                        : prism(profile, length, frame, material);
+}
+
 // Seen from the side: a bent board on two panels. The profile runs along z (to the back) and y.
-Faces chair(const Vec3& at, std::size_t material) {
+Faces chair(const Vec3& at, std::size_t material, int rounding) {
     const std::vector<Vec2> profile = {{0.00, 0.00},
                                        {0.03, 0.00},
                                        {0.03, 0.42},
@@ -27,11 +37,11 @@ Faces chair(const Vec3& at, std::size_t material) {
                       .u = {0.0, 0.0, 1.0},
                       .v = {0.0, 1.0, 0.0},
                       .w = {-1.0, 0.0, 0.0}};
-    return prism(profile, 0.40, frame, material);
+    return solid(profile, 0.40, frame, material, rounding);
 }
 
 // Seen from the front: a board on two panels.
-Faces desk(const Vec3& at, double width, std::size_t material) {
+Faces desk(const Vec3& at, double width, std::size_t material, int rounding) {
     const std::vector<Vec2> profile = {{0.00, 0.00},
                                        {0.03, 0.00},
                                        {0.03, 0.71},
@@ -40,10 +50,11 @@ Faces desk(const Vec3& at, double width, std::size_t material) {
                                        {width, 0.00},
                                        {width, 0.74},
                                        {0.00, 0.74}};
-    return prism(profile, 0.55, {.origin = at + Vec3(-width / 2.0, kFoot, 0.0)}, material);
+    return solid(
+        profile, 0.55, {.origin = at + Vec3(-width / 2.0, kFoot, 0.0)}, material, rounding);
 }
 
-void furnish(SceneDraft& draft) {
+void furnish(SceneDraft& draft, int rounding) {
     const std::size_t board = draft.library_material("wood-panelling-25mm", kWood);
     const std::size_t seat = draft.library_material("seats-wooden", kGold);
     draft.take_scattering(board, "students-tablet-arm-chairs");
@@ -53,12 +64,12 @@ void furnish(SceneDraft& draft) {
     for (int row = 0; row < 4; ++row) {
         for (int column = 0; column < 3; ++column) {
             const Vec3 at(1.55 + 2.05 * column, 0.0, 2.75 + 1.35 * row);
-            append(desks, desk(at, 1.3, board));
-            append(chairs, chair(at + Vec3(-0.32, 0.0, 0.62), seat));
-            append(chairs, chair(at + Vec3(0.33, 0.0, 0.66), seat));
+            append(desks, desk(at, 1.3, board, rounding));
+            append(chairs, chair(at + Vec3(-0.32, 0.0, 0.62), seat, rounding));
+            append(chairs, chair(at + Vec3(0.33, 0.0, 0.66), seat, rounding));
         }
     }
-    append(desks, desk({4.95, 0.0, 1.05}, 1.6, board));  // the teacher's
+    append(desks, desk({4.95, 0.0, 1.05}, 1.6, board, rounding));  // the teacher's
     draft.add_geometry("desks", std::move(desks));
     draft.add_geometry("chairs", std::move(chairs));
 }
@@ -103,7 +114,7 @@ SceneDraft make_classroom(const ClassroomOptions& options) {
     walls.paint(cupboards, cupboard);
     draft.add_geometry("room", walls.surface());
     if (options.furnished) {
-        furnish(draft);
+        furnish(draft, options.rounding);
     }
 
     draft.add_source("teacher", {3.27, 1.63, 1.14});

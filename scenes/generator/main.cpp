@@ -131,9 +131,15 @@ private:
                   [this] { return make_coupled_rooms(coupled_rooms_); })
             ->add_option("--opening", coupled_rooms_.opening, "width of the opening, metres")
             ->check(CLI::Range(0.2, 3.4));
-        add_scene("classroom", "A classroom with furniture", [this] {
+        CLI::App* classroom = add_scene("classroom", "A classroom with furniture", [this] {
             return make_classroom(classroom_);
-        })->add_flag("!--empty", classroom_.furnished, "without desks and chairs");
+        });
+        classroom->add_flag("!--empty", classroom_.furnished, "without desks and chairs");
+        classroom
+            ->add_option("--rounded",
+                         classroom_.rounding,
+                         "pieces of each rounded edge of the furniture; 0: sharp edges")
+            ->check(CLI::Range(0, 100));
     }
 
     void add_concert_hall() {
