@@ -15,6 +15,7 @@ std::unique_ptr<Command> make_bvh_command(CLI::App& program);
 std::unique_ptr<Command> make_calibrate_command(CLI::App& program);
 std::unique_ptr<Command> make_ccd_command(CLI::App& program);
 std::unique_ptr<Command> make_check_command(CLI::App& program);
+std::unique_ptr<Command> make_simplify_command(CLI::App& program);
 std::unique_ptr<Command> make_collide_command(CLI::App& program);
 std::unique_ptr<Command> make_help_command(CLI::App& program);
 std::unique_ptr<Command> make_ir_command(CLI::App& program);

@@ -15,6 +15,7 @@ namespace {
 // The table of commands, in the order of the help.
 constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_check_command,
+    make_simplify_command,
     make_ir_command,
     make_map_command,
     make_metrics_command,

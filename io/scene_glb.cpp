@@ -37,24 +37,50 @@ Json coefficient_of(const EnergyCoefficient& coefficient) {
     return json;
 }
 
-Json material_of(const propagation::Material& material) {
+Json acoustics_of(const propagation::Material& material) {
     Json acoustics = {{"absorption", coefficient_of(material.absorption)},
                       {"scattering", coefficient_of(material.scattering)},
                       {"transmission", coefficient_of(material.transmission)}};
     if (material.one_sided) {
         acoustics["one_sided"] = true;
     }
-    return {{"name", material.name}, {"extras", {{"acoustics", acoustics}}}};
+    return acoustics;
+}
+
+Json material_of(const propagation::Material& material) {
+    return {{"name", material.name}, {"extras", {{"acoustics", acoustics_of(material)}}}};
+}
+
+/// A shell pattern that matches this name alone.
+std::string pattern_of(const std::string& name) {
+    std::string pattern;
+    for (const char c : name) {
+        if (c == '*' || c == '?' || c == '[' || c == '\\') {
+            pattern += '\\';
+        }
+        pattern += c;
+    }
+    return pattern;
 }
 
 /// Collects the parts of a file.
 class GlbWriter {
 public:
-    explicit GlbWriter(const propagation::Scene& scene) : scene_(scene) {}
+    explicit GlbWriter(const propagation::Scene& scene)
+        : scene_(scene), positions_(scene.mesh.positions_at(0.0)) {}
 
     std::string write() {
         Json nodes = Json::array();
-        nodes.push_back({{"name", "model"}, {"mesh", 0}});
+        Json meshes = Json::array();
+        const std::vector<std::string>& names = scene_.mesh.mesh_names();
+        for (std::uint32_t mesh = 0; mesh < names.size(); ++mesh) {
+            const std::string name = names[mesh].empty() ? "model" : names[mesh];
+            const Json primitives = primitives_of_mesh(mesh);
+            if (!primitives.empty()) {
+                nodes.push_back({{"name", name}, {"mesh", meshes.size()}});
+                meshes.push_back({{"name", name}, {"primitives", primitives}});
+            }
+        }
         for (const propagation::Emitter& source : scene_.sources) {
             nodes.push_back(node_of(source, "source"));
         }
@@ -69,13 +95,11 @@ public:
         for (const propagation::Material& material : scene_.materials) {
             materials.push_back(material_of(material));
         }
-        const Json primitives = primitives_of_mesh();
-        const Json mesh = {{"name", "model"}, {"primitives", primitives}};
         const Json document = {{"asset", {{"version", "2.0"}, {"generator", "earshot"}}},
                                {"scene", 0},
                                {"scenes", Json::array({Json{{"nodes", roots}}})},
                                {"nodes", nodes},
-                               {"meshes", Json::array({mesh})},
+                               {"meshes", meshes},
                                {"materials", materials},
                                {"accessors", accessors_},
                                {"bufferViews", views_},
@@ -105,9 +129,9 @@ private:
         return views_.size() - 1;
     }
 
-    std::size_t add_positions() {
+    std::size_t add_positions(const std::vector<Vec3>& positions) {
         std::vector<std::array<float, 3>> singles;
-        for (const Vec3& p : scene_.mesh.positions_at(0.0)) {
+        for (const Vec3& p : positions) {
             singles.push_back(
                 {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)});
         }
@@ -128,14 +152,29 @@ private:
         return accessors_.size() - 1;
     }
 
-    /// A primitive per material, in the order of materials.
-    Json primitives_of_mesh() {
-        const std::size_t positions = add_positions();
+    /// A primitive per material, in the order of materials; they share the mesh's own vertices.
+    Json primitives_of_mesh(std::uint32_t mesh) {
+        std::vector<Vec3> positions;
+        std::vector<geometry::VertexId> number(positions_.size());
+        for (geometry::VertexId v = 0; v < positions_.size(); ++v) {
+            if (scene_.mesh.mesh_of_vertex()[v] == mesh) {
+                number[v] = static_cast<geometry::VertexId>(positions.size());
+                positions.push_back(positions_[v]);
+            }
+        }
         std::vector<std::vector<geometry::Triangle>> triangles(scene_.materials.size());
         for (std::size_t t = 0; t < scene_.mesh.triangles().size(); ++t) {
-            triangles[scene_.material_of_triangle[t]].push_back(scene_.mesh.triangles()[t]);
+            if (scene_.mesh.mesh_of_triangle()[t] == mesh) {
+                const auto& [a, b, c] = scene_.mesh.triangles()[t];
+                triangles[scene_.material_of_triangle[t]].push_back(
+                    {number[a], number[b], number[c]});
+            }
         }
         Json primitives = Json::array();
+        if (positions.empty()) {
+            return primitives;
+        }
+        const std::size_t accessor = add_positions(positions);
         for (std::size_t material = 0; material < triangles.size(); ++material) {
             if (triangles[material].empty()) {
                 continue;
@@ -144,7 +183,7 @@ private:
                                   {"componentType", kUnsignedInt},
                                   {"count", 3 * triangles[material].size()},
                                   {"type", "SCALAR"}});
-            primitives.push_back({{"attributes", {{"POSITION", positions}}},
+            primitives.push_back({{"attributes", {{"POSITION", accessor}}},
                                   {"indices", accessors_.size() - 1},
                                   {"material", material}});
         }
@@ -169,6 +208,7 @@ private:
     }
 
     const propagation::Scene& scene_;
+    std::vector<Vec3> positions_;
     std::string buffer_;  // of numbers of four bytes: always aligned
     Json accessors_ = Json::array();
     Json views_ = Json::array();
@@ -178,6 +218,14 @@ private:
 
 std::string encode_glb(const propagation::Scene& scene) {
     return GlbWriter(scene).write();
+}
+
+std::string encode_materials(std::span<const propagation::Material> materials) {
+    Json json = Json::object();
+    for (const propagation::Material& material : materials) {
+        json[pattern_of(material.name)] = acoustics_of(material);
+    }
+    return json_text(json) + "\n";
 }
 
 }  // namespace earshot::io
