@@ -7,6 +7,7 @@
 
 #include "one_material_scene.h"
 #include "support/random_normal.h"
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -72,6 +73,23 @@ inline Scene calibration_room() {
     for (const geometry::Vec3& position : listeners) {
         scene.listeners.push_back(
             {.name = "l" + std::to_string(scene.listeners.size() + 1), .position = position});
+    }
+    return scene;
+}
+
+/// The scene with absorption that is off as priors are, drawn by `seed`.
+inline Scene with_wrong_absorption(const Scene& truth, std::uint64_t seed) {
+    Scene scene = truth;
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const audio::Spectrum absorption = truth.materials[i].absorption.over(calibration_bands());
+        std::vector<double> wrong;
+        for (std::size_t band = 0; band < calibration_bands().count(); ++band) {
+            wrong.push_back(std::clamp(AbsorptionPrior{.mean = absorption[band]}.absorption_at(
+                                           test::random_normal(seed, 50 + i, band)),
+                                       0.005,
+                                       0.95));
+        }
+        scene.materials[i].absorption = per_octave(wrong);
     }
     return scene;
 }

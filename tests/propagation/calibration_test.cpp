@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "calibration_room.h"
+#include "calibration_statistic.h"
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,23 +30,6 @@ constexpr std::size_t kBand500 = 4;
 
 Options simulation(std::size_t rays, std::uint64_t seed) {
     return {.specular_order = 2, .rays = rays, .seed = seed};
-}
-
-/// The scene with absorption that is off by a factor of the scale of spreads.
-Scene with_wrong_absorption(const Scene& truth, std::uint64_t seed) {
-    Scene scene = truth;
-    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-        const audio::Spectrum absorption = truth.materials[i].absorption.over(calibration_bands());
-        std::vector<double> wrong;
-        for (std::size_t band = 0; band < calibration_bands().count(); ++band) {
-            wrong.push_back(std::clamp(AbsorptionPrior{.mean = absorption[band]}.absorption_at(
-                                           test::random_normal(seed, 50 + i, band)),
-                                       0.005,
-                                       0.95));
-        }
-        scene.materials[i].absorption = per_octave(wrong);
-    }
-    return scene;
 }
 
 double true_absorption(const Scene& truth, std::size_t material, std::size_t band) {
@@ -234,6 +218,23 @@ TEST(Calibration, NeverGoesBelowTransmission) {
     for (const Material& material : calibrated_materials(truth, result, calibration_bands())) {
         EXPECT_NO_THROW(validate(material));
     }
+}
+
+// Two bands of six seeds: some forty intervals, of which one in twenty should miss the truth, and
+// more than five do in one of forty runs. bench_calibration runs the full statistic.
+TEST(SlowCalibration, IntervalsHoldTheTruth) {
+    REQUIRE_SOLVER();
+    Executor executor;
+    const CalibrationStatistic found =
+        CalibrationCampaign({.seeds = 6, .rays = 32768, .noise_rays = 1024, .bands = {3, 5}})
+            .run(executor);
+    EXPECT_GT(found.identified, 15U);
+    EXPECT_GE(static_cast<double>(found.identified_held),
+              0.95 * static_cast<double>(found.identified) -
+                  2.0 * std::sqrt(0.05 * 0.95 * static_cast<double>(found.identified)));
+    EXPECT_GE(static_cast<double>(found.all_held), 0.85 * static_cast<double>(found.all));
+    EXPECT_LT(found.max_deviation, 4.0);
+    EXPECT_NEAR(found.reduced_chi_squared, 1.0, 0.15);
 }
 
 TEST(Calibration, RefusesWhatIsOutOfRange) {
