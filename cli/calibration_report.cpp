@@ -27,6 +27,10 @@ class CalibrationText {
 public:
     explicit CalibrationText(const io::CalibrationParts& parts)
         : parts_(parts), result_(parts.result) {
+        for (const Material& material : parts.scene.materials) {
+            name_width_ = std::max(name_width_, on_one_line(material.name).size());
+        }
+        name_width_ = std::min(name_width_, kMaxNameWidth);
         for (std::size_t band = 0; band < result_.bands.size(); ++band) {
             if (result_.bands[band].values > 0) {
                 bands_.push_back(band);
@@ -56,7 +60,9 @@ private:
     std::string row(const std::string& name,
                     const std::string& what,
                     const std::vector<std::string>& cells) const {
-        std::string text = formatted("%-16s  %-7s", on_one_line(name).c_str(), what.c_str());
+        std::string text = on_one_line(name);
+        text.resize(std::max(text.size(), name_width_), ' ');
+        text += formatted("  %-7s", what.c_str());
         for (const std::string& cell : cells) {
             text += formatted(" %7s", cell.c_str());
         }
@@ -135,8 +141,9 @@ private:
                         formatted("%.3f +- %.3f at %g Hz", group->value, group->error, band_hz);
                 }
             }
-            text += "\n" + names + (materials.size() > 1 ? ": not told apart" : ": hardly told") +
-                    " at " + bands + " Hz\n";
+            text += "\n" + names +
+                    (materials.size() > 1 ? ": not told apart" : ": hardly told at all") + " at " +
+                    bands + " Hz\n";
             if (!means.empty()) {
                 text += "  their weighted mean is: " + means + "\n";
             }
@@ -144,8 +151,11 @@ private:
         return text;
     }
 
+    static constexpr std::size_t kMaxNameWidth = 32;
+
     const io::CalibrationParts& parts_;
     const CalibrationResult& result_;
+    std::size_t name_width_ = 16;
     std::vector<std::size_t> bands_;  // that were measured
 };
 
