@@ -46,20 +46,27 @@ bool is_wanted(const std::vector<std::string>& list, const std::string& name) {
            });
 }
 
-/// Median seconds per contender; runs take turns, so that a slow minute slows all of them.
+/// Seconds of each run of each contender.
+using RunTimes = std::vector<std::vector<double>>;
+
+/// The runs take turns, so that a slow minute slows all of them.
 template <typename Run>
-std::vector<double> take_turns(std::size_t contenders, int repeats, Run&& run) {
-    std::vector<std::vector<double>> times(contenders);
+RunTimes take_turns(std::size_t contenders, int repeats, Run&& run) {
+    RunTimes times(contenders);
     for (int repeat = 0; repeat < repeats; ++repeat) {
         for (std::size_t i = 0; i < contenders; ++i) {
             times[i].push_back(run(i));
         }
     }
-    std::vector<double> medians;
-    for (auto& of_one : times) {
-        medians.push_back(bench::median(of_one));
+    return times;
+}
+
+std::vector<double> medians(const RunTimes& times) {
+    std::vector<double> result;
+    for (const auto& of_one : times) {
+        result.push_back(bench::median(of_one));
     }
-    return medians;
+    return result;
 }
 
 std::vector<std::unique_ptr<Contender>> all_contenders(const Options& options) {
@@ -84,6 +91,16 @@ public:
     void add(const std::string& column, const std::vector<double>& values) {
         columns_.push_back(column);
         values_.push_back(values);
+    }
+
+    /// The same of rates, with the runs that they are of.
+    void add_rates(const std::string& column, std::size_t rays, const RunTimes& times) {
+        std::vector<double> rates;
+        for (const double seconds : medians(times)) {
+            rates.push_back(1e-6 * static_cast<double>(rays) / seconds);
+        }
+        add(column, rates);
+        runs_.push_back(times);
     }
 
     void print(const char* title) const {
@@ -114,7 +131,8 @@ public:
         return result;
     }
 
-    /// The row's values over another row's, column by column; empty if there is no such row.
+    /// How many times as fast as another row each is, column by column: the median of the ratios of
+    /// neighbouring runs, which a busy machine disturbs less than a ratio of medians.
     void print_ratios(const std::string& reference) const {
         const auto row = std::find(rows_.begin(), rows_.end(), reference);
         if (row == rows_.end()) {
@@ -122,10 +140,13 @@ public:
         }
         const auto at = static_cast<std::size_t>(row - rows_.begin());
         Table ratios = *this;
-        for (auto& values : ratios.values_) {
-            const double one = values[at];
-            for (double& value : values) {
-                value = one > 0.0 ? value / one : 0.0;
+        for (std::size_t column = 0; column < columns_.size(); ++column) {
+            for (std::size_t i = 0; i < rows_.size(); ++i) {
+                std::vector<double> of_runs;
+                for (std::size_t run = 0; run < runs_[column][i].size(); ++run) {
+                    of_runs.push_back(runs_[column][at][run] / runs_[column][i][run]);
+                }
+                ratios.values_[column][i] = bench::median(of_runs);
             }
         }
         ratios.print(("Times as fast as " + reference).c_str());
@@ -134,7 +155,15 @@ public:
 private:
     std::vector<std::string> rows_, columns_;
     std::vector<std::vector<double>> values_;  // per column, per row
+    std::vector<RunTimes> runs_;               // per column of rates
 };
+
+/// Of one thread its processor time, which other programs disturb less.
+template <typename Run>
+double seconds_of_run(const Options& options, Run&& run) {
+    const Times times = times_of(run);
+    return options.threads == 1 ? times.processor : times.clock;
+}
 
 /// Vertices moved a little, so that a refit has something to do.
 Mesh shaken(const Mesh& mesh) {
@@ -151,9 +180,10 @@ Table measure_builds(const Options& options,
                      earshot::Executor& executor) {
     const std::size_t count = contenders.size();
     Table table(contenders);
-    table.add("build, s", take_turns(count, options.repeats, [&](std::size_t i) {
-                  return bench::seconds_of([&] { contenders[i]->build(mesh.view(), executor); });
-              }));
+    table.add("build, s", medians(take_turns(count, options.repeats, [&](std::size_t i) {
+                  return seconds_of_run(options,
+                                        [&] { contenders[i]->build(mesh.view(), executor); });
+              })));
     std::vector<double> bytes;
     for (const auto& contender : contenders) {
         bytes.push_back(static_cast<double>(contender->bytes()) /
@@ -161,12 +191,12 @@ Table measure_builds(const Options& options,
     }
     table.add("bytes per triangle", bytes);
     const Mesh moved = shaken(mesh);
-    table.add("refit, ms", take_turns(count, options.repeats, [&](std::size_t i) {
+    table.add("refit, ms", medians(take_turns(count, options.repeats, [&](std::size_t i) {
                   bool has_refit = false;
-                  const double seconds = bench::seconds_of(
-                      [&] { has_refit = contenders[i]->refit(moved.view(), executor); });
+                  const double seconds = seconds_of_run(
+                      options, [&] { has_refit = contenders[i]->refit(moved.view(), executor); });
                   return has_refit ? 1e3 * seconds : 0.0;
-              }));
+              })));
     for (const auto& contender : contenders) {
         contender->build(mesh.view(), executor);
     }
@@ -188,23 +218,21 @@ Table measure_rays(const Options& options,
         for (const auto& contender : contenders) {
             asks_any ? contender->prepare(set.segments) : contender->prepare(set.rays);
         }
-        const auto seconds = take_turns(contenders.size(), options.repeats, [&](std::size_t i) {
-            return bench::seconds_of([&] {
+        const RunTimes times = take_turns(contenders.size(), options.repeats, [&](std::size_t i) {
+            return seconds_of_run(options, [&] {
                 hits[i] =
                     asks_any ? contenders[i]->any(executor) : contenders[i]->closest(executor);
             });
         });
-        std::vector<double> rates;
         std::printf("%s: %zu rays;", set.name.c_str(), rays);
         for (std::size_t i = 0; i < contenders.size(); ++i) {
-            rates.push_back(1e-6 * static_cast<double>(rays) / seconds[i]);
             std::printf(" %s %zu", contenders[i]->name().c_str(), hits[i]);
             if (const std::uint64_t digest = contenders[i]->digest(); digest != 0) {
                 std::printf(" (%016llx)", static_cast<unsigned long long>(digest));
             }
         }
         std::printf("\n");
-        table.add(set.name, rates);
+        table.add_rates(set.name, rays, times);
     }
     return table;
 }
@@ -272,8 +300,9 @@ void measure(const Options& options) {
                                     executor);
     rays.print("Million rays per second");
     std::printf("\nAt most %.2f GiB of memory\n", peak_memory());
-    rays.print_ratios("embree medium");
-    rays.print_ratios("embree robust");
+    for (const char* reference : {"embree medium", "embree robust", "embree high"}) {
+        rays.print_ratios(reference);
+    }
     if (!options.json.empty()) {
         std::ofstream file(options.json);
         file << nlohmann::json{{"scene", options.scene},
