@@ -16,6 +16,7 @@
 #include "earshot/bvh/kernels/exact_queue-inl.h"
 #include "earshot/bvh/kernels/interleaved-inl.h"
 #include "earshot/bvh/kernels/packet-inl.h"
+#include "earshot/bvh/kernels/packet_gather-inl.h"
 #include "earshot/bvh/kernels/single_ray-inl.h"
 #include "earshot/bvh/kernels/small_mesh-inl.h"
 
@@ -30,13 +31,42 @@ constexpr std::size_t kL2CacheBytes = std::size_t{1} << 20;
 // The packet traversal of fewer rays is slower than their interleaved traversal.
 constexpr std::size_t kMinPacketRays = 12;
 
+HWY_INLINE void closest_interleaved(const WideTree& tree,
+                                    const geometry::MeshView& mesh,
+                                    const SecondaryRays& secondary_rays,
+                                    std::size_t begin,
+                                    std::size_t end,
+                                    std::span<std::optional<geometry::Hit>> hits,
+                                    ExactTestQueue& queue) {
+    if (secondary_rays.origin_triangles.empty()) {
+        ClosestInterleaved<false> rays(tree, mesh, secondary_rays, begin, end, hits, queue);
+        traverse_interleaved(tree, rays);
+    } else {
+        ClosestInterleaved<true> rays(tree, mesh, secondary_rays, begin, end, hits, queue);
+        traverse_interleaved(tree, rays);
+    }
+}
+
+HWY_INLINE void any_interleaved(const WideTree& tree,
+                                const geometry::MeshView& mesh,
+                                const SecondarySegments& secondary_segments,
+                                std::span<std::uint8_t> blocked) {
+    if (secondary_segments.origin_triangles.empty()) {
+        AnyInterleaved<false> rays(tree, mesh, secondary_segments, blocked);
+        traverse_interleaved(tree, rays);
+    } else {
+        AnyInterleaved<true> rays(tree, mesh, secondary_segments, blocked);
+        traverse_interleaved(tree, rays);
+    }
+}
+
 /// The closest hits of rays of which consecutive ones may have a common origin.
 void closest_in_packets(const WideTree& tree,
                         const geometry::MeshView& mesh,
                         const SecondaryRays& secondary_rays,
                         std::span<std::optional<geometry::Hit>> hits,
                         ExactTestQueue& queue) {
-    const double reach = tree.max_abs_coordinate();
+    const auto reach = static_cast<float>(tree.max_abs_coordinate());
     const std::span<const geometry::Ray> rays = secondary_rays.rays;
     RayPacket packet;
     // After rays that form no packet, more rays are traversed interleaved before the next attempt.
@@ -48,7 +78,7 @@ void closest_in_packets(const WideTree& tree,
     std::size_t max_rays = RayPacket::kMaxRays;
     for (std::size_t done = 0; done < rays.size();) {
         const auto next = rays.subspan(done, std::min(max_rays, rays.size() - done));
-        const std::size_t count = packet.gather(next, reach);
+        const std::size_t count = gather_packet(packet, next, reach);
         if (count < kMinPacketRays) {
             const std::size_t end = std::min(done + interleaved_rays, rays.size());
             closest_interleaved(tree, mesh, secondary_rays, done, end, hits, queue);
@@ -57,12 +87,16 @@ void closest_in_packets(const WideTree& tree,
             max_rays = std::max(max_rays, 2 * kMinPacketRays);
             continue;
         }
-        if (traverse_packet(tree, mesh, packet)) {
-            for (std::size_t i = 0; i < count; ++i) {
-                hits[done + i] = packet.best(i);
-                packet.for_each_pending(
-                    i, [&](std::uint32_t triangle) { queue.push(done + i, triangle); });
-            }
+        for (std::size_t i = 0; i < count; ++i) {
+            std::optional<geometry::Hit>* const hit = hits.data() + done + i;
+            __builtin_prefetch(hit + RayPacket::kMaxRays, 1);
+            hit->reset();
+        }
+        const auto spill = [&](std::size_t ray, std::uint32_t triangle) {
+            queue.push(done + ray, triangle);
+        };
+        if (traverse_packet(tree, packet, spill)) {
+            for_each_candidate(packet, spill);
             interleaved_rays = kMinInterleavedRays;
             max_rays = std::min(2 * max_rays, RayPacket::kMaxRays);
         } else {
@@ -93,47 +127,6 @@ void closest_of_many(const WideTree& tree,
         closest_interleaved(tree, mesh, secondary_rays, 0, secondary_rays.rays.size(), hits, queue);
     }
     queue.finish();
-}
-
-void any_interleaved(const WideTree& tree,
-                     const geometry::MeshView& mesh,
-                     const SecondarySegments& secondary_segments,
-                     std::span<std::uint8_t> blocked) {
-    const double reach = tree.max_abs_coordinate();
-    const std::span<const geometry::Segment> segments = secondary_segments.segments;
-    AnyInFlight in_flight[kRaysInFlight];
-    std::size_t next = 0;
-    const auto start = [&](AnyInFlight& slot) {
-        for (; next < segments.size(); ++next) {
-            if (slot.start(tree, segments[next], reach)) {
-                if (!secondary_segments.origin_triangles.empty()) {
-                    slot.exclude(mesh, secondary_segments.origin_triangles[next]);
-                }
-                slot.index = next++;
-                return true;
-            }
-            blocked[next] = occluded(tree, mesh, segments[next]) ? 1 : 0;
-        }
-        return false;
-    };
-    std::size_t active = 0;
-    while (active < kRaysInFlight && start(in_flight[active])) {
-        ++active;
-    }
-    while (active > 0) {
-        for (std::size_t i = 0; i < active;) {
-            if (in_flight[i].step(tree, mesh)) {
-                ++i;
-                continue;
-            }
-            blocked[in_flight[i].index] = in_flight[i].is_blocked ? 1 : 0;
-            if (start(in_flight[i])) {
-                ++i;
-            } else if (--active != i) {
-                in_flight[i] = in_flight[active];
-            }
-        }
-    }
 }
 
 void any_of_many(const WideTree& tree,

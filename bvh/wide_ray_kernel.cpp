@@ -43,7 +43,7 @@ std::optional<bool> any(const WideTree& tree,
                         const geometry::Segment& segment,
                         double reach) {
     FloatRay ray;
-    if (!set_ray(ray, ray_along(segment), static_cast<float>(reach))) {
+    if (!set_segment(ray, segment, static_cast<float>(reach))) {
         return std::nullopt;
     }
     const SlabTest slab_test(ray);

@@ -89,6 +89,56 @@ HWY_INLINE Float4 rotate_by_two(const Float4& a) {
 #endif
     return result;
 }
+/// The largest and the smallest of four lanes, in each lane.
+HWY_INLINE Float4 max_of_lanes(const Float4& a) {
+    const Float4 pairs = max(a, rotate_by_one(a));
+    return max(pairs, rotate_by_two(pairs));
+}
+HWY_INLINE Float4 min_of_lanes(const Float4& a) {
+    const Float4 pairs = min(a, rotate_by_one(a));
+    return min(pairs, rotate_by_two(pairs));
+}
+
+/// Three doubles, and 0 in the fourth lane.
+HWY_INLINE Double4 load_three(const double* numbers) {
+#if HWY_MAX_BYTES >= 32
+    return per_part<Double4>([&](std::size_t) {
+        return hn::MaskedLoad(hn::FirstN(Double4::Tag(), 3), Double4::Tag(), numbers);
+    });
+#else
+    alignas(16) const double padded[4] = {numbers[0], numbers[1], numbers[2], 0.0};
+    return Double4::load(padded);
+#endif
+}
+/// Four doubles rounded to floats.
+HWY_INLINE Float4 round_to_float(const Double4& a) {
+#if HWY_MAX_BYTES >= 32
+    return per_part<Float4>([&](std::size_t) { return hn::DemoteTo(Float4::Tag(), a.part[0]); });
+#else
+    alignas(16) double numbers[4];
+    alignas(16) float rounded[4];
+    a.store(numbers);
+    for (std::size_t i = 0; i < 4; ++i) {
+        rounded[i] = static_cast<float>(numbers[i]);
+    }
+    return Float4::load(rounded);
+#endif
+}
+/// Four floats as doubles.
+HWY_INLINE Double4 to_double(const Float4& a) {
+#if HWY_MAX_BYTES >= 32
+    return per_part<Double4>([&](std::size_t) { return hn::PromoteTo(Double4::Tag(), a.part[0]); });
+#else
+    alignas(16) float numbers[4];
+    alignas(16) double exact[4];
+    a.store(numbers);
+    for (std::size_t i = 0; i < 4; ++i) {
+        exact[i] = static_cast<double>(numbers[i]);
+    }
+    return Double4::load(exact);
+#endif
+}
+
 /// a0 b0 a1 b1.
 HWY_INLINE Float4 interleave_lower(const Float4& a, const Float4& b) {
     Float4 result;
@@ -112,6 +162,83 @@ HWY_INLINE Float4 interleave_upper(const Float4& a, const Float4& b) {
     result.part[0] = hn::InterleaveUpper(Float4::Tag(), a.part[0], b.part[0]);
 #endif
     return result;
+}
+
+/// Eight floats from two times four.
+HWY_INLINE Float8 combine(const Float4& lower, const Float4& upper) {
+#if HWY_MAX_BYTES >= 32
+    return per_part<Float8>(
+        [&](std::size_t) { return hn::Combine(Float8::Tag(), upper.part[0], lower.part[0]); });
+#else
+    return per_part<Float8>([&](std::size_t i) {
+        return i < Float4::kParts ? lower.part[i] : upper.part[i - Float4::kParts];
+    });
+#endif
+}
+
+/// Eight rows of four doubles, rounded to floats and transposed: lane i of out[k] is rows[i][k].
+HWY_INLINE void load_transposed(const double* const (&rows)[8], Float8 (&out)[4]) {
+    Float4 halves[2][4];
+    for (std::size_t h = 0; h < 2; ++h) {
+        const auto row = [&](std::size_t i) {
+            return round_to_float(Double4::load_unaligned(rows[4 * h + i]));
+        };
+        const Float4 a = row(0), b = row(1), c = row(2), d = row(3);
+        const Float4 ac_lower = interleave_lower(a, c), bd_lower = interleave_lower(b, d);
+        const Float4 ac_upper = interleave_upper(a, c), bd_upper = interleave_upper(b, d);
+        halves[h][0] = interleave_lower(ac_lower, bd_lower);
+        halves[h][1] = interleave_upper(ac_lower, bd_lower);
+        halves[h][2] = interleave_lower(ac_upper, bd_upper);
+        halves[h][3] = interleave_upper(ac_upper, bd_upper);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+        out[k] = combine(halves[0][k], halves[1][k]);
+    }
+}
+
+/// Rows of three doubles, as many as Doubles has lanes, transposed: lane i of out[k] is rows[i][k].
+HWY_INLINE void load_transposed(const double* const* rows, Doubles (&out)[3]) {
+#if HWY_MAX_BYTES >= 32
+    const Double4::Tag fours;
+    constexpr std::size_t kHalves = Doubles::kCount / 4;
+    hn::Vec<Double4::Tag> halves[kHalves][3];
+    for (std::size_t h = 0; h < kHalves; ++h) {
+        const auto row = [&](std::size_t i) { return load_three(rows[4 * h + i]).part[0]; };
+        const auto a = row(0), b = row(1), c = row(2), d = row(3);
+        const auto ab_even = hn::InterleaveLower(fours, a, b);
+        const auto cd_even = hn::InterleaveLower(fours, c, d);
+        halves[h][0] = hn::ConcatLowerLower(fours, cd_even, ab_even);
+        halves[h][1] = hn::ConcatLowerLower(
+            fours, hn::InterleaveUpper(fours, c, d), hn::InterleaveUpper(fours, a, b));
+        halves[h][2] = hn::ConcatUpperUpper(fours, cd_even, ab_even);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+#if HWY_MAX_BYTES >= 64
+        out[k].part[0] = hn::Combine(Doubles::Tag(), halves[1][k], halves[0][k]);
+#else
+        out[k].part[0] = halves[0][k];
+#endif
+    }
+#else
+    for (std::size_t k = 0; k < 3; ++k) {
+        alignas(64) double lanes[Doubles::kCount];
+        for (std::size_t i = 0; i < Doubles::kCount; ++i) {
+            lanes[i] = rows[i][k];
+        }
+        out[k] = Doubles::load(lanes);
+    }
+#endif
+}
+
+/// Sets whole numbers in memory to `number` where the mask is true.
+template <typename Mask>
+HWY_INLINE void assign(const Mask& mask, std::uint32_t number, std::uint32_t* aligned) {
+    const hn::RebindToUnsigned<typename Mask::Tag> words;
+    for_each_part<Mask::kParts>([&](std::size_t i) {
+        std::uint32_t* at = aligned + i * Mask::kPartLanes;
+        const auto is_set = hn::RebindMask(words, mask.part[i]);
+        hn::Store(hn::IfThenElse(is_set, hn::Set(words, number), hn::Load(words, at)), words, at);
+    });
 }
 
 /// The first four lanes, the last four, and both exchanged.
@@ -139,38 +266,75 @@ HWY_INLINE Float8 swap_halves(const Float8& a) {
 }
 #endif
 
-/// Writes the masked lanes of `key` and `value`, in the order that `order` gives: its lane r names
-/// in bits shift ... shift + 2 the lane that comes r-th. Returns how many; writes to all eight
-/// elements of both outputs.
-HWY_INLINE std::size_t compress_ordered(const Float8& key,
-                                        const Float8::Mask& mask,
+/// True where eight whole numbers differ from one.
+HWY_INLINE Float8::Mask differs(const std::uint32_t* numbers, std::uint32_t number) {
+    const hn::RebindToUnsigned<Float8::Tag> words;
+    return per_part<Float8::Mask>([&](std::size_t i) {
+        const auto part = hn::LoadU(words, numbers + i * Float8::kPartLanes);
+        return hn::RebindMask(Float8::Tag(), hn::Ne(part, hn::Set(words, number)));
+    });
+}
+
+/// Writes the masked lanes of `key` and `value`, in their order, and returns how many. Writes to
+/// all eight elements of both outputs.
+HWY_INLINE std::size_t compress(const Float8& key,
+                                const Float8::Mask& mask,
+                                const std::uint32_t* value,
+                                float* key_out,
+                                std::uint32_t* value_out) {
+#if HWY_TARGET <= HWY_AVX2
+    const Float8::Tag floats;
+    const hn::RebindToUnsigned<Float8::Tag> words;
+    hn::StoreU(hn::Compress(key.part[0], mask.part[0]), floats, key_out);
+    const auto values = hn::LoadU(words, value);
+    hn::StoreU(hn::Compress(values, hn::RebindMask(words, mask.part[0])), words, value_out);
+    return hn::CountTrue(floats, mask.part[0]);
+#else
+    alignas(32) float keys[8];
+    key.store(keys);
+    const std::uint32_t valid = bits(mask);
+    std::size_t count = 0;
+    for (std::size_t lane = 0; lane < 8; ++lane) {
+        key_out[count] = keys[lane];
+        value_out[count] = value[lane];
+        count += valid >> lane & 1U;
+    }
+    return count;
+#endif
+}
+
+/// Writes the lanes of `near` and `value` where `near` is not beyond `far`, in the order that
+/// `order` gives: its lane r names in bits shift ... shift + 2 the lane that comes r-th. Returns
+/// how many; writes to all eight elements of both outputs.
+HWY_INLINE std::size_t compress_ordered(const Float8& near,
+                                        const Float8& far,
                                         const std::uint32_t* value,
                                         const std::uint32_t* order,
                                         int shift,
-                                        float* key_out,
+                                        float* near_out,
                                         std::uint32_t* value_out) {
 #if HWY_TARGET <= HWY_AVX2
     const Float8::Tag floats;
     const hn::RebindToUnsigned<Float8::Tag> words;
     const auto lanes =
         hn::And(hn::ShiftRightSame(hn::Load(words, order), shift), hn::Set(words, 7U));
-    const auto infinity = hn::Set(floats, std::numeric_limits<float>::infinity());
-    const auto masked = hn::IfThenElse(mask.part[0], key.part[0], infinity);
-    const auto keys = hn::TableLookupLanes(masked, hn::IndicesFromVec(floats, lanes));
+    const auto indices = hn::IndicesFromVec(floats, lanes);
+    // Comparing what is in order already is faster than ordering what has been compared.
+    const auto nears = hn::TableLookupLanes(near.part[0], indices);
+    const auto valid = hn::Le(nears, hn::TableLookupLanes(far.part[0], indices));
     const auto values =
         hn::TableLookupLanes(hn::Load(words, value), hn::IndicesFromVec(words, lanes));
-    const auto valid = hn::Lt(keys, infinity);
-    hn::StoreU(hn::Compress(keys, valid), floats, key_out);
+    hn::StoreU(hn::Compress(nears, valid), floats, near_out);
     hn::StoreU(hn::Compress(values, hn::RebindMask(words, valid)), words, value_out);
     return hn::CountTrue(floats, valid);
 #else
-    alignas(32) float keys[8];
-    key.store(keys);
-    const std::uint32_t valid = bits(mask);
+    alignas(32) float nears[8];
+    near.store(nears);
+    const std::uint32_t valid = bits(near <= far);
     std::size_t count = 0;
     for (std::size_t r = 0; r < 8; ++r) {
         const std::uint32_t lane = order[r] >> shift & 7U;
-        key_out[count] = keys[lane];
+        near_out[count] = nears[lane];
         value_out[count] = value[lane];
         count += valid >> lane & 1U;
     }

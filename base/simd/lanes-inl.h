@@ -191,8 +191,10 @@ struct ComplexDoubles {
         hn::StoreInterleaved2(re.part[0], im.part[0], Doubles::Tag(), pairs);
     }
 };
+using Double4 = Lanes<double, 4>;
 using Float4 = Lanes<float, 4>;
 using Float8 = Lanes<float, 8>;
+using Float16 = Lanes<float, 16>;
 
 template <typename Real, std::size_t N>
 HWY_INLINE Lanes<Real, N> operator+(Lanes<Real, N> a, Lanes<Real, N> b) {
@@ -280,7 +282,8 @@ HWY_INLINE std::uint32_t bits(LaneMask<Real, N> mask) {
     for_each_part<Mask::kParts>([&](std::size_t i) {
         alignas(8) std::uint8_t bytes[8] = {};
         hn::StoreMaskBits(typename Mask::Tag(), mask.part[i], bytes);
-        result |= static_cast<std::uint32_t>(bytes[0]) << (i * Mask::kPartLanes);
+        const std::uint32_t part = bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
+        result |= part << (i * Mask::kPartLanes);
     });
     return result;
 }

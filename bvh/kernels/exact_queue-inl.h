@@ -3,7 +3,7 @@
 // Deferred exact tests, compiled once per instruction set: geometry::ShearedRay::hit() for eight
 // pairs of ray and triangle at a time, with the same bits.
 
-#include "earshot/base/simd/lanes-inl.h"
+#include "earshot/base/simd/float_lanes-inl.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/sheared_ray.h"
 
@@ -28,13 +28,13 @@ namespace earshot::bvh::HWY_NAMESPACE {
 
 using namespace earshot::HWY_NAMESPACE;
 
-/// RayTriangleLanes of ray and triangle, along the ray's axes.
-struct RayTriangleLanes {
-    static constexpr std::size_t kLanes = 8;
-    alignas(64) double origin[3][kLanes];
-    alignas(64) double direction[3][kLanes];
-    alignas(64) double corner[3][3][kLanes];
-    alignas(64) double t_max[kLanes];
+/// Where the pairs of ray and triangle are that are tested together.
+struct RayTrianglePairs {
+    static constexpr std::size_t kCount = 8;
+    const double* origin[kCount];
+    const double* direction[kCount];
+    const double* corner[3][kCount];
+    alignas(64) double t_max[kCount];
 };
 
 /// The results of ShearedRay::hit() for them.
@@ -42,9 +42,9 @@ struct ExactTestResults {
     std::uint32_t certain = 0;  ///< bit per pair: the hit lies in the triangle's own box for sure;
                                 ///< else the rest is not valid
     std::uint32_t hit = 0;
-    alignas(64) double t[RayTriangleLanes::kLanes];
-    alignas(64) double u[RayTriangleLanes::kLanes];
-    alignas(64) double v[RayTriangleLanes::kLanes];
+    alignas(64) double t[RayTrianglePairs::kCount];
+    alignas(64) double u[RayTrianglePairs::kCount];
+    alignas(64) double v[RayTrianglePairs::kCount];
 };
 
 /// Rays along their axes, one per lane.
@@ -107,24 +107,46 @@ HWY_INLINE Intersections intersect(const ShearedRays& rays,
             .determinant = determinant};
 }
 
-HWY_INLINE void decide(const RayTriangleLanes& pairs, ExactTestResults& results) {
+/// Vectors of three components, along the axes of rays.
+class AlongAxes {
+public:
+    /// The axes are those of geometry::RayAxes.
+    explicit HWY_INLINE AlongAxes(const Doubles (&direction)[3]) {
+        const Doubles x = abs(direction[0]);
+        const Doubles y = abs(direction[1]);
+        const Doubles largest = max(max(x, y), abs(direction[2]));
+        is_x_ = largest <= x;
+        is_y_ = largest <= y;
+    }
+    HWY_INLINE void operator()(Doubles (&v)[3]) const {
+        const Doubles x = select(is_x_, v[1], select(is_y_, v[2], v[0]));
+        const Doubles y = select(is_x_, v[2], select(is_y_, v[0], v[1]));
+        const Doubles z = select(is_x_, v[0], select(is_y_, v[1], v[2]));
+        v[0] = x;
+        v[1] = y;
+        v[2] = z;
+    }
+
+private:
+    Doubles::Mask is_x_, is_y_;
+};
+
+HWY_INLINE void decide(const RayTrianglePairs& pairs, ExactTestResults& results) {
     results.certain = 0;
     results.hit = 0;
     const Doubles zero = Doubles(0.0);
-    for (std::size_t i = 0; i < RayTriangleLanes::kLanes; i += Doubles::kCount) {
-        const auto along_axes = [&](const double(&values)[3][RayTriangleLanes::kLanes],
-                                    Doubles(&out)[3]) {
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                out[axis] = Doubles::load(values[axis] + i);
-            }
-        };
+    for (std::size_t i = 0; i < RayTrianglePairs::kCount; i += Doubles::kCount) {
         Doubles origin[3], direction[3], corner[3];
-        along_axes(pairs.origin, origin);
-        along_axes(pairs.direction, direction);
+        load_transposed(pairs.direction + i, direction);
+        load_transposed(pairs.origin + i, origin);
+        const AlongAxes along_axes(direction);
+        along_axes(direction);
+        along_axes(origin);
         const ShearedRays rays(origin, direction);
         ShearedCorners corners[3];
         for (std::size_t k = 0; k < 3; ++k) {
-            along_axes(pairs.corner[k], corner);
+            load_transposed(pairs.corner[k] + i, corner);
+            along_axes(corner);
             corners[k] = shear(rays, corner[0], corner[1], corner[2]);
         }
         const Intersections found = intersect(rays, corners[0], corners[1], corners[2]);
@@ -154,29 +176,29 @@ public:
         pending_[last_ % kRing] = {static_cast<std::uint32_t>(ray), triangle};
         ++last_;
         if (last_ - first_ == kRing) {
-            test_next(RayTriangleLanes::kLanes);
+            test_next(RayTrianglePairs::kCount);
         }
-        if (last_ % RayTriangleLanes::kLanes == 0 &&
-            last_ - first_ >= 2 * RayTriangleLanes::kLanes) {
-            fetch_corners(last_ - 2 * RayTriangleLanes::kLanes);
+        if (last_ % RayTrianglePairs::kCount == 0 &&
+            last_ - first_ >= 2 * RayTrianglePairs::kCount) {
+            fetch_corners(last_ - 2 * RayTrianglePairs::kCount);
         }
     }
 
     /// Tests the remaining pairs.
     HWY_INLINE void finish() {
         while (first_ != last_) {
-            test_next(std::min(last_ - first_, RayTriangleLanes::kLanes));
+            test_next(std::min(last_ - first_, RayTrianglePairs::kCount));
         }
     }
 
 private:
-    static constexpr std::size_t kRing = 4 * RayTriangleLanes::kLanes;
+    static constexpr std::size_t kRing = 4 * RayTrianglePairs::kCount;
     struct Pair {
         std::uint32_t ray, triangle;
     };
 
     HWY_INLINE void fetch_corners(std::size_t first) const {
-        for (std::size_t i = first; i < first + RayTriangleLanes::kLanes; ++i) {
+        for (std::size_t i = first; i < first + RayTrianglePairs::kCount; ++i) {
             for (const geometry::VertexId corner : mesh_.triangles[pending_[i % kRing].triangle]) {
                 __builtin_prefetch(&mesh_.positions[corner]);
             }
@@ -184,7 +206,7 @@ private:
     }
 
     HWY_INLINE void test_next(std::size_t count) {
-        for (std::size_t i = 0; i < RayTriangleLanes::kLanes; ++i) {
+        for (std::size_t i = 0; i < RayTrianglePairs::kCount; ++i) {
             gather(pending_[(first_ + std::min(i, count - 1)) % kRing], i);
         }
         ExactTestResults results;
@@ -202,24 +224,13 @@ private:
 
     HWY_INLINE void gather(const Pair& pair, std::size_t lane) {
         const geometry::Ray& ray = rays_[pair.ray];
-        const double* d = glm::value_ptr(ray.direction);
-        const double* o = glm::value_ptr(ray.origin);
-        const double sizes[3] = {std::abs(d[0]), std::abs(d[1]), std::abs(d[2])};
-        const auto [x, y, z] = geometry::RayAxes::of(
-            sizes[0], sizes[1], std::max(std::max(sizes[0], sizes[1]), sizes[2]));
-        const std::size_t axis[3] = {x, y, z};
+        pairs_.origin[lane] = glm::value_ptr(ray.origin);
+        pairs_.direction[lane] = glm::value_ptr(ray.direction);
+        pairs_.t_max[lane] = ray.t_max;
         const geometry::Triangle& triangle = mesh_.triangles[pair.triangle];
         for (std::size_t k = 0; k < 3; ++k) {
-            pairs_.origin[k][lane] = o[axis[k]];
-            pairs_.direction[k][lane] = d[axis[k]];
+            pairs_.corner[k][lane] = glm::value_ptr(mesh_.positions[triangle[k]]);
         }
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            const double* position = glm::value_ptr(mesh_.positions[triangle[corner]]);
-            for (std::size_t k = 0; k < 3; ++k) {
-                pairs_.corner[corner][k][lane] = position[axis[k]];
-            }
-        }
-        pairs_.t_max[lane] = ray.t_max;
     }
 
     HWY_INLINE static void keep(const geometry::Hit& hit, std::optional<geometry::Hit>& best) {
@@ -248,7 +259,7 @@ private:
     double reach_;
     std::size_t first_ = 0, last_ = 0;  // the range of pushed pairs that are not yet tested
     Pair pending_[kRing];
-    RayTriangleLanes pairs_;
+    RayTrianglePairs pairs_;
 };
 
 }  // namespace earshot::bvh::HWY_NAMESPACE

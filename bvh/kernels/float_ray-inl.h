@@ -2,17 +2,18 @@
 //
 // Setting up a FloatRay, compiled once per instruction set.
 
+#include "earshot/base/simd/float_lanes-inl.h"
 #include "earshot/bvh/internal/float_ray.h"
 #include "earshot/geometry/aabb.h"
-#include "earshot/geometry/sheared_ray.h"
+#include "earshot/geometry/types.h"
 
-#include <hwy/highway.h>
+#include <glm/gtc/type_ptr.hpp>
 
+#include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <limits>
 #include <type_traits>
 
 #if defined(EARSHOT_BVH_KERNELS_FLOAT_RAY_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -25,20 +26,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
 
-inline constexpr float kMinCoordinate = 0x1p-40F;  // coordinates, metres
-inline constexpr float kMaxCoordinate = 0x1p40F;
-inline constexpr float kMinDirection = 0x1p-30F;  // directions
+using namespace earshot::HWY_NAMESPACE;  // NOLINT: the lanes
+
+inline constexpr float kMinCoordinate = 0x1p-30F;  // of scenes, metres
+inline constexpr float kMaxCoordinate = 0x1p30F;   // of scenes and origins
+inline constexpr float kMinDirection = 0x1p-30F;   // largest components of directions
 inline constexpr float kMaxDirection = 0x1p30F;
 inline constexpr float kMaxInverse = 0x1p40F;  // over the shortest inverse
 
-inline constexpr float kPlanePad = 0x1p-21F;
-inline constexpr float kInverseSlack = 0x1p-21F;
-inline constexpr float kCornerSlack = 0x1p-20F;
-
-/// By value, which is one instruction; through the references of std::max() the set-up is slower.
-HWY_INLINE float max(float a, float b) {
-    return a > b ? a : b;
-}
+/// Over the larger of the scene's and the origin's coordinates.
+inline constexpr float kPlanePad = 12.0F * 0x1p-24F;
+/// Rounding of a corner, and what is left of the origin when two floats are taken from it.
+inline constexpr float kCornerError = 1.05F * 0x1p-24F;
 
 // set_ray() reads origin and direction as four consecutive doubles each, which is one load.
 static_assert(std::is_standard_layout_v<geometry::Ray> &&
@@ -48,69 +47,83 @@ static_assert(std::is_standard_layout_v<geometry::Ray> &&
               offsetof(geometry::Ray, direction) == 3 * sizeof(double) &&
               offsetof(geometry::Ray, t_max) == 6 * sizeof(double));
 
-/// Sets a ray up. False: coordinates or direction lie outside the range where the bounds of
-/// FloatRay hold (2^-40 to 2^40 metres, 2^-30 to 2^30), or are not numbers.
-HWY_INLINE bool set_ray(FloatRay& ray, const geometry::Ray& source, float reach) {
-    // The fourth elements are the next field's, and not used.
-    const auto* const bytes = reinterpret_cast<const std::byte*>(&source);
-    double from[4];
-    double direction[4];
-    std::memcpy(from, bytes + offsetof(geometry::Ray, origin), sizeof from);
-    std::memcpy(direction, bytes + offsetof(geometry::Ray, direction), sizeof direction);
-    alignas(16) float o[4];
-    alignas(16) float d[4];
-    alignas(16) float inverses[4];
-    alignas(16) float sizes[4];
-    for (std::size_t k = 0; k < 4; ++k) {
-        o[k] = static_cast<float>(from[k]);
-        d[k] = static_cast<float>(direction[k]);
-        inverses[k] = 1.0F / d[k];
-        sizes[k] = std::abs(d[k]);
-    }
-    const float size = max(max(sizes[0], sizes[1]), sizes[2]);
-    const float scene = max(max(std::abs(o[0]), std::abs(o[1])), max(std::abs(o[2]), reach));
-    const float sum = ((o[0] + o[1]) + o[2]) + ((d[0] + d[1]) + d[2]);
-    if (!(scene >= kMinCoordinate && scene <= kMaxCoordinate && size >= kMinDirection &&
-          size <= kMaxDirection && sum - sum == 0.0F && source.t_max >= 0.0)) {
+/// By octant of direction, a bit per axis along which it is negative.
+inline constexpr SlabPlanes kSlabPlanes[8] = {{{0, 16, 32, 0}, {8, 24, 40, 0}},
+                                              {{8, 16, 32, 0}, {0, 24, 40, 0}},
+                                              {{0, 24, 32, 0}, {8, 16, 40, 0}},
+                                              {{8, 24, 32, 0}, {0, 16, 40, 0}},
+                                              {{0, 16, 40, 0}, {8, 24, 32, 0}},
+                                              {{8, 16, 40, 0}, {0, 24, 32, 0}},
+                                              {{0, 24, 40, 0}, {8, 16, 32, 0}},
+                                              {{8, 24, 40, 0}, {0, 16, 32, 0}}};
+
+/// By the axis of the largest component.
+inline constexpr std::uint32_t kRayAxes[3][3] = {{1, 2, 0}, {2, 0, 1}, {0, 1, 2}};
+
+/// Sets a ray up but for t_max. False: the scene's largest coordinate, the origin or the direction
+/// lie outside the range where the bounds of FloatRay hold (2^-30 to 2^30 metres, 2^-30 to 2^30),
+/// or are not numbers. The fourth lanes are not used.
+HWY_INLINE bool set_line(FloatRay& ray, Double4 origin, Double4 direction, float reach) {
+    const Float4::Mask three = Float4::Mask::first(3);
+    const Float4 zero = Float4(0.0F);
+    const Float4 o = select(three, round_to_float(origin), zero);
+    const Float4 rest = round_to_float(origin - to_double(o));
+    const Float4 d = select(three, round_to_float(direction), Float4(1.0F));
+    const Float4 inverse = Float4(1.0F) / d;
+    const Float4 magnitude = abs(inverse);
+    const Float4 size = select(three, abs(d), zero);
+    const Float4 longest = max_of_lanes(size);
+    const Float4 shortest_inverse =
+        min_of_lanes(select(three, magnitude, Float4(std::numeric_limits<float>::infinity())));
+    const Float4 distance = abs(o);
+    const Float4::Mask in_range = (distance <= Float4(kMaxCoordinate)) &
+                                  (size <= Float4(kMaxDirection)) &
+                                  (Float4(kMinDirection) <= longest);
+    if (bits(in_range) != 15U || !(reach >= kMinCoordinate && reach <= kMaxCoordinate)) {
         return false;
     }
-    const float max_inverse = kMaxInverse / size;
-    const float pad = kPlanePad * scene;
-    for (std::size_t k = 0; k < 4; ++k) {
-        const float magnitude = std::abs(inverses[k]);
-        const float held = magnitude < max_inverse ? magnitude : max_inverse;
-        const float inverse = std::copysign(held, d[k]);
-        const float outward = std::copysign(pad, d[k]);
-        ray.inverse_near[k] = inverse * (1.0F - kInverseSlack);
-        ray.inverse_far[k] = inverse * (1.0F + kInverseSlack);
-        ray.offset_near[k] = -(o[k] + outward) * ray.inverse_near[k];
-        ray.offset_far[k] = -(o[k] - outward) * ray.inverse_far[k];
-    }
-    ray.order_shift = 0;
-    for (std::uint32_t k = 0; k < 3; ++k) {
-        const std::uint32_t backward = std::bit_cast<std::uint32_t>(d[k]) >> 31;
-        ray.near_plane[k] = 8 * (2 * k + backward);
-        ray.far_plane[k] = 8 * (2 * k + 1 - backward);
-        ray.order_shift += static_cast<int>(3 * backward) << k;
-    }
-    const auto [x, y, z] = geometry::RayAxes::of(sizes[0], sizes[1], size);
-    ray.axis[0] = static_cast<std::uint32_t>(x);
-    ray.axis[1] = static_cast<std::uint32_t>(y);
-    ray.axis[2] = static_cast<std::uint32_t>(z);
-    for (std::size_t k = 0; k < 3; ++k) {
-        ray.origin[k] = o[ray.axis[k]];
-    }
-    ray.shear_x = d[x] * inverses[z];
-    ray.shear_y = d[y] * inverses[z];
+    const Float4 held = min(magnitude, Float4(kMaxInverse) * shortest_inverse);
+    const Float4::Mask is_backward = inverse < zero;
+    const Float4 pad = Float4(kPlanePad) * max(max_of_lanes(distance), Float4(reach));
+    const Float4 signed_inverse = select(is_backward, -held, held);
+    const Float4 outward = select(is_backward, -pad, pad);
+    signed_inverse.store(ray.inverse);
+    (-((o + outward) * signed_inverse)).store(ray.offset_near);
+    (-((o - outward) * signed_inverse)).store(ray.offset_far);
+    const std::uint32_t octant = bits(is_backward);
+    ray.planes = kSlabPlanes[octant];
+    ray.order_shift = static_cast<int>(3 * octant);
+    const auto z = static_cast<std::size_t>(std::countr_zero(bits(longest <= size)));
+    std::copy_n(kRayAxes[z], 3, ray.axis);
+    o.store(ray.origin);
+    rest.store(ray.origin_rest);
+    alignas(16) float inverses[4];
+    inverse.store(inverses);
     ray.inverse_depth = inverses[z];
-    ray.slack = kCornerSlack * scene;
-    ray.t_max = geometry::round_up(source.t_max);
-    ray.t_max_inside = geometry::round_down(source.t_max);
+    (d * Float4(ray.inverse_depth)).store(ray.shear);
+    ray.corner_error = kCornerError * reach;
     return true;
 }
 
-HWY_INLINE geometry::Ray ray_along(const geometry::Segment& segment) {
-    return {segment.from, segment.to - segment.from, 1.0};
+/// Sets a ray up; false as set_line(), or t_max is negative or not a number.
+HWY_INLINE bool set_ray(FloatRay& ray, const geometry::Ray& source, float reach) {
+    if (!(source.t_max >= 0.0)) {
+        return false;
+    }
+    ray.t_max = geometry::round_up(source.t_max);
+    ray.t_max_inside = geometry::round_down(source.t_max);
+    // The fourth elements are those of the next field.
+    const auto* const fields = reinterpret_cast<const double*>(&source);
+    return set_line(
+        ray, Double4::load_unaligned(fields), Double4::load_unaligned(fields + 3), reach);
+}
+
+/// Sets the ray along a segment up; false as set_line().
+HWY_INLINE bool set_segment(FloatRay& ray, const geometry::Segment& segment, float reach) {
+    ray.t_max = 1.0F;
+    ray.t_max_inside = 1.0F;
+    const Double4 from = load_three(glm::value_ptr(segment.from));
+    return set_line(ray, from, load_three(glm::value_ptr(segment.to)) - from, reach);
 }
 
 }  // namespace earshot::bvh::HWY_NAMESPACE

@@ -32,12 +32,13 @@ using namespace earshot::HWY_NAMESPACE;  // NOLINT: the lanes
 struct LeafTriangles {
     const std::uint32_t* words;
     std::size_t count;
-    // The corners are off by this share of FloatRay::slack, and so many metres.
-    float relative_error = 1.0F;
-    float step = 0.0F;
+    // The corners are off by this multiple of FloatRay::corner_error, and so many metres.
+    float error_factor = 1.0F;
+    float step_error = 0.0F;
 
-    float slack(float of_ray) const { return relative_error * of_ray + step; }
-    std::uint32_t triangle(std::size_t lane) const { return words[9 * count + lane]; }
+    float corner_error(float of_ray) const { return error_factor * of_ray + step_error; }
+    float sheared_error(float of_packet) const { return 1.5F * of_packet + 2.0F * step_error; }
+    const std::uint32_t* triangles() const { return words + 9 * count; }
 };
 
 /// Holds a leaf that has to be dequantised.
@@ -62,8 +63,8 @@ HWY_INLINE LeafTriangles dequantise(const std::uint32_t* packed,
     const std::uint32_t* triangles = packed + triangle_ids_offset(LeafEncoding::quantised, count);
     std::memcpy(buffer.words + 9 * count, triangles, count * sizeof *triangles);
     // A coordinate is off by half a step and by the roundings of product and sum, 3 x 2^-24 of
-    // FloatRay's R; sheared, by twice that.
-    return {buffer.words, count, 1.5F, frame[3]};
+    // FloatRay's R.
+    return {buffer.words, count, 3.0F, 0.51F * frame[3]};
 }
 
 HWY_INLINE LeafTriangles decode_leaf(const WideTree& tree,
@@ -77,141 +78,169 @@ HWY_INLINE LeafTriangles decode_leaf(const WideTree& tree,
 
 /// What single precision proves about the triangles of a leaf.
 struct ConservativeHits {
-    std::uint32_t possible = 0;  // bit per triangle: may be hit
-    Float8::Mask certain;        // hit by the whole line for sure
-    Float8 near, far;            // bounds of t
+    Float8::Mask possible;  // may be hit
+    Float8::Mask certain;   // hit by the whole line for sure
+    Float8 near, far;       // bounds of t
 };
 
 /// Triangles and rays, a pair per lane: corners from the ray's origin, sheared along it.
 struct ShearedLanes {
     Float8 x[3], y[3], z[3];
-    Float8 slack;          // metres, by which corners may be off
+    Float8 corner_error;   // metres by which a coordinate of a corner is off
     Float8 inverse_depth;  // of FloatRay
 };
 
-/// The test of Woop, Benthin and Wald 2013 with the bounds of FloatRay, for the first `count`
-/// lanes.
-HWY_INLINE ConservativeHits intersect(const ShearedLanes& at, std::size_t count) {
-    const auto& [x, y, z, slack, inverse_depth] = at;
-    // Edge functions; a triangle is possible unless two have opposite signs for sure.
-    const Float8 u = neg_mul_add(y[2], x[1], x[2] * y[1]);
-    const Float8 v = neg_mul_add(y[0], x[2], x[0] * y[2]);
-    const Float8 w = neg_mul_add(y[1], x[0], x[1] * y[0]);
-    const Float8 size =
-        ((abs(x[0]) + abs(y[0])) + (abs(x[1]) + abs(y[1]))) + (abs(x[2]) + abs(y[2]));
-    const Float8 error = Float8(FloatRay::kEdgeError) * slack * (size + slack);
-    const Float8 lowest = min(min(u, v), w);
-    const Float8 highest = max(max(u, v), w);
-    const Float8 minus_error = Float8(0.0F) - error;
-    const Float8::Mask maybe = (minus_error <= lowest) | (highest <= error);
-    ConservativeHits hits;
-    hits.possible = bits(maybe) & ((1U << count) - 1U);
-    if (hits.possible == 0) {
-        return hits;
-    }
-    // Where the weights are known within `relative_error`, the depth is known within that share of
-    // the triangle's depth: of three weights each is off by `error` and so is thrice its sum, over
-    // a sum that may be smaller by half.
-    const Float8 sum = (u + v) + w;
-    const Float8 relative_error = Float8(12.0F) * error / abs(sum);
-    const Float8 min_depth = min(min(z[0], z[1]), z[2]);
-    const Float8 max_depth = max(max(z[0], z[1]), z[2]);
-    const Float8 weighted = mul_add(u, z[0], mul_add(v, z[1], w * z[2])) / sum;
-    const Float8::Mask known = relative_error < Float8(1.0F);
-    const Float8 middle = min(max(weighted, min_depth), max_depth);
-    const Float8 spread = relative_error * (max_depth - min_depth);
-    const Float8 depth_error = Float8(3.0F) * slack;
-    const Float8 from = select(known, max(middle - spread, min_depth), min_depth) - depth_error;
-    const Float8 to = select(known, min(middle + spread, max_depth), max_depth) + depth_error;
-    const Float8 t_from = from * inverse_depth;
-    const Float8 t_to = to * inverse_depth;
-    hits.near = min(t_from, t_to);
-    hits.far = max(t_from, t_to);
-    // The whole line hits for sure where all edge functions have one sign for sure.
-    hits.certain =
-        Float8::Mask::first(count) & known & ((error < lowest) | (highest < minus_error));
-    return hits;
-}
+/// The terms of the bounds; docs/algorithms/bvh-rays.md proves them.
+struct ProvenTerms {
+    static constexpr float kRoundoff = 0x1p-24F;
+    static constexpr float kDepth = 10.0F * kRoundoff;     ///< of a sheared corner, per depth
+    static constexpr float kLateral = 4.0F * kRoundoff;    ///< and per |x| + |y|
+    static constexpr float kEdge = 1.5F;                   ///< of an edge function, per |x| + |y|
+    static constexpr float kMaxKnown = 1.0F / 11.0F;       ///< weights are known below this share
+    static constexpr float kSpread = 5.0F;                 ///< of depths, per share
+    static constexpr float kDistance = 20.0F * kRoundoff;  ///< of a distance, per depth
+};
 
-/// A ray and the triangles of a leaf.
-HWY_INLINE ConservativeHits intersect(const FloatRay& ray, const LeafTriangles& leaf) {
-    const std::size_t count = leaf.count;
-    ShearedLanes at;
-    at.slack = Float8(leaf.slack(ray.slack));
-    at.inverse_depth = Float8(ray.inverse_depth);
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t* corner = leaf.words + 3 * i * count;
-        at.z[i] = load_bits(corner + ray.axis[2] * count) - Float8(ray.origin[2]);
-        at.x[i] = neg_mul_add(Float8(ray.shear_x),
-                              at.z[i],
-                              load_bits(corner + ray.axis[0] * count) - Float8(ray.origin[0]));
-        at.y[i] = neg_mul_add(Float8(ray.shear_y),
-                              at.z[i],
-                              load_bits(corner + ray.axis[1] * count) - Float8(ray.origin[1]));
+/// The test of Woop, Benthin and Wald 2013 with proven bounds, whose proof is in
+/// docs/algorithms/bvh-rays.md.
+template <typename Terms = ProvenTerms>
+struct EdgeTest {
+    Float8 u, v, w;  // edge functions
+    Float8 error;    // by which each may be off
+    Float8 lowest, highest;
+    Float8 max_depth;  // the largest |z| of a corner
+
+    explicit HWY_INLINE EdgeTest(const ShearedLanes& at) {
+        const auto& [x, y, z, corner_error, inverse_depth] = at;
+        u = neg_mul_add(y[2], x[1], x[2] * y[1]);
+        v = neg_mul_add(y[0], x[2], x[0] * y[2]);
+        w = neg_mul_add(y[1], x[0], x[1] * y[0]);
+        const Float8 size =
+            ((abs(x[0]) + abs(y[0])) + (abs(x[1]) + abs(y[1]))) + (abs(x[2]) + abs(y[2]));
+        max_depth = max(max(abs(z[0]), abs(z[1])), abs(z[2]));
+        const Float8 sheared_error =
+            mul_add(max_depth,
+                    Float8(Terms::kDepth),
+                    mul_add(size, Float8(Terms::kLateral), corner_error + corner_error));
+        error = Float8(Terms::kEdge) * sheared_error * size;
+        lowest = min(min(u, v), w);
+        highest = max(max(u, v), w);
     }
-    return intersect(at, count);
+
+    /// False: two edge functions have opposite signs for sure.
+    HWY_INLINE Float8::Mask is_possible() const { return (-error <= lowest) | (highest <= error); }
+
+    HWY_INLINE ConservativeHits bounds(const ShearedLanes& at, std::size_t count) const {
+        const auto& [x, y, z, corner_error, inverse_depth] = at;
+        const Float8 inverse_sum = Float8(1.0F) / ((u + v) + w);
+        const Float8 relative_error = error * abs(inverse_sum);
+        const Float8::Mask known = relative_error < Float8(Terms::kMaxKnown);
+        const Float8 shallowest = min(min(z[0], z[1]), z[2]);
+        const Float8 deepest = max(max(z[0], z[1]), z[2]);
+        const Float8 weighted = mul_add(u, z[0], mul_add(v, z[1], w * z[2])) * inverse_sum;
+        const Float8 spread = Float8(Terms::kSpread) * relative_error * (deepest - shallowest);
+        const Float8 margin = mul_add(max_depth, Float8(Terms::kDistance), corner_error);
+        const Float8 from = select(known, max(weighted - spread, shallowest), shallowest) - margin;
+        const Float8 to = select(known, min(weighted + spread, deepest), deepest) + margin;
+        const Float8 t_from = from * inverse_depth;
+        const Float8 t_to = to * inverse_depth;
+        const Float8::Mask within = Float8::Mask::first(count);
+        return {.possible = within & is_possible(),
+                .certain = within & known & ((error < lowest) | (highest < -error)),
+                .near = min(t_from, t_to),
+                .far = max(t_from, t_to)};
+    }
+};
+
+/// A ray and the triangles of a leaf. Lanes from the leaf's count on hold other numbers.
+HWY_INLINE ShearedLanes shear(const FloatRay& ray, const LeafTriangles& leaf) {
+    ShearedLanes at;
+    at.corner_error = Float8(leaf.corner_error(ray.corner_error));
+    at.inverse_depth = Float8(ray.inverse_depth);
+    const auto from_origin = [&](const std::uint32_t* corner, std::uint32_t axis) {
+        return (load_bits(corner + axis * leaf.count) - Float8(ray.origin[axis])) -
+               Float8(ray.origin_rest[axis]);
+    };
+    const auto [x, y, z] = ray.axis;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t* corner = leaf.words + 3 * i * leaf.count;
+        at.z[i] = from_origin(corner, z);
+        at.x[i] = neg_mul_add(Float8(ray.shear[x]), at.z[i], from_origin(corner, x));
+        at.y[i] = neg_mul_add(Float8(ray.shear[y]), at.z[i], from_origin(corner, y));
+    }
+    return at;
 }
 
 /// Excludes no triangle.
 inline constexpr std::uint32_t kNoTriangle = 0xFFFFFFFFU;
 
+/// Whether the test of a leaf ends early where no triangle is possible. Without that branch, which
+/// is often mispredicted, the tests of interleaved rays are faster.
+enum class EarlyExit { yes, no };
+
 /// Adds the triangles of a leaf that may be the closest hit to a search, but for the excluded one.
+template <EarlyExit kEarlyExit = EarlyExit::yes>
 HWY_INLINE void visit_leaf(const LeafTriangles& leaf,
                            const FloatRay& ray,
                            ClosestHitSearch& search,
                            std::uint32_t excluded = kNoTriangle) {
-    const ConservativeHits hits = intersect(ray, leaf);
-    if (hits.possible == 0) {
+    const ShearedLanes at = shear(ray, leaf);
+    const EdgeTest<> test(at);
+    if (kEarlyExit == EarlyExit::yes &&
+        !any(Float8::Mask::first(leaf.count) & test.is_possible())) {
         return;
     }
+    const ConservativeHits hits = test.bounds(at, leaf.count);
     const Float8 zero = Float8(0.0F);
+    const Float8::Mask stays = differs(leaf.triangles(), excluded);
     const Float8::Mask certain =
-        hits.certain & (zero <= hits.near) & (hits.far <= Float8(ray.t_max_inside));
+        hits.certain & stays & (zero <= hits.near) & (hits.far <= Float8(ray.t_max_inside));
     const float bound = reduce_min(select(certain, hits.far, Float8(search.bound)));
     search.bound = bound < search.bound ? bound : search.bound;
-    const Float8::Mask in_range = (hits.near <= Float8(search.bound)) & (zero <= hits.far);
-    std::uint32_t remaining = bits(in_range) & hits.possible;
-    if (remaining != 0) {
-        alignas(32) float near[8];
-        hits.near.store(near);
-        for (; remaining != 0; remaining &= remaining - 1) {
-            const auto lane = static_cast<std::size_t>(std::countr_zero(remaining));
-            if (leaf.triangle(lane) != excluded) {
-                search.add(leaf.triangle(lane), near[lane]);
-            }
-        }
+    const Float8::Mask is_candidate =
+        hits.possible & (hits.near <= Float8(search.bound)) & (zero <= hits.far) & stays;
+    search.reserve();
+    const std::size_t added = compress(hits.near,
+                                       is_candidate,
+                                       leaf.triangles(),
+                                       search.candidates.near_end(),
+                                       search.candidates.triangles_end());
+    search.candidates.count += added;
+    // A batch defers its decisions, and fetches what they need then.
+    if (kEarlyExit == EarlyExit::yes) {
+        search.prefetch(added);
     }
 }
 
 /// Whether a leaf holds a triangle that touches the segment, but for the excluded one.
+template <EarlyExit kEarlyExit = EarlyExit::yes>
 HWY_INLINE bool touches_leaf(const LeafTriangles& leaf,
                              const FloatRay& ray,
                              const geometry::MeshView& mesh,
                              const geometry::Segment& segment,
                              std::uint32_t excluded = kNoTriangle) {
-    const ConservativeHits hits = intersect(ray, leaf);
-    if (hits.possible == 0) {
+    const ShearedLanes at = shear(ray, leaf);
+    const EdgeTest<> test(at);
+    if (kEarlyExit == EarlyExit::yes &&
+        !any(Float8::Mask::first(leaf.count) & test.is_possible())) {
         return false;
     }
+    const ConservativeHits hits = test.bounds(at, leaf.count);
     const Float8 zero = Float8(0.0F);
     const Float8 one = Float8(1.0F);
+    const Float8::Mask stays = differs(leaf.triangles(), excluded);
     const Float8::Mask inside = (zero < hits.near) & (hits.far < one);
-    if (bits(hits.certain & inside) != 0) {
-        return true;
-    }
+    const bool is_blocked = any(hits.certain & inside & stays);
     const Float8::Mask in_range = (hits.near <= one) & (zero <= hits.far);
-    std::uint32_t remaining = bits(in_range) & hits.possible;
+    std::uint32_t remaining = is_blocked ? 0 : bits(in_range & hits.possible & stays);
     for (; remaining != 0; remaining &= remaining - 1) {
         const auto lane = static_cast<std::size_t>(std::countr_zero(remaining));
-        const geometry::Triangle& triangle = mesh.triangles[leaf.triangle(lane)];
-        if (leaf.triangle(lane) != excluded && geometry::touches(segment,
-                                                                 mesh.positions[triangle[0]],
-                                                                 mesh.positions[triangle[1]],
-                                                                 mesh.positions[triangle[2]])) {
+        const auto [a, b, c] = geometry::corners(mesh, leaf.triangles()[lane]);
+        if (geometry::touches(segment, a, b, c)) {
             return true;
         }
     }
-    return false;
+    return is_blocked;
 }
 
 }  // namespace earshot::bvh::HWY_NAMESPACE

@@ -55,46 +55,39 @@ struct ExcludedPlane {
     }
 };
 
+/// Where a ray enters and leaves the children of a node; it passes those that it does not leave
+/// before it enters them.
+struct SlabIntervals {
+    Float8 near, far;
+};
+
 /// The slab test (Kay and Kajiya 1986) of a ray against the eight children of a wide node.
 class SlabTest {
 public:
     explicit SlabTest(const FloatRay& ray)
         : ray_(ray),
-          inverse_near_{Float8(ray.inverse_near[0]),
-                        Float8(ray.inverse_near[1]),
-                        Float8(ray.inverse_near[2])},
+          inverse_{Float8(ray.inverse[0]), Float8(ray.inverse[1]), Float8(ray.inverse[2])},
           offset_near_{
               Float8(ray.offset_near[0]), Float8(ray.offset_near[1]), Float8(ray.offset_near[2])},
-          inverse_far_{
-              Float8(ray.inverse_far[0]), Float8(ray.inverse_far[1]), Float8(ray.inverse_far[2])},
           offset_far_{
               Float8(ray.offset_far[0]), Float8(ray.offset_far[1]), Float8(ray.offset_far[2])} {}
 
-    /// Writes the distances where the ray enters the children to `near`.
-    HWY_INLINE Float8::Mask operator()(const WideNode& node,
-                                       const Float8& bound,
-                                       Float8& near) const {
+    HWY_INLINE SlabIntervals operator()(const WideNode& node, const Float8& bound) const {
         const float* planes = node.planes[0];
-        const Float8 near_x =
-            mul_add(Float8::load(planes + ray_.near_plane[0]), inverse_near_[0], offset_near_[0]);
-        const Float8 near_y =
-            mul_add(Float8::load(planes + ray_.near_plane[1]), inverse_near_[1], offset_near_[1]);
-        const Float8 near_z =
-            mul_add(Float8::load(planes + ray_.near_plane[2]), inverse_near_[2], offset_near_[2]);
-        const Float8 far_x =
-            mul_add(Float8::load(planes + ray_.far_plane[0]), inverse_far_[0], offset_far_[0]);
-        const Float8 far_y =
-            mul_add(Float8::load(planes + ray_.far_plane[1]), inverse_far_[1], offset_far_[1]);
-        const Float8 far_z =
-            mul_add(Float8::load(planes + ray_.far_plane[2]), inverse_far_[2], offset_far_[2]);
-        near = max(max(near_x, near_y), max(near_z, Float8(0.0F)));
-        const Float8 far = min(min(far_x, far_y), min(far_z, bound));
-        return near <= far;
+        Float8 near[3], far[3];
+        for (std::size_t k = 0; k < 3; ++k) {
+            near[k] =
+                mul_add(Float8::load(planes + ray_.planes.near[k]), inverse_[k], offset_near_[k]);
+            far[k] =
+                mul_add(Float8::load(planes + ray_.planes.far[k]), inverse_[k], offset_far_[k]);
+        }
+        return {max(max(near[0], near[1]), max(near[2], Float8(0.0F))),
+                min(min(far[0], far[1]), min(far[2], bound))};
     }
 
 private:
     const FloatRay& ray_;
-    Float8 inverse_near_[3], offset_near_[3], inverse_far_[3], offset_far_[3];
+    Float8 inverse_[3], offset_near_[3], offset_far_[3];
 };
 
 /// The slab test of a secondary ray whose excluded (origin) triangle lies in an axis-aligned plane:
@@ -104,14 +97,12 @@ public:
     SlabTestSkippingCoplanar(const FloatRay& ray, const ExcludedPlane& excluded)
         : slab_test_(ray), planes_(excluded.planes), at_(Float8(excluded.at)) {}
 
-    HWY_INLINE Float8::Mask operator()(const WideNode& node,
-                                       const Float8& bound,
-                                       Float8& near) const {
-        const Float8::Mask passed = slab_test_(node, bound, near);
+    HWY_INLINE SlabIntervals operator()(const WideNode& node, const Float8& bound) const {
+        const auto [near, far] = slab_test_(node, bound);
         const float* planes = node.planes[0] + planes_;
-        return and_not(
-            passed,
-            (at_ <= Float8::load(planes)) & (Float8::load(planes + WideNode::kWidth) <= at_));
+        const Float8::Mask is_coplanar =
+            (at_ <= Float8::load(planes)) & (Float8::load(planes + WideNode::kWidth) <= at_);
+        return {near, select(is_coplanar, Float8(-1.0F), far)};
     }
 
 private:
@@ -127,13 +118,24 @@ struct TraversalStack {
     alignas(32) float entry_near[kMaxStackSize];
     std::uint32_t entry[kMaxStackSize];
 
-    /// Pushes the masked children of a node, the closest on top.
-    HWY_INLINE void push(const Float8& near,
-                         const Float8::Mask& mask,
-                         const WideNode& node,
-                         int shift) {
-        count += compress_ordered(
-            near, mask, node.child, node.order, shift, entry_near + count, entry + count);
+    /// Pushes the children of a node that are entered, the closest on top.
+    HWY_INLINE void push(const SlabIntervals& intervals, const WideNode& node, int shift) {
+        count += compress_ordered(intervals.near,
+                                  intervals.far,
+                                  node.child,
+                                  node.order,
+                                  shift,
+                                  entry_near + count,
+                                  entry + count);
+    }
+
+    /// The same, in any order.
+    HWY_INLINE void push_unordered(const SlabIntervals& intervals, const WideNode& node) {
+        count += compress(intervals.near,
+                          intervals.near <= intervals.far,
+                          node.child,
+                          entry_near + count,
+                          entry + count);
     }
 
     /// Pops the next child that begins before `bound` into `current`; false if there is none.
@@ -147,37 +149,33 @@ struct TraversalStack {
         current = entry[count];
         return true;
     }
+
+    /// Pops the next child, wherever it begins.
+    HWY_INLINE bool pop_any() {
+        if (count == 0) {
+            return false;
+        }
+        current = entry[--count];
+        return true;
+    }
 };
 
 /// Continues with the closest child of a node; false if the ray misses all and the stack is empty.
-template <typename Passes>
-HWY_INLINE bool descend(const WideNode& node,
-                        const Passes& slab_test,
-                        int order_shift,
-                        float bound,
-                        TraversalStack& stack) {
-    Float8 near;
-    const Float8::Mask passed = slab_test(node, Float8(bound), near);
-    stack.push(near, passed, node, order_shift);
-    return stack.pop(bound);
-}
-
-/// The same in the single-ray kernel: where the ray passes one child only, the stack is bypassed.
+/// Where the ray passes one child only, the stack is bypassed.
 template <typename Passes>
 HWY_INLINE bool descend_single_ray(const WideNode& node,
                                    const Passes& slab_test,
                                    int order_shift,
                                    float bound,
                                    TraversalStack& stack) {
-    Float8 near;
-    const Float8::Mask passed = slab_test(node, Float8(bound), near);
-    const std::uint32_t lanes = bits(passed);
+    const SlabIntervals intervals = slab_test(node, Float8(bound));
+    const std::uint32_t lanes = bits(intervals.near <= intervals.far);
     if (std::has_single_bit(lanes)) {
         stack.current = node.child[std::countr_zero(lanes)];
         return true;
     }
     if (lanes != 0) {
-        stack.push(near, passed, node, order_shift);
+        stack.push(intervals, node, order_shift);
     }
     return stack.pop(bound);
 }

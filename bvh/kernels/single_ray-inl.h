@@ -83,7 +83,7 @@ HWY_INLINE void any_single_ray(const WideTree& tree,
     for (std::size_t i = 0; i < secondary_segments.segments.size(); ++i) {
         const geometry::Segment& segment = secondary_segments.segments[i];
         FloatRay ray;
-        if (!set_ray(ray, ray_along(segment), reach)) {
+        if (!set_segment(ray, segment, reach)) {
             blocked[i] = occluded(tree, mesh, segment) ? 1 : 0;
             continue;
         }

@@ -227,21 +227,23 @@ struct SegmentLanes {
     static constexpr std::size_t kLanes = 8;
 
     alignas(32) float origin[3][kLanes];
+    alignas(32) float origin_rest[3][kLanes];
     alignas(32) float shear[2][kLanes];
     alignas(32) float inverse_depth[kLanes];
-    alignas(32) float slack[kLanes];
+    alignas(32) float corner_error[kLanes];
     alignas(32) float excluded[kLanes];  ///< the triangle that the segment starts from
     std::size_t index[kLanes];
     std::size_t count = 0;
 
     HWY_INLINE void add(const FloatRay& ray, std::uint32_t excluded_triangle, std::size_t segment) {
         for (std::size_t k = 0; k < 3; ++k) {
-            origin[k][count] = ray.origin[k];
+            origin[k][count] = ray.origin[ray.axis[k]];
+            origin_rest[k][count] = ray.origin_rest[ray.axis[k]];
         }
-        shear[0][count] = ray.shear_x;
-        shear[1][count] = ray.shear_y;
+        shear[0][count] = ray.shear[ray.axis[0]];
+        shear[1][count] = ray.shear[ray.axis[1]];
         inverse_depth[count] = ray.inverse_depth;
-        slack[count] = ray.slack;
+        corner_error[count] = ray.corner_error;
         excluded[count] = static_cast<float>(excluded_triangle);
         index[count++] = segment;
     }
@@ -264,7 +266,7 @@ public:
     HWY_INLINE void add(std::size_t segment) {
         const geometry::Segment& asked = secondary_segments_.segments[segment];
         FloatRay ray;
-        if (!set_ray(ray, ray_along(asked), reach_)) {
+        if (!set_segment(ray, asked, reach_)) {
             blocked_[segment] = occluded(tree_, mesh_, asked) ? 1 : 0;
             return;
         }
@@ -293,14 +295,15 @@ private:
         const std::size_t x = z == 2 ? 0 : z + 1;
         const std::size_t y = x == 2 ? 0 : x + 1;
         ShearedLanes at;
-        at.slack = Float8::load(group.slack);
+        at.corner_error = Float8::load(group.corner_error);
         at.inverse_depth = Float8::load(group.inverse_depth);
         std::uint32_t blocked = 0;
         Float8 seen[3][SmallMesh::kMaxVertices];
         for (std::size_t i = 0; i < triangles_.vertex_count; ++i) {
             const double* vertex = triangles_.position[i];
             const auto from_origin = [&](std::size_t k, std::size_t axis) {
-                return Float8(static_cast<float>(vertex[axis])) - Float8::load(group.origin[k]);
+                return (Float8(static_cast<float>(vertex[axis])) - Float8::load(group.origin[k])) -
+                       Float8::load(group.origin_rest[k]);
             };
             seen[2][i] = from_origin(2, z);
             seen[0][i] = neg_mul_add(Float8::load(group.shear[0]), seen[2][i], from_origin(0, x));
@@ -313,9 +316,9 @@ private:
                 at.y[k] = seen[1][corner];
                 at.z[k] = seen[2][corner];
             }
-            const ConservativeHits hits = intersect(at, group.count);
-            if (hits.possible != 0) {
-                blocked |= blocked_by(hits, id, group, blocked);
+            const EdgeTest<> test(at);
+            if (any(Float8::Mask::first(group.count) & test.is_possible())) {
+                blocked |= blocked_by(test.bounds(at, group.count), id, group, blocked);
             }
         }
         for (std::size_t i = 0; i < group.count; ++i) {
@@ -337,7 +340,7 @@ private:
         const Float8::Mask inside = (zero < hits.near) & (hits.far < one);
         std::uint32_t blocked = bits(hits.certain & inside & stays);
         const Float8::Mask in_range = (hits.near <= one) & (zero <= hits.far);
-        std::uint32_t open = bits(in_range & stays) & hits.possible & ~blocked & ~before;
+        std::uint32_t open = bits(in_range & stays & hits.possible) & ~blocked & ~before;
         for (; open != 0; open &= open - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(open));
             const geometry::Triangle& corners = mesh_.triangles[id];
