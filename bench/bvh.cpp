@@ -72,7 +72,7 @@ std::vector<double> medians(const RunTimes& times) {
 std::vector<std::unique_ptr<Contender>> all_contenders(const Options& options) {
     auto contenders =
         earshot_contenders({.builder = earshot::bvh::builder_named(options.builder)->builder});
-    for (auto& contender : embree_contenders(options.threads)) {
+    for (auto& contender : embree_contenders(options.threads, options.simd)) {
         contenders.push_back(std::move(contender));
     }
     std::erase_if(contenders, [&](const auto& c) { return !is_wanted(options.only, c->name()); });

@@ -44,8 +44,10 @@ std::vector<std::unique_ptr<Contender>> earshot_contenders(
     const earshot::bvh::BuildOptions& options);
 
 /// Embree's: medium, robust, high, low (Morton), compact, and medium in packets of 16; none if the
-/// library was not there at configure time.
-std::vector<std::unique_ptr<Contender>> embree_contenders(int threads);
+/// library was not there at configure time. `simd` is an instruction set as override_simd_target()
+/// takes it.
+std::vector<std::unique_ptr<Contender>> embree_contenders(int threads,
+                                                          const std::string& simd = "auto");
 
 /// Rays per chunk of an executor.
 inline constexpr std::size_t kGrain = 4096;

@@ -20,6 +20,15 @@ struct FloatHit {
     unsigned triangle;
 };
 
+/// Embree's setting of the instruction set that is nearest to one of earshot's.
+std::string isa_of(const std::string& simd) {
+    if (simd == "auto") {
+        return {};
+    }
+    const bool is_avx512 = simd.starts_with("avx512");
+    return is_avx512 ? ",isa=avx512" : simd == "avx2" ? ",isa=avx2" : ",isa=sse4.2";
+}
+
 bool count_memory(void* total, ssize_t bytes, bool) {
     *static_cast<std::atomic<long>*>(total) += static_cast<long>(bytes);
     return true;
@@ -27,11 +36,15 @@ bool count_memory(void* total, ssize_t bytes, bool) {
 
 class Embree : public Contender {
 public:
-    Embree(std::string name, RTCBuildQuality quality, int flags, int threads, bool packets)
+    Embree(std::string name,
+           RTCBuildQuality quality,
+           int flags,
+           const std::string& device,
+           bool packets)
         : name_(std::move(name)), quality_(quality), flags_(flags), is_packets_(packets) {
         // As its manual asks of every thread that traces.
         _MM_SET_FLUSH_ZERO_MODE(_MM_FLUSH_ZERO_ON);
-        device_ = rtcNewDevice(("threads=" + std::to_string(threads)).c_str());
+        device_ = rtcNewDevice(device.c_str());
         rtcSetDeviceMemoryMonitorFunction(device_, count_memory, &memory_);
     }
     ~Embree() override {
@@ -239,10 +252,11 @@ private:
 
 }  // namespace
 
-std::vector<std::unique_ptr<Contender>> embree_contenders(int threads) {
+std::vector<std::unique_ptr<Contender>> embree_contenders(int threads, const std::string& simd) {
     std::vector<std::unique_ptr<Contender>> contenders;
+    const std::string device = "threads=" + std::to_string(threads) + isa_of(simd);
     const auto add = [&](const char* name, RTCBuildQuality quality, int flags, bool packets) {
-        contenders.push_back(std::make_unique<Embree>(name, quality, flags, threads, packets));
+        contenders.push_back(std::make_unique<Embree>(name, quality, flags, device, packets));
     };
     add("embree medium", RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_NONE, false);
     add("embree robust", RTC_BUILD_QUALITY_MEDIUM, RTC_SCENE_FLAG_ROBUST, false);

@@ -3,7 +3,7 @@
 
 namespace bench {
 
-std::vector<std::unique_ptr<Contender>> embree_contenders(int) {
+std::vector<std::unique_ptr<Contender>> embree_contenders(int, const std::string&) {
     return {};
 }
 
