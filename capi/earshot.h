@@ -38,6 +38,7 @@
 #include "earshot_map.h"
 #include "earshot_report.h"
 #include "earshot_scene.h"
+#include "earshot_simplify.h"
 #include "earshot_simulation.h"
 #include "earshot_sound.h"
 #include "earshot_visible_sets.h"

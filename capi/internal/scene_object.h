@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace earshot::capi {
@@ -20,6 +21,7 @@ struct SceneObject : ObjectOf<ES_KIND_SCENE> {
     /// How its file was read, and whether another way can be asked for.
     propagation::ReadAs read_as{};
     bool has_unit_option = false;
+    std::string simplification_json{};  ///< of a scene that es_scene_simplify() has made
 };
 
 struct MessagesObject : ObjectOf<ES_KIND_MESSAGES> {

@@ -34,6 +34,7 @@ from .paths import PATH_TYPE, Path, Paths
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
 from .result import Histogram, Response, Result, Room, Sensitivity, write_sofa
 from .scene import Scene, extrude, load, shoebox
+from .simplification import Simplified, simplify
 from .simulation import Simulator, simulate
 from .sound import Sound, auralize, mix
 from .visible_sets import VisibleSets
@@ -80,6 +81,7 @@ __all__ = [
     "Scene",
     "Sensitivity",
     "Sight",
+    "Simplified",
     "Simulator",
     "Sound",
     "UnknownName",
@@ -100,6 +102,7 @@ __all__ = [
     "plot_response",
     "plot_scene",
     "shoebox",
+    "simplify",
     "simulate",
     "write_sofa",
 ]

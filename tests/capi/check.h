@@ -59,6 +59,7 @@ void test_world_errors(void);
 void test_visible_sets(void);
 void test_maps(void);
 void test_calibrations(void);
+void test_simplifications(void);
 void test_locations(void);
 void test_without_module(void);
 void test_threads(void);

@@ -125,6 +125,7 @@ int main(int argc, char** argv) {
                   {"visible_sets", test_visible_sets},
                   {"maps", test_maps},
                   {"calibrations", test_calibrations},
+                  {"simplifications", test_simplifications},
                   {"locations", test_locations},
                   {"without_module", test_without_module},
                   {"threads", test_threads}};
