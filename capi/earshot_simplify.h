@@ -14,7 +14,7 @@ typedef struct es_simplify_options {
     double distance;       ///< metres between the surfaces before and after, at most (0.01)
     double max_frequency;  ///< hertz: in place of `distance` what sound up to it tells apart; 0:
                            ///< not used (0)
-    double angle_deg;  ///< of the cone of normals that one triangle replaces, 0 ... 180 (180)
+    double angle_deg;      ///< of the cone of normals that one triangle replaces, 0 ... 180 (180)
     /// Parts of up to this extent become boxes, metres; 0: none; NaN: half the wavelength of
     /// `max_frequency`, or those whose boxes keep the distance (NaN).
     double object_size;
