@@ -117,4 +117,15 @@ ES_API es_status es_map_contour(es_metric_map map,
 /// not at all.
 ES_API es_status es_map_write(es_metric_map map, const char* file);
 
+/// Draws a metric of a source as a plan into an .svg or .png file, the same bytes as the program,
+/// whole or not at all: walls are those of `scene` at the map's time and height (0: none are
+/// drawn), colours step by just-noticeable differences, about `limit` with its contour if that is
+/// not NaN. Reads `map` and `scene`.
+ES_API es_status es_map_draw(es_metric_map map,
+                             size_t source,
+                             size_t metric,
+                             es_scene scene,
+                             double limit,
+                             const char* file);
+
 #endif

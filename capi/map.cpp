@@ -114,10 +114,9 @@ void require_limit(const MapObject& object,
                    std::size_t metric,
                    double value,
                    const char* argument) {
-    constexpr double kMaxLimit = 1e9;
     require_index(source, object.map.sources.size(), "source");
     require_index(metric, object.map.metrics.size(), "metric");
-    require_in(value, -kMaxLimit, kMaxLimit, argument);
+    require_map_limit(value, argument);
 }
 
 es_map_info info_of(const propagation::MetricMap& map) {
@@ -135,6 +134,11 @@ es_map_info info_of(const propagation::MetricMap& map) {
 }
 
 }  // namespace
+
+void require_map_limit(double value, const char* argument) {
+    constexpr double kMaxLimit = 1e9;
+    require_in(value, -kMaxLimit, kMaxLimit, argument);
+}
 
 MapObject::MapObject(std::string scene_name, propagation::MetricMap metric_map)
     : scene(std::move(scene_name)), map(std::move(metric_map)) {

@@ -82,8 +82,7 @@ private:
                 .metric = metric,
                 .mesh = {positions_, scene_.mesh.triangles()},
                 .limit = limit == limits_.end() ? std::nullopt : std::optional(*limit),
-                .title = scene_.name + ": " + map_.metrics[metric].name() + " of " +
-                         map_.sources[source]};
+                .title = io::map_title(scene_.name, map_, source, metric)};
     }
 
     const propagation::Scene& scene_;

@@ -434,6 +434,13 @@ std::vector<std::array<std::array<double, 2>, 2>> plan_section(const geometry::M
     return segments;
 }
 
+std::string map_title(std::string_view scene,
+                      const propagation::MetricMap& map,
+                      std::size_t source,
+                      std::size_t metric) {
+    return std::string(scene) + ": " + map.metrics[metric].name() + " of " + map.sources[source];
+}
+
 std::string draw_map_svg(const MapDrawing& drawing) {
     const Layout layout = layout_of(drawing);
     SvgCanvas canvas(layout.width, layout.height, drawing.title);

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace earshot::io {
@@ -36,6 +37,12 @@ std::array<std::uint8_t, 3> map_colour(std::size_t step, std::size_t steps) noex
 /// The segments in which triangles meet the plane y = `height`, in x and z.
 std::vector<std::array<std::array<double, 2>, 2>> plan_section(const geometry::MeshView& mesh,
                                                                double height);
+
+/// "SCENE: METRIC of SOURCE".
+std::string map_title(std::string_view scene,
+                      const propagation::MetricMap& map,
+                      std::size_t source,
+                      std::size_t metric);
 
 std::string draw_map_svg(const MapDrawing& drawing);
 Picture draw_map_picture(const MapDrawing& drawing);

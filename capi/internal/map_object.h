@@ -22,4 +22,7 @@ struct MapObject : ObjectOf<ES_KIND_METRIC_MAP> {
     std::vector<std::string> units;               // per metric
 };
 
+/// Of a limit of a metric, in its unit. Fails with the argument's name.
+void require_map_limit(double value, const char* argument);
+
 }  // namespace earshot::capi

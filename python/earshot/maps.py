@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 from typing import Any, Sequence
 
@@ -129,6 +130,18 @@ class MetricMap(Object):
     def write(self, file: str | os.PathLike[str]) -> None:
         """Writes a .csv or .json file, as ``earshot map`` does."""
         check(lib.es_map_write(self._handle, encoded(os.fspath(file))))
+
+    def draw(self, file: str | os.PathLike[str], metric: str | int = 0, *, source: str | int = 0,
+             walls: Scene | None = None, limit: float | None = None) -> None:
+        """Draws a metric of a source as a plan into a .svg or .png file, as ``earshot map`` does.
+
+        ``walls``: the scene whose section is drawn. ``limit``: a value whose contour is drawn, and about
+        which the colours step.
+        """
+        check(lib.es_map_draw(self._handle, self.sources.index(source), self.metrics.index(metric),
+                              0 if walls is None else walls._handle,
+                              math.nan if limit is None else number(limit, "limit"),
+                              encoded(os.fspath(file))))
 
     def __repr__(self) -> str:
         return (f"<MetricMap of {', '.join(self.metrics)}: {len(self.points)} points x "

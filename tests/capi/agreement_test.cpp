@@ -13,6 +13,7 @@
 #include "support/dice.h"
 #include "support/temporary_folder.h"
 #include "support/test_paths.h"
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
@@ -199,6 +200,35 @@ struct SetsCase {
     std::string arguments;
     es_visible_sets_options options{};
 };
+
+TEST_F(Agreement, PicturesOfMapsAreThoseOfTheProgram) {
+    const std::string file = test::source_file("scenes/shoebox.gltf").string();
+    const std::string command =
+        std::string(EARSHOT_PROGRAM) + " map " + file +
+        " --rect 1,-3,3,-1 --height 1.2 --step 0.5 --coarse-step 0.5 --metric g --rays 0 "
+        "--order 2 --limit g=20 --quiet -o " +
+        path("program.svg") + " -o " + path("program.png");
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    es_scene scene = 0;
+    expect_ok(es_scene_load(file.c_str(), nullptr, &scene));
+    es_simulation_options simulation = defaults();
+    simulation.rays = 0;
+    es_map_options options;
+    expect_ok(es_map_options_init(&options, sizeof options));
+    const double rectangle[] = {1.0, -3.0, 3.0, -1.0};
+    std::copy(rectangle, rectangle + 4, options.rectangle);
+    options.step = options.coarse_step = 0.5;
+    options.metrics = "g";
+    es_metric_map map = 0;
+    expect_ok(es_map_create(scene, &simulation, &options, &map));
+    for (const char* const suffix : {".svg", ".png"}) {
+        const std::string mine = path(std::string("mine") + suffix);
+        expect_ok(es_map_draw(map, 0, 0, scene, 20.0, mine.c_str()));
+        EXPECT_TRUE(bytes_of(mine) == bytes_of(path(std::string("program") + suffix))) << suffix;
+    }
+    expect_ok(es_release(map));
+    expect_ok(es_release(scene));
+}
 
 class SetsAgreement : public Agreement {
 protected:

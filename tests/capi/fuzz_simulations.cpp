@@ -257,6 +257,24 @@ es_status documents(Caller& c) {
     return es_result_write(result, document, file);
 }
 
+es_status write_report(Caller& c) {
+    const es_result result = c.handle(ES_KIND_RESULT);
+    es_report_options given;
+    es_report_options_init(&given, sizeof given);
+    given.scene = c.chance(0.5) ? 0 : c.handle(ES_KIND_SCENE);
+    given.title = c.text({"title", "<script>", ""}, true);
+    given.command = c.text({"earshot ir", "\xff"}, true);
+    given.reference_file = c.text({"", "fuzz.json", "none"}, true);
+    const char* const limits[] = {c.text({"sti=0.6", "t30=0.8", "sti", "x=1"}),
+                                  c.text({"c80=1", "g=1e999", "="})};
+    given.limits = limits;
+    given.limit_count = c.count(2);
+    // Whether it fails depends on files that other calls write.
+    const char* file = c.text({"fuzz.html", "report.json", "none/none.html"});
+    c.wrong = false;
+    return es_result_write_report(result, c.chance(0.9) ? &given : nullptr, file);
+}
+
 es_status make_sound(Caller& c) {
     es_sound sound = 0;
     if (c.below(3) == 0) {
@@ -336,7 +354,7 @@ es_status use_map(Caller& c) {
     static_cast<void>(es_map_get_info(map, &info));
     const double *values = nullptr, *errors = nullptr;
     std::size_t count = 0;
-    switch (c.below(4)) {
+    switch (c.below(8)) {
         case 0: {
             std::size_t shape[3] = {};
             const es_status status = es_map_values(map, c.out(values), &errors, shape);
@@ -356,6 +374,29 @@ es_status use_map(Caller& c) {
             const double value = c.number(-1e9, 1e9, {0.3, 1.0});
             const std::int32_t is_minimum = c.flag();
             return es_map_evaluate_limit(map, source, metric, value, is_minimum, c.out(limit));
+        }
+        case 3: {
+            const std::size_t metric = c.index(info.metrics);
+            const char *name = nullptr, *unit = nullptr;
+            return es_map_metric(map, metric, &name, &unit, nullptr, nullptr);
+        }
+        case 4: {
+            const std::size_t source = c.index(info.sources), metric = c.index(info.metrics);
+            const double level = c.number(-1e9, 1e9, {0.3, 1.0});
+            const std::size_t capacity = c.count(20);
+            double* at = c.room(3 * capacity, capacity == 0);
+            std::uint32_t* lines = c.numbers(capacity, capacity == 0);
+            return es_map_contour(map, source, metric, level, at, lines, capacity, c.out(count));
+        }
+        case 5:
+            return es_map_write(map, c.text({"fuzz.csv", "fuzz.json", "none/none.csv", "fuzz"}));
+        case 6: {
+            const std::size_t source = c.index(info.sources), metric = c.index(info.metrics);
+            const es_scene scene = c.chance(0.3) ? 0 : c.handle(ES_KIND_SCENE);
+            const double limit = c.chance(0.5) ? std::numeric_limits<double>::quiet_NaN()
+                                               : c.number(-1e9, 1e9, {0.3, 1.0});
+            const char* file = c.text({"fuzz.svg", "fuzz.png", "none/none.svg", "fuzz"});
+            return es_map_draw(map, source, metric, scene, limit, file);
         }
         default:
             return es_map_points(map, c.out(values), &count);
@@ -385,6 +426,7 @@ const std::vector<WeightedCall>& simulation_calls() {
                                                     {"views", views, 40},
                                                     {"metrics", metrics, 20},
                                                     {"documents", documents, 4},
+                                                    {"write_report", write_report, 3},
                                                     {"make_map", make_map, 2},
                                                     {"use_map", use_map, 8},
                                                     {"make_sound", make_sound, 10},

@@ -99,6 +99,12 @@ static void test_areas_and_limits(void) {
     CHECK_OK(es_map_write(map, "map.csv"));
     CHECK_OK(es_map_write(map, "map.json"));
     CHECK_FAILS(ES_ERROR_ARGUMENT, "neither", es_map_write(map, "map.txt"));
+
+    CHECK_OK(es_map_draw(map, 0, 0, scene, 23.0, "map.svg"));
+    CHECK_OK(es_map_draw(map, 0, 0, 0, NAN, "map.png"));
+    CHECK_FAILS(ES_ERROR_ARGUMENT, "neither", es_map_draw(map, 0, 0, 0, NAN, "map.txt"));
+    CHECK_FAILS(ES_ERROR_INDEX, "metric", es_map_draw(map, 0, 1, 0, NAN, "map.svg"));
+    CHECK_FAILS(ES_ERROR_ARGUMENT, "limit", es_map_draw(map, 0, 0, 0, INFINITY, "map.svg"));
     CHECK_OK(es_release(map));
     CHECK_OK(es_release(scene));
 }

@@ -79,6 +79,12 @@ def test_files(tmp_path):
     found.write(tmp_path / "map.json")
     maps = json.loads((tmp_path / "map.json").read_text())["maps"]
     assert [entry["metric"] for entry in maps] == ["g", "ts"]
+    found.draw(tmp_path / "map.svg", "ts", walls=room())
+    assert (tmp_path / "map.svg").read_text().startswith("<svg")
+    found.draw(tmp_path / "map.png", limit=12.0)
+    assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(es.ArgumentError, match="neither"):
+        found.draw(tmp_path / "map.txt")
 
 
 def test_wrong_arguments():
