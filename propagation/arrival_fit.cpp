@@ -14,6 +14,26 @@ constexpr double kKelvinAtZero = 273.15;
 /// Rounds end when no parameter moves by more than this part of its error.
 constexpr double kMaxMove = 1e-4;
 
+/// No room is so large: what moves farther follows no arrival.
+constexpr double kMaxDistance = 1e6;  // metres
+
+void check_state(const ArrivalState& state, const ArrivalState& stated) {
+    bool is_sensible = state.speed > 0.0 && std::isfinite(state.speed);
+    const auto check = [&](const std::vector<Vec3>& points, const std::vector<Vec3>& from) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            // Not >, so that what is no number fails too.
+            is_sensible = is_sensible && glm::distance(points[i], from[i]) <= kMaxDistance;
+        }
+    };
+    check(state.sources, stated.sources);
+    check(state.listeners, stated.listeners);
+    if (!is_sensible) {
+        throw Error("arrivals",
+                    "lead to no positions: the fit runs away",
+                    "state positions and the temperature with finite errors, or name the surfaces");
+    }
+}
+
 double largest_move(const ArrivalFit& fit, const ArrivalState& before) {
     const std::vector<double> from = fit.parameters->parameters_of(before);
     double largest = 0.0;
@@ -132,6 +152,7 @@ void ArrivalFitter::solve(ArrivalFit& fit) const {
         arrival_problem(*fit.parameters, walls(), fit.terms, options_.timing_error);
     fit.solution = solve_least_squares(problem, fit.parameters->parameters_of(fit.at));
     fit.at = fit.parameters->state_at(fit.solution.parameters);
+    check_state(fit.at, fit.stated);
 }
 
 std::vector<std::optional<double>> ArrivalFitter::errors_of(

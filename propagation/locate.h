@@ -125,8 +125,8 @@ struct LocateResult {
 /// mirrored at its walls' planes, over the speed of sound; paths are found and matched anew until
 /// they stay. Lengths are rounded to 0.1 mm, speeds to 0.001 m/s, times to 0.1 us and shares to
 /// 0.001. Throws Error if an option, index, time or name is out of range, no arrival fits a path,
-/// or this build is without the solver (least_squares_available()). Reports the stage "locating",
-/// by rounds.
+/// the fit runs away, or this build is without the solver (least_squares_available()). Reports the
+/// stage "locating", by rounds.
 LocateResult locate(const Scene& scene,
                     std::span<const MeasuredArrival> arrivals,
                     const LocateOptions& options = {},

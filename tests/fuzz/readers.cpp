@@ -2,6 +2,7 @@
 #include "fuzz/readers.h"
 
 #include "earshot/base/error.h"
+#include "earshot/io/arrivals.h"
 #include "earshot/io/contact_queries.h"
 #include "earshot/io/directivity_file.h"
 #include "earshot/io/internal/hrir_set.h"
@@ -14,6 +15,7 @@
 #include "earshot/io/visibility_file.h"
 #include "earshot/io/wav.h"
 #include "earshot/io/whole_file.h"
+#include "earshot/propagation/room_shapes.h"
 
 #include <nlohmann/json.hpp>
 
@@ -101,6 +103,25 @@ void read_points(const fs::path& file) {
 void read_listeners(const fs::path& file) {
     for (const io::NamedPosition& point : io::read_named_points(file)) {
         require(is_finite(point.position) && !point.name.empty(), "listeners have name and place");
+    }
+}
+
+void read_arrivals(const fs::path& file) {
+    static const propagation::Scene kScene = [] {
+        propagation::Scene scene = propagation::shoebox_room({5.0, 3.0, 4.0});
+        scene.sources.push_back({.name = "talker"});
+        scene.listeners.push_back({.name = "seat 1"});
+        scene.listeners.push_back({.name = "seat 2"});
+        return scene;
+    }();
+    for (const propagation::MeasuredArrival& arrival : io::read_arrivals(file, kScene).arrivals) {
+        require(
+            arrival.source < kScene.sources.size() && arrival.listener < kScene.listeners.size(),
+            "arrivals are of pairs of the scene");
+        require(arrival.time >= 0.0 && std::isfinite(arrival.time), "times are numbers from 0 up");
+        for (const std::string& name : arrival.surfaces.value_or(std::vector<std::string>{})) {
+            require(!name.empty(), "surfaces have names");
+        }
     }
 }
 
@@ -244,6 +265,7 @@ InputFile& input_of(const Reader& reader) {
 
 const std::vector<Reader>& readers() {
     static const std::vector<Reader> kReaders{
+        {"arrivals", ".csv", read_arrivals},
         {"contact_queries", ".csv", read_contact_queries},
         {"contacts", ".json", read_contact_results},
         {"directivity", ".csv", read_directivity},

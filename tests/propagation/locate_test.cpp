@@ -4,6 +4,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
+#include "earshot/geometry/vector.h"
 #include "earshot/propagation/internal/arrival_model.h"
 #include "earshot/propagation/least_squares.h"
 #include "earshot/propagation/room_shapes.h"
@@ -378,6 +379,32 @@ TEST_F(Locate, RefusesWhatItCannotUse) {
     EXPECT_NE(line(good, {.timing_error = 0.0}).find("timing_error"), std::string::npos);
     EXPECT_THROW(cross_validate_locate(scene, good, 1, 1), Error);
     EXPECT_THROW(cross_validate_locate(scene, good, 8, 1), Error);
+}
+
+/// One time of a listener of which nothing is known, and air that may be of any temperature: a
+/// result or an Error, but nothing that is no number.
+TEST_F(Locate, EndsWhereAlmostNothingIsKnown) {
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    const Truth truth = random_truth(10, 1, 1);
+    const Scene scene = stated_scene(truth, 10, 0.0, 0.0);
+    for (const double time : {0.0, 1e-6, 0.01, 0.5, 100.0}) {
+        const std::vector<MeasuredArrival> one = {
+            {.time = time, .surfaces = std::vector<std::string>{}}};
+        try {
+            const LocateResult result = locate(scene,
+                                               one,
+                                               {.source_error = kUnknown,
+                                                .listener_error = kUnknown,
+                                                .temperature_error = kUnknown,
+                                                .latency_error = kUnknown});
+            EXPECT_TRUE(geometry::is_finite(result.listeners[0].position())) << time;
+            EXPECT_GT(result.speed_of_sound.value, 0.0);
+            EXPECT_TRUE(std::isinf(result.listeners[0].x.standard_error));
+            EXPECT_EQ(result.listeners[0].x.data_share, 0.0);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.subject(), "arrivals") << time;
+        }
+    }
 }
 
 /// Analytic derivatives against differences, for paths over walls of any tilt.

@@ -84,7 +84,9 @@ TEST(Dechorate, MeasuredArrivalsAreWherePathsAre) {
         GTEST_SKIP() << "reference/dechorate is not there";
     }
     ASSERT_EQ(rows.size(), 840U);
-    const auto [scene, arrivals] = measured_room(rows);
+    const MeasuredRoom room = measured_room(rows);
+    const propagation::Scene& scene = room.scene;
+    const auto& arrivals = room.arrivals;
     propagation::Simulator simulator(scene, {.specular_order = 1, .air = {.temperature_c = 24.0}});
     const auto pairs = simulator.run();
     std::vector<double> errors;
@@ -113,7 +115,9 @@ TEST(Dechorate, LocatedPositionsPredictArrivalsThatWereLeftOut) {
     if (!propagation::least_squares_available()) {
         GTEST_SKIP() << "built without Ceres' headers";
     }
-    const auto [scene, arrivals] = measured_room(rows);
+    const MeasuredRoom room = measured_room(rows);
+    const propagation::Scene& scene = room.scene;
+    const auto& arrivals = room.arrivals;
     const propagation::LocateOptions options = {
         .source_error = 0.01, .listener_error = 0.01, .air = {.temperature_c = 24.0}};
     const propagation::LocateResult result = propagation::locate(scene, arrivals, options);
