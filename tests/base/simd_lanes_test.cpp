@@ -163,8 +163,45 @@ void shuffle(const float* numbers, Shuffles& out) {
     for (std::uint32_t r = 0; r < 8; ++r) {
         order[r] = (7 - r) << 3U;
     }
-    out.compressed =
-        compress_ordered(all, all < Float8(4.0F), values, order, 3, out.keys, out.values);
+    const Float8 far = select(all < Float8(4.0F), all, Float8(-10.0F));
+    out.compressed = compress_ordered(all, far, values, order, 3, out.keys, out.values);
+}
+
+/// Compresses 0 ... 7 and 10 ... 17 by a mask given in bits.
+std::size_t compress_by_bits(std::uint32_t mask, float* keys, std::uint32_t* values) {
+    alignas(32) float numbers[8], is_kept[8];
+    std::uint32_t words[8];
+    for (std::uint32_t i = 0; i < 8; ++i) {
+        numbers[i] = static_cast<float>(i);
+        is_kept[i] = static_cast<float>(mask >> i & 1U);
+        words[i] = 10 + i;
+    }
+    return compress(
+        Float8::load(numbers), Float8(0.0F) < Float8::load(is_kept), words, keys, values);
+}
+
+/// Transposes eight rows of four numbers; row i holds 10 i ... 10 i + 3.
+void transpose_rows(float* fours, double* threes) {
+    double numbers[8][4];
+    const double* rows[8];
+    for (std::size_t i = 0; i < 8; ++i) {
+        for (std::size_t k = 0; k < 4; ++k) {
+            numbers[i][k] = static_cast<double>(10 * i + k);
+        }
+        rows[i] = numbers[i];
+    }
+    Float8 columns[4];
+    load_transposed(rows, columns);
+    for (std::size_t k = 0; k < 4; ++k) {
+        columns[k].store_unaligned(fours + 8 * k);
+    }
+    for (std::size_t i = 0; i < 8; i += Doubles::kCount) {
+        Doubles part[3];
+        load_transposed(rows + i, part);
+        for (std::size_t k = 0; k < 3; ++k) {
+            part[k].store_unaligned(threes + 8 * k + i);
+        }
+    }
 }
 
 }  // namespace earshot::HWY_NAMESPACE
@@ -180,6 +217,8 @@ HWY_EXPORT(compute_float8);
 HWY_EXPORT(interleave_doubles);
 HWY_EXPORT(interleave_eight);
 HWY_EXPORT(interleave_one);
+HWY_EXPORT(compress_by_bits);
+HWY_EXPORT(transpose_rows);
 HWY_EXPORT(shuffle);
 HWY_EXPORT(turn);
 
@@ -348,6 +387,41 @@ TEST(SimdLanes, CompressInTheGivenOrder) {
         for (std::size_t i = 0; i < 4; ++i) {
             EXPECT_EQ(found.keys[i], keys[i]);
             EXPECT_EQ(found.values[i], values[i]);
+        }
+    });
+}
+
+TEST(SimdLanes, CompressByEveryMask) {
+    for_each_target([] {
+        for (std::uint32_t mask = 0; mask < 256; ++mask) {
+            std::array<float, 8> keys{};
+            std::array<std::uint32_t, 8> values{};
+            std::size_t count = 0;
+            const std::size_t found =
+                HWY_DYNAMIC_DISPATCH(compress_by_bits)(mask, keys.data(), values.data());
+            for (std::uint32_t i = 0; i < 8; ++i) {
+                if ((mask >> i & 1U) != 0) {
+                    ASSERT_EQ(keys[count], static_cast<float>(i)) << mask;
+                    ASSERT_EQ(values[count++], 10 + i) << mask;
+                }
+            }
+            ASSERT_EQ(found, count);
+        }
+    });
+}
+
+TEST(SimdLanes, TransposeRows) {
+    for_each_target([] {
+        std::array<float, 32> fours{};
+        std::array<double, 24> threes{};
+        HWY_DYNAMIC_DISPATCH(transpose_rows)(fours.data(), threes.data());
+        for (std::size_t i = 0; i < 8; ++i) {
+            for (std::size_t k = 0; k < 4; ++k) {
+                EXPECT_EQ(fours[8 * k + i], static_cast<float>(10 * i + k));
+            }
+            for (std::size_t k = 0; k < 3; ++k) {
+                EXPECT_EQ(threes[8 * k + i], static_cast<double>(10 * i + k));
+            }
         }
     });
 }
