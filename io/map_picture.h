@@ -27,7 +27,8 @@ struct MapDrawing {
 };
 
 /// The boundaries of the colours of a map: steps of one just-noticeable difference about 0 or, of
-/// relative differences, about 1; about the limit, where there is one. Ascending, at least two.
+/// relative differences, about 1; about the limit, where there is one; of several where there would
+/// be more than 200. Ascending, at least two.
 std::vector<double> map_levels(const MapDrawing& drawing);
 
 /// The colour of a step of several: from dark blue over grey to yellow, so that lightness alone

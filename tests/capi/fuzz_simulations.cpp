@@ -393,8 +393,8 @@ es_status use_map(Caller& c) {
         case 6: {
             const std::size_t source = c.index(info.sources), metric = c.index(info.metrics);
             const es_scene scene = c.chance(0.3) ? 0 : c.handle(ES_KIND_SCENE);
-            const double limit = c.chance(0.5) ? std::numeric_limits<double>::quiet_NaN()
-                                               : c.number(-1e9, 1e9, {0.3, 1.0});
+            const double limit =
+                c.chance(0.5) ? std::numeric_limits<double>::quiet_NaN() : c.number(-1e9, 1e9);
             const char* file = c.text({"fuzz.svg", "fuzz.png", "none/none.svg", "fuzz"});
             return es_map_draw(map, source, metric, scene, limit, file);
         }

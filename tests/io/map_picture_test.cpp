@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/box.h"
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -58,6 +59,19 @@ TEST(MapLevels, OfOneValueAndOfNoneAreOneStep) {
     EXPECT_EQ(map_levels({.map = row_of("c80", {3.0})}).size(), 2U);
     EXPECT_EQ(map_levels({.map = row_of("c80", {{}})}).size(), 2U);
     EXPECT_EQ(map_levels({.map = row_of("t30", {{}})}).size(), 2U);
+}
+
+TEST(MapLevels, AreFewWhereALimitIsFarFromAllValues) {
+    for (const char* const metric : {"sti", "c80", "t30"}) {
+        for (const double limit : {1e9, 1e-9, -1e9}) {
+            const auto levels = map_levels({.map = row_of(metric, {0.5, 0.9}),
+                                            .limit = propagation::MapLimit{.value = limit}});
+            EXPECT_LE(levels.size(), 203U) << metric << ", " << limit;
+            EXPECT_TRUE(std::is_sorted(levels.begin(), levels.end()));
+            EXPECT_LE(levels.front(), std::min(0.5, limit));
+            EXPECT_GE(levels.back(), std::max(0.9, limit) * (1.0 - 1e-6));
+        }
+    }
 }
 
 TEST(MapColour, LightnessOrdersTheSteps) {
