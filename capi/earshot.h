@@ -34,6 +34,7 @@
 #include "earshot_base.h"
 #include "earshot_bvh.h"
 #include "earshot_calibrate.h"
+#include "earshot_check.h"
 #include "earshot_locate.h"
 #include "earshot_map.h"
 #include "earshot_report.h"

@@ -75,6 +75,8 @@ typedef uint64_t es_messages;      ///< warnings and notes
 typedef uint64_t es_metric_map;    ///< metrics over an area
 typedef uint64_t es_calibration;   ///< absorption fitted to measurements
 typedef uint64_t es_location;      ///< positions from arrival times
+typedef uint64_t es_model_check;   ///< what a model needs before it is trusted
+typedef uint64_t es_mending;       ///< a mended copy of a model, and what was done
 
 typedef enum es_kind {
     ES_KIND_NONE = 0,
@@ -89,7 +91,9 @@ typedef enum es_kind {
     ES_KIND_MESSAGES = 9,
     ES_KIND_METRIC_MAP = 10,
     ES_KIND_CALIBRATION = 11,
-    ES_KIND_LOCATION = 12
+    ES_KIND_LOCATION = 12,
+    ES_KIND_MODEL_CHECK = 13,
+    ES_KIND_MENDING = 14
 } es_kind;
 
 /// Ends an object of any kind; its views end with it. 0 is allowed and does nothing. A call of

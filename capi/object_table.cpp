@@ -45,8 +45,10 @@ constexpr std::array kKindNames = {"an object",
                                    "messages",
                                    "a map",
                                    "a calibration",
-                                   "a location"};
-static_assert(kKindNames.size() == ES_KIND_LOCATION + 1);
+                                   "a location",
+                                   "a check",
+                                   "a mending"};
+static_assert(kKindNames.size() == ES_KIND_MENDING + 1);
 
 struct Slot {
     std::shared_ptr<Object> object{};

@@ -51,14 +51,15 @@ private:
         // Every cell whose tent reaches the point touches the own cell or is its neighbour's
         // neighbour; probes at the distance of the own size and less meet them.
         std::vector<std::uint32_t> found = {own};
-        const auto reach = static_cast<std::int64_t>(own_cell.size);
-        for (std::int64_t r = row - reach; r <= std::int64_t{row} + reach; ++r) {
-            for (std::int64_t c = column - reach; c <= std::int64_t{column} + reach; ++c) {
-                if (r < 0 || c < 0 || r >= lattice.rows() || c >= lattice.columns()) {
-                    continue;
-                }
-                const std::uint32_t number = number_at(
-                    first_of_sheet, static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(r));
+        // A cell may be far larger than the lattice.
+        const std::uint32_t reach = own_cell.size;
+        const auto first = [reach](std::uint32_t at) { return at - std::min(at, reach); };
+        const auto last = [reach](std::uint32_t at, std::uint32_t count) {
+            return at + std::min(count - 1 - at, reach);
+        };
+        for (std::uint32_t r = first(row); r <= last(row, lattice.rows()); ++r) {
+            for (std::uint32_t c = first(column); c <= last(column, lattice.columns()); ++c) {
+                const std::uint32_t number = number_at(first_of_sheet, c, r);
                 if (number != kNoCell &&
                     std::find(found.begin(), found.end(), number) == found.end()) {
                     found.push_back(number);

@@ -155,14 +155,16 @@ private:
             report_.probe = find_probe(mesh, report_.extent, executor_);
             points.push_back(*report_.probe);
         }
-        const ReachedSides reached =
-            visibility::sample_reached_sides(mesh.bvh(),
-                                             points,
-                                             {.seed = options_.seed,
-                                              .max_rays = options_.max_rays,
-                                              .tolerance = mesh.tolerance(),
-                                              .progress = options_.progress},
-                                             executor_);
+        const ReachedSides reached = visibility::sample_reached_sides(
+            mesh.bvh(),
+            points,
+            {.seed = options_.seed,
+             .rays_per_point =
+                 std::min(options_.max_rays, visibility::ReachedSidesOptions{}.rays_per_point),
+             .max_rays = options_.max_rays,
+             .tolerance = mesh.tolerance(),
+             .progress = options_.progress},
+            executor_);
         report_.rays = reached.rays;
         const Separation separation = separate(mesh);
         judge_emitters(separation, reached, points);
@@ -185,6 +187,8 @@ private:
             seeds,
             {.seed = options_.seed,
              .lambda = options_.lambda,
+             .rays_per_point =
+                 std::min(options_.max_rays, visibility::AirCutOptions{}.rays_per_point),
              .max_rays = std::min(options_.max_rays, visibility::AirCutOptions{}.max_rays),
              .tolerance = mesh.tolerance(),
              .progress = options_.progress},

@@ -135,7 +135,7 @@ struct ModelCheckOptions {
     std::span<const std::uint32_t> default_materials{}, materials_by_name{};
     double time = 0.0;  ///< seconds
     std::uint64_t seed = 1;
-    std::uint64_t max_rays = 20'000'000;  ///< that look for the air, and at most as many for leaks
+    std::uint64_t max_rays = 20'000'000;  ///< that sides send to find the air; no more find leaks
     double lambda = 0.01;                 ///< see visibility::AirCutOptions
     double forecast_seconds = 2.0;        ///< spent on measuring; 0: no forecast
     bool sampling = true;                 ///< off: topology alone

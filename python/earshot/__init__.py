@@ -26,6 +26,18 @@ from ._errors import (
 from ._library import NONE, Message, Messages, lib, text
 from .bvh import Blockers, Bvh, ClosestPoints, Hits, Sight
 from .calibration import Calibration, calibrate
+from .checks import (
+    FaceGroup,
+    Finding,
+    Hole,
+    Leak,
+    MaterialUse,
+    Mending,
+    Misplaced,
+    ModelCheck,
+    SmallFacets,
+    check,
+)
 from .locations import Located, Location, locate
 from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
@@ -58,18 +70,26 @@ __all__ = [
     "Distance",
     "Element",
     "Error",
+    "FaceGroup",
+    "Finding",
     "Histogram",
     "Hits",
+    "Hole",
+    "Leak",
     "LibraryMaterial",
     "Located",
     "Location",
     "MapLimit",
     "Material",
+    "MaterialUse",
+    "Mending",
     "MeshInWorld",
     "Message",
     "Messages",
     "MetricMap",
+    "Misplaced",
     "MissingPackage",
+    "ModelCheck",
     "Names",
     "OutOfMemory",
     "OutOfRange",
@@ -83,6 +103,7 @@ __all__ = [
     "Sight",
     "Simplified",
     "Simulator",
+    "SmallFacets",
     "Sound",
     "UnknownName",
     "VisibleSets",
@@ -90,6 +111,7 @@ __all__ = [
     "auralize",
     "band_centres",
     "calibrate",
+    "check",
     "extrude",
     "library",
     "load",

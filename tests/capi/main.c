@@ -127,6 +127,7 @@ int main(int argc, char** argv) {
                   {"calibrations", test_calibrations},
                   {"simplifications", test_simplifications},
                   {"locations", test_locations},
+                  {"checks", test_checks},
                   {"without_module", test_without_module},
                   {"threads", test_threads}};
     if (argc != 3) {

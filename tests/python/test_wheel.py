@@ -40,6 +40,7 @@ def test_carries_the_libraries_of_the_list(made):
     assert re.fullmatch(r"earshot-[0-9.]+-py3-none-manylinux_2_36_x86_64\.whl", wheel.name)
     rows = [line.split() for line in (PROJECT / "python/licenses.txt").read_text().splitlines()
             if not line.startswith("#")]
+    rows = [row for row in rows if row[3:] != ["optional"] or row[0] in told]
     assert [line.split() for line in told.splitlines()] == [[row[0], row[2]] for row in rows]
     assert not [row for row in rows if re.match(r"A?GPL", row[1])]
     with zipfile.ZipFile(wheel) as archive:
