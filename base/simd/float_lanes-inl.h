@@ -275,6 +275,52 @@ HWY_INLINE Float8::Mask differs(const std::uint32_t* numbers, std::uint32_t numb
     });
 }
 
+#if HWY_TARGET == HWY_AVX2
+/// The lanes of each mask of eight, the first ones first. Highway's own table for this set lies in
+/// a function, where GCC copies it to the stack in every call.
+struct MaskLanes {
+    std::uint8_t lanes[256][8] = {};
+};
+constexpr MaskLanes make_mask_lanes() {
+    MaskLanes table;
+    for (std::size_t mask = 0; mask < 256; ++mask) {
+        std::size_t count = 0;
+        for (std::size_t lane = 0; lane < 8; ++lane) {
+            if ((mask >> lane & 1U) != 0) {
+                table.lanes[mask][count++] = static_cast<std::uint8_t>(lane);
+            }
+        }
+    }
+    return table;
+}
+inline constexpr MaskLanes kMaskLanes = make_mask_lanes();
+#endif
+
+#if HWY_TARGET <= HWY_AVX2
+/// Writes the masked lanes of two registers, in their order, and returns how many. Writes to all
+/// eight elements of both outputs.
+HWY_INLINE std::size_t store_compressed(hn::Vec<Float8::Tag> keys,
+                                        hn::Vec<hn::RebindToUnsigned<Float8::Tag>> values,
+                                        hn::Mask<Float8::Tag> mask,
+                                        float* key_out,
+                                        std::uint32_t* value_out) {
+    const Float8::Tag floats;
+    const hn::RebindToUnsigned<Float8::Tag> words;
+#if HWY_TARGET == HWY_AVX2
+    alignas(8) std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(floats, mask, bytes);
+    const hn::Rebind<std::uint8_t, Float8::Tag> small;
+    const auto lanes = hn::PromoteTo(words, hn::LoadU(small, kMaskLanes.lanes[bytes[0]]));
+    hn::StoreU(hn::TableLookupLanes(keys, hn::IndicesFromVec(floats, lanes)), floats, key_out);
+    hn::StoreU(hn::TableLookupLanes(values, hn::IndicesFromVec(words, lanes)), words, value_out);
+#else
+    hn::StoreU(hn::Compress(keys, mask), floats, key_out);
+    hn::StoreU(hn::Compress(values, hn::RebindMask(words, mask)), words, value_out);
+#endif
+    return hn::CountTrue(floats, mask);
+}
+#endif
+
 /// Writes the masked lanes of `key` and `value`, in their order, and returns how many. Writes to
 /// all eight elements of both outputs.
 HWY_INLINE std::size_t compress(const Float8& key,
@@ -283,12 +329,8 @@ HWY_INLINE std::size_t compress(const Float8& key,
                                 float* key_out,
                                 std::uint32_t* value_out) {
 #if HWY_TARGET <= HWY_AVX2
-    const Float8::Tag floats;
-    const hn::RebindToUnsigned<Float8::Tag> words;
-    hn::StoreU(hn::Compress(key.part[0], mask.part[0]), floats, key_out);
-    const auto values = hn::LoadU(words, value);
-    hn::StoreU(hn::Compress(values, hn::RebindMask(words, mask.part[0])), words, value_out);
-    return hn::CountTrue(floats, mask.part[0]);
+    const auto values = hn::LoadU(hn::RebindToUnsigned<Float8::Tag>(), value);
+    return store_compressed(key.part[0], values, mask.part[0], key_out, value_out);
 #else
     alignas(32) float keys[8];
     key.store(keys);
@@ -324,9 +366,7 @@ HWY_INLINE std::size_t compress_ordered(const Float8& near,
     const auto valid = hn::Le(nears, hn::TableLookupLanes(far.part[0], indices));
     const auto values =
         hn::TableLookupLanes(hn::Load(words, value), hn::IndicesFromVec(words, lanes));
-    hn::StoreU(hn::Compress(nears, valid), floats, near_out);
-    hn::StoreU(hn::Compress(values, hn::RebindMask(words, valid)), words, value_out);
-    return hn::CountTrue(floats, valid);
+    return store_compressed(nears, values, valid, near_out, value_out);
 #else
     alignas(32) float nears[8];
     near.store(nears);
