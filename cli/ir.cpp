@@ -148,6 +148,11 @@ public:
 
 private:
     void add_tracing_options() {
+        add_integer(app(),
+                    "--diffraction",
+                    diffraction_,
+                    {0, 1},
+                    "maximum number of edges that a path bends round, beside its reflections");
         app()
             .add_option("--mode",
                         mode_,
@@ -238,6 +243,7 @@ private:
     propagation::Options with_own_options(propagation::Options options) const {
         options.mode = mode_ == "sampled" ? frustum::Mode::sampled : frustum::Mode::complete;
         options.resolution = static_cast<int>(resolution_);
+        options.diffraction = static_cast<int>(diffraction_);
         options.max_length =
             max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity();
         options.min_level_db = min_level_db_;
@@ -367,6 +373,7 @@ private:
     bool no_metrics_ = false;
     SpeechOptions speech_;
     std::int64_t resolution_ = 0;
+    std::int64_t diffraction_ = 0;
     std::int64_t sample_rate_hz_ = 48000;
     double length_ = 0.0;
 };

@@ -55,14 +55,19 @@ std::vector<Interval> without(const std::vector<Interval>& parts,
     return left;
 }
 
+/// Images in layers of one surface lie within twice the tolerance for their distance, and as much
+/// for the tilt that it gives the planes of walls a fraction of the scene wide, per reflection: as
+/// for specular paths (path_order.cpp).
+constexpr double kLayerDistance = 16.0;
+
 /// Layers of one surface reflect once: of sequences with one image, the first has what both reach.
 void remove_repeated(std::vector<EdgeSide>& sides, double tolerance) {
     const auto of_one_group = [](const EdgeSide& a, const EdgeSide& b) {
         return a.wedge == b.wedge && a.sequence.size() == b.sequence.size();
     };
     for (std::size_t i = 0; i < sides.size(); ++i) {
-        // Each mirror moves the image by twice the distance between layers.
-        const double reach = 4.0 * tolerance * static_cast<double>(sides[i].sequence.size());
+        const double reach =
+            kLayerDistance * tolerance * static_cast<double>(sides[i].sequence.size());
         for (std::size_t k = i; k-- > 0 && of_one_group(sides[k], sides[i]);) {
             if (glm::distance(sides[k].image, sides[i].image) <= reach) {
                 sides[i].parts = without(sides[i].parts, sides[k].parts);

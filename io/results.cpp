@@ -34,16 +34,24 @@ Json to_json(const propagation::Path& path, const ResultHeader& header) {
     for (const std::uint32_t material : path.materials) {
         materials.push_back(header.scene.materials[material].name);
     }
-    return {{"kind", propagation::name_of(path.kind)},
-            {"order", path.order},
-            {"length", path.length},
-            {"delay", path.delay},
-            {"points", std::move(points)},
-            {"triangles", path.triangles},
-            {"materials", std::move(materials)},
-            {"pressure", to_json(path.pressure, header.bands.count())},
-            {"departure", to_json(path.departure)},
-            {"arrival", to_json(path.arrival)}};
+    Json json = {{"kind", propagation::name_of(path.kind)},
+                 {"order", path.order},
+                 {"length", path.length},
+                 {"delay", path.delay},
+                 {"points", std::move(points)}};
+    if (path.kind == propagation::PathKind::diffracted) {
+        Json edges = Json::array();
+        for (const auto& [begin, end] : path.edges) {
+            edges.push_back(Json::array({to_json(begin), to_json(end)}));
+        }
+        json["edges"] = std::move(edges);
+    }
+    json["triangles"] = path.triangles;
+    json["materials"] = std::move(materials);
+    json["pressure"] = to_json(path.pressure, header.bands.count());
+    json["departure"] = to_json(path.departure);
+    json["arrival"] = to_json(path.arrival);
+    return json;
 }
 
 }  // namespace

@@ -18,9 +18,11 @@ namespace {
 constexpr double kNearPhase = 10.0;
 constexpr int kPanels = 7;
 
-/// Sums of terms by their sign: 0 those that add to the pressure, 1 those that subtract.
+/// Sums of terms by kind and sign: first the three kinds of those that add to the pressure, then of
+/// those that subtract.
+constexpr std::size_t kSums = 6;
 template <typename T>
-using BySign = std::array<T, 2>;
+using Sums = std::array<T, kSums>;
 
 /// The integral of the edge in the coordinate eta, which is 0 at the apex and in which the path
 /// length L and the integrand are even:
@@ -85,39 +87,41 @@ public:
     }
 
     /// The sum of the terms' antiderivatives between two |eta|.
-    BySign<double> antiderivative(double low, double high) const noexcept {
-        BySign<double> sum{};
+    Sums<double> antiderivative(double low, double high) const noexcept {
+        Sums<double> sum{};
         for (const EdgeTerm& term : terms_) {
-            sum[sign_index(term)] +=
+            sum[sum_of(term)] +=
                 term.pressure_factor * (antiderivative(term, high) - antiderivative(term, low));
         }
         return sum;
     }
 
-    /// |B| by sign.
-    BySign<double> integrand(double eta) const noexcept {
+    /// |B| by kind and sign.
+    Sums<double> integrand(double eta) const noexcept {
         const double s = sinh(0.5 * nu_ * eta);
-        BySign<double> sum{};
+        Sums<double> sum{};
         for (const EdgeTerm& term : terms_) {
-            sum[sign_index(term)] += term.pressure_factor * nu_ * term.sine /
-                                     (2.0 * (s * s + term.half_sine * term.half_sine));
+            sum[sum_of(term)] += term.pressure_factor * nu_ * term.sine /
+                                 (2.0 * (s * s + term.half_sine * term.half_sine));
         }
         return sum;
     }
 
-    /// int |B| e^{-jk(L - R0)} / L d eta over a side, by sign.
-    BySign<Complex> integral(const Side& side, double wave_number) const noexcept;
+    /// int |B| e^{-jk(L - R0)} / L d eta over a side, by kind and sign.
+    Sums<Complex> integral(const Side& side, double wave_number) const noexcept;
 
     /// See max_diffracted_pressure().
     double bound(const Side& side, double wave_number) const noexcept;
 
     const std::array<EdgeTerm, 4>& terms() const noexcept { return terms_; }
     /// A term with a > 0 subtracts from the pressure.
-    static std::size_t sign_index(const EdgeTerm& term) noexcept { return term.sign > 0.0 ? 1 : 0; }
+    static std::size_t sum_of(const EdgeTerm& term) noexcept {
+        return term.kind + (term.sign > 0.0 ? 3 : 0);
+    }
 
 private:
-    BySign<Complex> near_part(double low, double high, double size, double k) const noexcept;
-    BySign<Complex> tail(double eta, double wave_number) const noexcept;
+    Sums<Complex> near_part(double low, double high, double size, double k) const noexcept;
+    Sums<Complex> tail(double eta, double wave_number) const noexcept;
     double slope(const EdgeTerm& term, double eta) const noexcept;
 
     double nu_;
@@ -130,21 +134,23 @@ private:
 // The value at the apex is subtracted and integrated in closed form: what remains vanishes at a
 // zone boundary, where the integrand alone would be singular. Panels are graded towards the apex;
 // `size` is the end of the last one.
-BySign<Complex> EdgeIntegral::near_part(double low,
-                                        double high,
-                                        double size,
-                                        double k) const noexcept {
+Sums<Complex> EdgeIntegral::near_part(double low,
+                                      double high,
+                                      double size,
+                                      double k) const noexcept {
     const double at_apex = 1.0 / apex_length_;
-    BySign<Complex> sum{};
-    const BySign<double> closed = antiderivative(low, high);
-    sum[0] = at_apex * closed[0];
-    sum[1] = at_apex * closed[1];
+    Sums<Complex> sum{};
+    const Sums<double> closed = antiderivative(low, high);
+    for (std::size_t i = 0; i < kSums; ++i) {
+        sum[i] = at_apex * closed[i];
+    }
     const auto add = [&](double eta, double weight) {
         const double excess = excess_length(eta);
         const Complex rest = unit(-k * excess) / (apex_length_ + excess) - at_apex;
-        const BySign<double> b = integrand(eta);
-        sum[0] += (weight * b[0]) * rest;
-        sum[1] += (weight * b[1]) * rest;
+        const Sums<double> b = integrand(eta);
+        for (std::size_t i = 0; i < kSums; ++i) {
+            sum[i] += (weight * b[i]) * rest;
+        }
     };
     double panel_begin = 0.0;
     for (int panel = 0; panel < kPanels; ++panel) {
@@ -166,11 +172,11 @@ BySign<Complex> EdgeIntegral::near_part(double low,
 
 // The integral from eta to infinity along L = L(eta) - j p / k, where it falls as e^{-p}. Branch
 // points and poles of the integrand have real L <= R0, so that none is near.
-BySign<Complex> EdgeIntegral::tail(double eta, double wave_number) const noexcept {
+Sums<Complex> EdgeIntegral::tail(double eta, double wave_number) const noexcept {
     const double excess = excess_length(eta);
     const double length = apex_length_ + excess;
     const double s = sinh(0.5 * eta);
-    BySign<Complex> sum{};
+    Sums<Complex> sum{};
     for (const QuadratureNode& node : kLaguerre16) {
         // cosh(eta') - 1, eta' = log(cosh + sinh).
         const double step = node.position / wave_number;
@@ -181,18 +187,20 @@ BySign<Complex> EdgeIntegral::tail(double eta, double wave_number) const noexcep
         const Complex half = 0.5 * (power - 1.0 / power);
         const Complex weight = node.weight / hyperbolic_sine;
         for (const EdgeTerm& term : terms_) {
-            sum[sign_index(term)] += term.pressure_factor * nu_ * term.sine /
-                                     (2.0 * (half * half + term.half_sine * term.half_sine)) *
-                                     weight;
+            sum[sum_of(term)] += term.pressure_factor * nu_ * term.sine /
+                                 (2.0 * (half * half + term.half_sine * term.half_sine)) * weight;
         }
     }
     const Complex scale =
         Complex(0.0, -1.0 / (wave_number * product_)) * unit(-wave_number * excess);
-    return {sum[0] * scale, sum[1] * scale};
+    for (Complex& value : sum) {
+        value *= scale;
+    }
+    return sum;
 }
 
-BySign<Complex> EdgeIntegral::integral(const Side& side, double wave_number) const noexcept {
-    BySign<Complex> sum{};
+Sums<Complex> EdgeIntegral::integral(const Side& side, double wave_number) const noexcept {
+    Sums<Complex> sum{};
     if (!(side.high > side.low)) {
         return sum;
     }
@@ -202,10 +210,11 @@ BySign<Complex> EdgeIntegral::integral(const Side& side, double wave_number) con
         sum = near_part(side.low, high, high, wave_number);
     }
     if (side.high > near_end) {
-        const BySign<Complex> from = tail(std::max(side.low, near_end), wave_number);
-        const BySign<Complex> to = tail(side.high, wave_number);
-        sum[0] += from[0] - to[0];
-        sum[1] += from[1] - to[1];
+        const Sums<Complex> from = tail(std::max(side.low, near_end), wave_number);
+        const Sums<Complex> to = tail(side.high, wave_number);
+        for (std::size_t i = 0; i < kSums; ++i) {
+            sum[i] += from[i] - to[i];
+        }
     }
     return sum;
 }
@@ -258,10 +267,15 @@ DiffractedPressure diffracted_pressure(const EdgeDiffraction& edge, double wave_
     EARSHOT_ASSERT(wave_number > 0.0);
     const EdgeIntegral integral(edge);
     const auto sides = integral.sides();
-    const BySign<Complex> first = integral.integral(sides[0], wave_number);
-    const BySign<Complex> second = integral.integral(sides[1], wave_number);
+    const Sums<Complex> first = integral.integral(sides[0], wave_number);
+    const Sums<Complex> second = integral.integral(sides[1], wave_number);
     const Complex phase = unit(-wave_number * integral.apex_length()) / (4.0 * math::kPi);
-    return {.upright = phase * (first[0] + second[0]), .inverted = -phase * (first[1] + second[1])};
+    DiffractedPressure pressure;
+    for (std::size_t kind = 0; kind < 3; ++kind) {
+        pressure.upright[kind] = phase * (first[kind] + second[kind]);
+        pressure.inverted[kind] = -phase * (first[kind + 3] + second[kind + 3]);
+    }
+    return pressure;
 }
 
 double max_diffracted_pressure(const EdgeDiffraction& edge, double wave_number) noexcept {
@@ -299,9 +313,9 @@ EdgeResponse diffraction_response(const EdgeDiffraction& edge,
             const double low = std::max(from, side.low);
             const double high = std::min(to, side.high);
             if (high > low) {
-                const BySign<double> weight = integral.antiderivative(low, high);
-                response.upright[i] += scale * weight[0];
-                response.inverted[i] -= scale * weight[1];
+                const Sums<double> weight = integral.antiderivative(low, high);
+                response.upright[i] += scale * (weight[0] + weight[1] + weight[2]);
+                response.inverted[i] -= scale * (weight[3] + weight[4] + weight[5]);
             }
         }
     }

@@ -40,14 +40,19 @@ struct EdgeDiffraction {
 /// Radians. Positions and directions in double precision may be off by this much after mirroring.
 inline constexpr double kMaxBoundaryAngle = 1e-9;
 
-/// Sound pressure at the listener, spreading included, its phase counted from the emission. The two
-/// parts add up; each for itself is a minimum-phase response after its first arrival, which their
-/// sum need not be.
+/// Sound pressure at the listener, spreading included, its phase counted from the emission. Per
+/// kind of term, in the order of EdgeDiffraction. The upright and the inverted sums, over any
+/// kinds, are each a minimum-phase response after its first arrival, which the sum of both need not
+/// be.
 struct DiffractedPressure {
-    std::complex<double> upright{0.0};   ///< of terms that begin with the sign of the source
-    std::complex<double> inverted{0.0};  ///< of terms that begin with the other sign
+    /// Of terms that begin with the sign of the source.
+    std::array<std::complex<double>, 3> upright{};
+    /// Of terms that begin with the other sign.
+    std::array<std::complex<double>, 3> inverted{};
 
-    std::complex<double> total() const noexcept { return upright + inverted; }
+    std::complex<double> total() const noexcept {
+        return upright[0] + upright[1] + upright[2] + inverted[0] + inverted[1] + inverted[2];
+    }
 };
 
 /// The length in metres of the shortest way from source to listener over the visible part of the

@@ -98,7 +98,7 @@ private:
         const auto read = [&](PairResult&& pair) {
             const audio::RoomMetrics found = audio::energy_metrics(
                 options_.simulation.bands,
-                arrivals_of(pair),
+                energy_arrivals_of(pair),
                 pair.late,
                 {.replicates = &pair.late_replicates, .speech = options_.speech});
             MapValue* out = values.data() +

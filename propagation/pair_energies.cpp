@@ -3,7 +3,10 @@
 
 #include "earshot/base/error.h"
 
+#include <glm/geometric.hpp>
+
 #include <algorithm>
+#include <cmath>
 
 namespace earshot::propagation {
 
@@ -20,15 +23,39 @@ void add(double factor, const LateMaterials::Part& part, LateMaterials::Part& su
     }
 }
 
+/// One arrival per path, whatever it is made of.
+std::vector<audio::Arrival> arrivals_by_path(const PairResult& pair) {
+    std::vector<audio::Arrival> arrivals;
+    for (const Path& path : pair.paths) {
+        audio::Arrival& arrival = arrivals.emplace_back(audio::Arrival{.delay = path.delay});
+        std::transform(path.pressure.begin(),
+                       path.pressure.end(),
+                       arrival.pressure.begin(),
+                       [](double pressure) { return std::abs(pressure); });
+    }
+    return arrivals;
+}
+
+/// Whether a path meets an edge at an interaction, rather than being reflected.
+bool is_at_edge(const Path& path, std::size_t interaction) {
+    return std::any_of(path.edges.begin(), path.edges.end(), [&](const auto& edge) {
+        const geometry::Vec3& point = path.points[interaction + 1];
+        const double detour = glm::distance(edge[0], point) + glm::distance(point, edge[1]) -
+                              glm::distance(edge[0], edge[1]);
+        constexpr double kRounding = 1e-12;
+        return detour <= kRounding * (1.0 + glm::length(point));
+    });
+}
+
 }  // namespace
 
 PairEnergies::PairEnergies(const Scene& scene, const PairResult& pair)
-    : pair_(pair), arrivals_(arrivals_of(pair)), materials_(scene.materials.size()) {
+    : pair_(pair), arrivals_(arrivals_by_path(pair)), materials_(scene.materials.size()) {
     reflections_of_path_.resize(pair.paths.size() * materials_);
     for (std::size_t i = 0; i < pair.paths.size(); ++i) {
         const Path& path = pair.paths[i];
         for (std::size_t k = 0; k < path.materials.size(); ++k) {
-            if (path.transmitted.empty() || path.transmitted[k] == 0) {
+            if ((path.transmitted.empty() || path.transmitted[k] == 0) && !is_at_edge(path, k)) {
                 reflections_of_path_[i * materials_ + path.materials[k]] += 1.0;
             }
         }

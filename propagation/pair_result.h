@@ -8,13 +8,14 @@
 #include "earshot/propagation/late_errors.h"
 #include "earshot/propagation/late_materials.h"
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 #include <vector>
 
 namespace earshot::propagation {
 
-enum class PathKind { direct, specular, transmitted };
+enum class PathKind { direct, specular, transmitted, diffracted };
 
 /// The name of a kind in paths.json.
 std::string_view name_of(PathKind kind) noexcept;
@@ -22,7 +23,7 @@ std::string_view name_of(PathKind kind) noexcept;
 /// One way of sound from a source to a listener.
 struct Path {
     PathKind kind = PathKind::direct;
-    int order = 0;
+    int order = 0;                         ///< of interactions: reflections, transmissions, edges
     double length = 0.0;                   ///< metres
     double delay = 0.0;                    ///< seconds since emission
     std::vector<geometry::Vec3> points{};  ///< source, interactions, listener
@@ -34,6 +35,12 @@ struct Path {
     /// Linear amplitude per band, spreading, air and the source's directivity included; negative in
     /// every band where the source radiates with the other sign.
     audio::Spectrum pressure{};
+    /// Of a diffracted path: end points of the part of each edge that takes part, in order.
+    std::vector<std::array<geometry::Vec3, 2>> edges{};
+    /// Of a diffracted path: the pressure's parts per band, each with its sign. They arrive
+    /// together and each has a minimum phase, which their sum need not have; `pressure` is the
+    /// absolute value of the sum.
+    std::vector<audio::Spectrum> parts{};
     geometry::Vec3 departure{0.0};  ///< unit direction of travel at the source
     geometry::Vec3 arrival{0.0};    ///< unit direction of travel at the listener
 };
@@ -49,6 +56,8 @@ struct PairResult {
     std::vector<Path> paths{};  ///< sorted by delay, order, triangles
     /// Of the paths, in their order, if Options::report_paths is off and there are no paths here.
     std::vector<audio::Arrival> arrivals{};
+    /// With diffraction: what the expected metrics take for arrivals(), see energy_arrivals_of().
+    std::vector<audio::Arrival> energy_arrivals{};
     /// What arrives besides, past Options::specular_order or scattered; empty without rays.
     audio::EnergyHistogram late{};
     LateErrors late_errors{};                      ///< of that
@@ -59,5 +68,10 @@ struct PairResult {
 
 /// The arrivals of a pair's paths, in their order; PairResult::arrivals where there are no paths.
 std::vector<audio::Arrival> arrivals_of(const PairResult& pair);
+
+/// The arrivals whose energies add up to the expected energy. These are arrivals_of() but for
+/// diffracted sound, which adds to the pressure of the specular path that it mends where both
+/// arrive as one.
+std::vector<audio::Arrival> energy_arrivals_of(const PairResult& pair);
 
 }  // namespace earshot::propagation

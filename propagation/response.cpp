@@ -134,7 +134,7 @@ private:
     void measure(const std::vector<ImpulseResponse>& channels, PairMetrics& metrics) const {
         metrics.expected =
             energy_metrics(bands_,
-                           arrivals_,
+                           energy_arrivals_of(pair_),
                            pair_.late,
                            {.replicates = &pair_.late_replicates, .speech = format_.speech});
         // ISO 3382-1 measures the room without the head: at two ears, the pressure at its centre.

@@ -9,9 +9,12 @@
 #include "earshot/geometry/tolerance.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/propagation/internal/coincident_materials.h"
+#include "earshot/propagation/internal/diffracted_paths.h"
+#include "earshot/propagation/internal/first_facets.h"
 #include "earshot/propagation/internal/lattice_arrivals.h"
 #include "earshot/propagation/internal/radiated_sound.h"
 #include "earshot/propagation/internal/scene_geometry.h"
+#include "earshot/propagation/internal/undecided_point.h"
 #include "earshot/propagation/late_rays.h"
 
 #include <glm/geometric.hpp>
@@ -69,12 +72,15 @@ struct Simulator::State {
     bool finder_is_current = false;
     std::vector<std::optional<frustum::SourceBeamTree>> sources;
     std::optional<frustum::ListenerBeamTree> listeners;
+    std::optional<DiffractedPaths> diffracted;
 
     void prepare_finder(std::span<const Vec3> from,
                         std::span<const Vec3> to,
                         std::uint64_t frusta,
                         Executor& executor);
-    std::vector<std::uint8_t> first_facets(const Vec3& source, Executor& executor) const;
+    std::vector<std::uint8_t> first_facets(const Vec3& source, Executor& executor) const {
+        return propagation::first_facets(options.visible_sets, geometry, source, executor);
+    }
     frustum::PlacedPairs place(const Emitter& source,
                                const Vec3& position,
                                std::span<const Vec3> to,
@@ -101,6 +107,10 @@ struct Simulator::State {
                         const VisitPair& visit,
                         Executor& executor,
                         Progress* progress);
+    void add_diffracted_paths(const RaySource& sender,
+                              const frustum::PlacedPairs& placed,
+                              std::span<PairResult> pairs,
+                              Executor& executor);
     RayOptions ray_options(const RaySource& source, Executor& executor) const;
     bool is_wanted(const Path& path) const;
     Path describe(const frustum::SpecularPath& specular, const double* air_pressures) const;
@@ -115,6 +125,7 @@ void Simulator::State::move_geometry(double to, Executor& executor) {
         finder_is_current = false;
         sources.clear();
         listeners.reset();
+        diffracted.reset();
     }
 }
 
@@ -197,6 +208,11 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular,
 
 Simulator::Simulator(const Scene& scene, const Options& options, Executor& executor) {
     validate(options.air);
+    if (options.diffraction < 0 || options.diffraction > 1) {
+        throw Error("diffraction",
+                    "must be 0 or 1, not " + std::to_string(options.diffraction),
+                    "paths over two edges are not found yet");
+    }
     for (const Material& material : scene.materials) {
         validate(material);
     }
@@ -222,7 +238,7 @@ bool Simulator::State::requires_facets(std::span<const Vec3> from, std::span<con
     const auto is_on_surface = [&](const Vec3& point) {
         return bvh.closest_point(point, tolerance).has_value();
     };
-    return options.specular_order > 0 || options.transmission ||
+    return options.specular_order > 0 || options.transmission || options.diffraction > 0 ||
            std::any_of(from.begin(), from.end(), is_on_surface) ||
            std::any_of(to.begin(), to.end(), is_on_surface);
 }
@@ -280,27 +296,6 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
     }
 }
 
-// Empty where every facet may be the first.
-std::vector<std::uint8_t> Simulator::State::first_facets(const Vec3& source,
-                                                         Executor& executor) const {
-    const visibility::VisibleSets* sets = options.visible_sets;
-    const auto cell = sets != nullptr ? sets->cells().cell_at(source) : std::nullopt;
-    if (!cell) {
-        return {};
-    }
-    std::vector<std::uint8_t> is_first;
-    for (const geometry::Facet& facet : geometry.facets(executor).facets) {
-        is_first.push_back(std::any_of(facet.triangles.begin(),
-                                       facet.triangles.end(),
-                                       [&](geometry::TriangleId triangle) {
-                                           return sets->contains(*cell, geometry.kept()[triangle]);
-                                       })
-                               ? 1
-                               : 0);
-    }
-    return is_first;
-}
-
 frustum::PlacedPairs Simulator::State::place(const Emitter& source,
                                              const Vec3& position,
                                              std::span<const Vec3> to,
@@ -311,22 +306,8 @@ frustum::PlacedPairs Simulator::State::place(const Emitter& source,
     frustum::PlacedPairs placed = frustum::place_pairs(geometry.scene_view(executor), position, to);
     if (placed.undecided) {
         const frustum::UndecidedPoint& point = *placed.undecided;
-        const Emitter& listener = scene.listeners[point.listener];
-        const std::string of_source = "source " + source.name;
-        const std::string of_listener = "listener " + listener.name;
-        const std::string& name = point.is_source ? of_source : of_listener;
-        const std::string& other = point.is_source ? of_listener : of_source;
-        const std::string triangle = "triangle " + std::to_string(geometry.kept()[point.triangle]);
-        if (point.problem == frustum::PlacementProblem::edge_of_free_sheet) {
-            throw Error(name,
-                        "lies on the edge of a free sheet, " + triangle +
-                            ", so that its side of the sheet is not known",
-                        "move it off the edge");
-        }
-        throw Error(name,
-                    "lies on " + triangle + ", and " + other +
-                        " lies in the plane of it, so that their side of it is not known",
-                    "move one of them off the plane");
+        throw undecided_point_error(
+            point, source, scene.listeners[point.listener], geometry.kept()[point.triangle]);
     }
     return placed;
 }
@@ -388,14 +369,38 @@ void Simulator::State::add_paths(std::size_t source,
     }
 }
 
+void Simulator::State::add_diffracted_paths(const RaySource& sender,
+                                            const frustum::PlacedPairs& placed,
+                                            std::span<PairResult> pairs,
+                                            Executor& executor) {
+    if (options.diffraction == 0) {
+        return;
+    }
+    if (!diffracted) {
+        const DiffractionSettings settings = {
+            .bands = options.bands,
+            .air = air,
+            .reflection = reflection,
+            .speed_of_sound = speed_of_sound,
+            .air_absorption = options.air_absorption,
+            .max_order = options.specular_order,
+            .max_length = options.max_length,
+            .min_pressure = min_pressure,
+            .is_wanted = [this](const Path& path) { return is_wanted(path); }};
+        diffracted.emplace(scene, geometry, settings, executor);
+    }
+    diffracted->add(sender, placed, listeners->listeners(), pairs, executor);
+}
+
 // The arrivals of the pairs in a box, without their paths. False: some pair needs its paths.
 bool Simulator::State::add_arrivals(const RaySource& sender,
                                     const frustum::PlacedPairs& placed,
                                     std::span<PairResult> pairs,
                                     Executor& executor) {
     const Vec3& position = sender.pose.position;
-    if (!needs_facets || placed.is_moved || !sender.directivity.is_omnidirectional() ||
-        !finder->is_box() || !first_facets(position, executor).empty()) {
+    if (!needs_facets || options.diffraction > 0 || placed.is_moved ||
+        !sender.directivity.is_omnidirectional() || !finder->is_box() ||
+        !first_facets(position, executor).empty()) {
         return false;
     }
     std::vector<audio::Spectrum> reflection_of_facet;
@@ -526,6 +531,7 @@ void Simulator::for_each_pair(const VisitPair& visit, Executor& executor, Progre
             continue;
         }
         state.add_paths(source, sender, placed[source], of_source, executor, &part);
+        state.add_diffracted_paths(sender, placed[source], of_source, executor);
         for (PairResult& pair : of_source) {
             if (!state.options.report_paths) {
                 pair.arrivals = arrivals_of(pair);

@@ -25,6 +25,10 @@ namespace earshot::propagation {
 
 struct Options {
     int specular_order = 4;  ///< max reflections and transmissions of a path, >= 0
+    /// 1: sound also bends round one edge on its way, beside up to specular_order reflections; 0:
+    /// it does not. A specular path and what edges make of it are found together (see
+    /// docs/algorithms/diffraction.md). Late sound knows no edges.
+    int diffraction = 0;
     frustum::Mode mode = frustum::Mode::complete;
     int resolution = 0;  ///< sub-frusta along a frustum's side; 0: the mode's default
     /// Off: PairResult::arrivals in place of paths, for responses that nobody asks the paths of. In

@@ -19,10 +19,14 @@ struct EdgeTerm {
     double sine = 0.0;   ///< |sin a|
     double angle = 0.0;  ///< |a|, radians
     double pressure_factor = 1.0;
+    std::size_t kind = 0;  ///< 0 direct, 1 and 2 the faces
 };
 
 /// `angle` is nu phi; it is reduced before any sine is taken of it.
-inline EdgeTerm edge_term(double angle, double pressure_factor, ZoneSide side) noexcept {
+inline EdgeTerm edge_term(double angle,
+                          std::size_t kind,
+                          const std::array<double, 3>& factors,
+                          const std::array<ZoneSide, 3>& sides) noexcept {
     const double reduced = angle - 2.0 * math::kPi * std::nearbyint(angle / (2.0 * math::kPi));
     EdgeTerm term;
     term.angle = std::abs(reduced);
@@ -30,10 +34,11 @@ inline EdgeTerm edge_term(double angle, double pressure_factor, ZoneSide side) n
     term.half_cosine = math::cos(0.5 * term.angle);
     term.sine = 2.0 * term.half_sine * term.half_cosine;
     term.sign = reduced > 0.0 ? 1.0 : -1.0;
-    if (side != ZoneSide::by_angle && term.angle <= kMaxBoundaryAngle) {
-        term.sign = side == ZoneSide::lit ? 1.0 : -1.0;
+    if (sides[kind] != ZoneSide::by_angle && term.angle <= kMaxBoundaryAngle) {
+        term.sign = sides[kind] == ZoneSide::lit ? 1.0 : -1.0;
     }
-    term.pressure_factor = pressure_factor;
+    term.pressure_factor = factors[kind];
+    term.kind = kind;
     return term;
 }
 
@@ -46,10 +51,10 @@ inline std::array<EdgeTerm, 4> edge_terms(double open_angle,
     const double nu = math::kPi / open_angle;
     const double difference = source_angle - listener_angle;
     const double sum = source_angle + listener_angle;
-    return {edge_term(nu * (math::kPi + difference), factors[0], sides[0]),
-            edge_term(nu * (math::kPi - difference), factors[0], sides[0]),
-            edge_term(nu * (math::kPi - sum), factors[1], sides[1]),
-            edge_term(nu * (math::kPi + sum), factors[2], sides[2])};
+    return {edge_term(nu * (math::kPi + difference), 0, factors, sides),
+            edge_term(nu * (math::kPi - difference), 0, factors, sides),
+            edge_term(nu * (math::kPi - sum), 1, factors, sides),
+            edge_term(nu * (math::kPi + sum), 2, factors, sides)};
 }
 
 }  // namespace earshot::propagation

@@ -73,6 +73,11 @@ void expect_determinism(const std::vector<std::string>& job) {
 
 const std::string kScenes = test::source_file("scenes/").string();
 
+TEST(OutputFiles, AreTheSameBytesForDiffractedSound) {
+    expect_determinism(
+        {"ir", kScenes + "lroom.gltf", "--order", "1", "--diffraction", "1", "--rays", "500"});
+}
+
 TEST(OutputFiles, AreTheSameBytesForARoom) {
     expect_determinism({"ir",
                         kScenes + "classroom.gltf",

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+// Diffracted sound of whole scenes: what the simulator makes of it, and that the sum with direct
+// and reflected sound has no step.
+#include "earshot/audio/bands.h"
+#include "earshot/base/error.h"
+#include "earshot/base/math.h"
+#include "earshot/bvh/deformable_bvh.h"
+#include "earshot/frustum/edge_paths.h"
+#include "earshot/frustum/find_specular_paths.h"
+#include "earshot/geometry/clean.h"
+#include "earshot/geometry/wedges.h"
+#include "earshot/propagation/diffraction.h"
+#include "earshot/propagation/internal/diffracted_sound.h"
+#include "earshot/propagation/simulator.h"
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+namespace earshot::propagation {
+namespace {
+
+using Complex = std::complex<double>;
+using geometry::Vec3;
+
+void add_quad(geometry::Mesh& mesh, const std::array<Vec3, 4>& corners) {
+    const auto first = static_cast<geometry::VertexId>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), corners.begin(), corners.end());
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+}
+
+/// A screen of 2.4 x 1.2 m that floats 0.3 m above an absorbing floor of 20 x 20 m.
+Scene screen_scene() {
+    geometry::Mesh mesh;
+    add_quad(mesh, {Vec3(-10, 0, 10), Vec3(10, 0, 10), Vec3(10, 0, -10), Vec3(-10, 0, -10)});
+    add_quad(mesh, {Vec3(-1.2, 0.3, 0), Vec3(1.2, 0.3, 0), Vec3(1.2, 1.5, 0), Vec3(-1.2, 1.5, 0)});
+    Scene scene;
+    scene.name = "screen";
+    scene.material_of_triangle = {0, 0, 1, 1};
+    scene.materials.resize(2);
+    scene.materials[0].name = "floor";
+    scene.materials[0].absorption = EnergyCoefficient(0.4);
+    scene.materials[1].name = "screen";
+    scene.materials[1].absorption = EnergyCoefficient(0.2);
+    scene.sources = {{.name = "s", .node = -1, .position = {0.2, 1.1, 2.0}}};
+    scene.listeners = {{.name = "l", .node = -1, .position = {-0.3, 1.0, -1.5}}};
+    scene.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
+    return scene;
+}
+
+std::vector<Path> paths_of(const Scene& scene, const Options& options) {
+    Simulator simulator(scene, options);
+    return simulator.run()[0].paths;
+}
+
+TEST(DiffractedPaths, ReachBehindAScreen) {
+    const Scene scene = screen_scene();
+    const Options options{.specular_order = 0, .diffraction = 1, .air_absorption = false};
+    EXPECT_TRUE(paths_of(scene, {.specular_order = 0}).empty());
+    const auto paths = paths_of(scene, options);
+    // The screen's edges, and those of the floor that are not behind it from either side.
+    ASSERT_GE(paths.size(), 4U);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const Path& path = paths[i];
+        EXPECT_EQ(path.kind, PathKind::diffracted);
+        EXPECT_EQ(path.order, 1);
+        ASSERT_EQ(path.points.size(), 3U);
+        ASSERT_EQ(path.edges.size(), 1U);
+        EXPECT_EQ(path.points[1].z, 0.0);
+        EXPECT_EQ(path.edges[0][0].z, 0.0);
+        EXPECT_GE(path.triangles[0], 2U);
+        EXPECT_EQ(path.materials[0], 1U);
+        EXPECT_NEAR(path.delay, path.length / 343.2, 1e-12);
+        // Of one edge the terms of direct sound add to the pressure in its shadow.
+        EXPECT_GT(path.parts[0][4], 0.0);
+    }
+    EXPECT_TRUE(std::is_sorted(paths.begin(), paths.end(), [](const Path& a, const Path& b) {
+        return a.delay < b.delay;
+    }));
+}
+
+// The upper edge by itself: what the integral gives, with a factor per kind of term.
+TEST(DiffractedPaths, HaveThePressureOfTheIntegral) {
+    const Scene scene = screen_scene();
+    const auto paths =
+        paths_of(scene, {.specular_order = 1, .diffraction = 1, .air_absorption = false});
+    const auto upper = std::find_if(paths.begin(), paths.end(), [](const Path& path) {
+        return path.kind == PathKind::diffracted && path.order == 1 && path.points[1].y == 1.5;
+    });
+    ASSERT_NE(upper, paths.end());
+    // From the source's side of the screen: angles from its face, which hangs down.
+    EdgeDiffraction edge;
+    edge.open_angle = 2.0 * math::kPi;
+    edge.source = {std::hypot(0.4, 2.0), std::atan2(2.0, 0.4), 0.2};
+    edge.listener = {std::hypot(0.5, 1.5), 2.0 * math::kPi - std::atan2(1.5, 0.5), -0.3};
+    edge.z_begin = -1.2;
+    edge.z_end = 1.2;
+    const double face = std::sqrt(0.8);
+    edge.pressure_factors = {1.0, face, face};
+    for (std::size_t band = 0; band < 10; ++band) {
+        const double k = 2.0 * math::kPi * audio::Bands::octaves().exact_hz()[band] / 343.2;
+        EXPECT_NEAR(upper->pressure[band], std::abs(diffracted_pressure(edge, k).total()), 1e-5);
+    }
+}
+
+TEST(DiffractedPaths, ComeWithReflectionsBeforeAndAfter) {
+    const auto paths = paths_of(screen_scene(), {.specular_order = 1, .diffraction = 1});
+    std::size_t before = 0, after = 0;
+    for (const Path& path : paths) {
+        if (path.kind == PathKind::diffracted && path.order == 2 && path.edges[0][0].z == 0.0 &&
+            path.edges[0][1].z == 0.0) {
+            before += path.points[1].y == 0.0 && path.points[2].z == 0.0 ? 1 : 0;
+            after += path.points[1].z == 0.0 && path.points[2].y == 0.0 ? 1 : 0;
+            EXPECT_EQ(path.materials.size(), 2U);
+        }
+    }
+    EXPECT_EQ(before, 4U);
+    EXPECT_EQ(after, 4U);
+}
+
+TEST(DiffractedPaths, LevelsAndLengthsLeaveOutThoseBeyond) {
+    const Scene scene = screen_scene();
+    const auto all = paths_of(scene, {.specular_order = 1, .diffraction = 1});
+    const auto near = paths_of(scene, {.specular_order = 1, .diffraction = 1, .max_length = 5.0});
+    const auto loud =
+        paths_of(scene, {.specular_order = 1, .diffraction = 1, .min_level_db = -30.0});
+    std::size_t count_near = 0, count_loud = 0;
+    for (const Path& path : all) {
+        count_near += path.length <= 5.0 ? 1 : 0;
+        double loudest = 0.0;
+        for (const double pressure : path.pressure) {
+            loudest = std::max(loudest, std::abs(pressure));
+        }
+        count_loud += loudest >= std::pow(10.0, -1.5) ? 1 : 0;
+    }
+    EXPECT_EQ(near.size(), count_near);
+    EXPECT_EQ(loud.size(), count_loud);
+    EXPECT_LT(count_near, all.size());
+    EXPECT_LT(count_loud, all.size());
+}
+
+TEST(DiffractedPaths, AreTheSameForAnyNumberOfThreads) {
+    const Scene scene = screen_scene();
+    const Options options{.specular_order = 2, .diffraction = 1};
+    Executor two(2);
+    Simulator simulator(scene, options);
+    const auto there = simulator.run(two)[0].paths;
+    const auto here = paths_of(scene, options);
+    ASSERT_EQ(there.size(), here.size());
+    for (std::size_t i = 0; i < here.size(); ++i) {
+        EXPECT_EQ(there[i].points, here[i].points);
+        EXPECT_EQ(there[i].pressure, here[i].pressure);
+    }
+}
+
+TEST(DiffractedPaths, OfTwoEdgesAreRefused) {
+    const Scene scene = screen_scene();
+    EXPECT_THROW(Simulator(scene, {.diffraction = 2}), Error);
+}
+
+/// All of the sound at a listener at the centre of each band, and the energies that are expected.
+struct Field {
+    std::vector<Complex> pressure;
+    std::vector<double> energy;
+    std::size_t specular_paths = 0;
+};
+
+/// The screen scene as the library has it, for listeners by the hundred.
+class ScreenField {
+public:
+    ScreenField() : scene_(screen_scene()) {
+        mesh_.triangles.assign(scene_.mesh.triangles().begin(), scene_.mesh.triangles().end());
+        mesh_.positions = scene_.mesh.positions_at(0.0);
+        const auto clean = geometry::clean(mesh_.view());
+        facets_ = geometry::find_facets(mesh_.view(), clean.weld, scene_.material_of_triangle);
+        bvh_ = bvh::DeformableBvh(mesh_.view());
+        wedges_ = geometry::find_wedges(facets_);
+        for (const geometry::Facet& facet : facets_.facets) {
+            const bool is_floor = facet.triangles.front() < 2;
+            audio::Spectrum factor{};
+            factor.fill(std::sqrt(is_floor ? 0.6 : 0.8));
+            reflection_.push_back(factor);
+        }
+    }
+
+    Field at(const Vec3& listener) const {
+        const audio::Bands& bands = audio::Bands::octaves();
+        const AirAbsorption air({}, bands);
+        const DiffractionModel model{.bands = bands,
+                                     .speed_of_sound = 343.0,
+                                     .air = air,
+                                     .air_absorption = false,
+                                     .reflection = reflection_,
+                                     .max_order = 1};
+        const frustum::SceneView view{.bvh = {bvh_.tree(), mesh_.view()}, .facets = facets_};
+        const Vec3 source = scene_.sources[0].position;
+        const std::array listeners{listener};
+        const auto traced =
+            frustum::find_specular_paths(view, source, listeners, {.max_order = 1}).paths;
+        Field field{.pressure = std::vector<Complex>(bands.count()),
+                    .energy = std::vector<double>(bands.count()),
+                    .specular_paths = traced.size()};
+        std::vector<Path> paths;
+        SpecularPaths specular;
+        for (const frustum::SpecularPath& found : traced) {
+            Path path;
+            path.length = found.length;
+            path.delay = found.length / 343.0;
+            FacetSequence sequence;
+            path.pressure.fill(1.0 / found.length);
+            for (const geometry::TriangleId triangle : found.triangles) {
+                sequence.push_back(facets_.of_triangle[triangle]);
+                for (double& pressure : path.pressure) {
+                    pressure *= reflection_[sequence.back()][0];
+                }
+            }
+            specular[sequence] = paths.size();
+            paths.push_back(path);
+            for (std::size_t band = 0; band < bands.count(); ++band) {
+                field.pressure[band] += std::polar(
+                    path.pressure[band], -2.0 * math::kPi * bands.exact_hz()[band] * path.delay);
+            }
+        }
+        std::vector<DiffractedSound> sounds;
+        for (frustum::EdgePath& way :
+             frustum::find_edge_paths(view, wedges_, source, listeners, {.max_reflections = 1})
+                 .paths) {
+            sounds.push_back(diffracted_sound(std::move(way), view, wedges_, specular, model));
+            for (std::size_t band = 0; band < bands.count(); ++band) {
+                for (const auto& of_kind : sounds.back().pressure) {
+                    field.pressure[band] += of_kind[band];
+                }
+            }
+        }
+        for (const audio::Arrival& arrival : energy_arrivals(paths, specular, sounds, model)) {
+            for (std::size_t band = 0; band < bands.count(); ++band) {
+                field.energy[band] += arrival.pressure[band] * arrival.pressure[band];
+            }
+        }
+        return field;
+    }
+
+private:
+    Scene scene_;
+    geometry::Mesh mesh_;
+    geometry::Facets facets_;
+    bvh::DeformableBvh bvh_;
+    std::vector<geometry::Wedge> wedges_;
+    std::vector<audio::Spectrum> reflection_;
+};
+
+// A listener walks from behind the screen into the open and past the zones of its reflections. Each
+// place where a specular path begins or ends is found to a tenth of a nanometre.
+TEST(DiffractedPaths, PressureAndEnergyAreContinuousWherePathsBeginAndEnd) {
+    const ScreenField scene;
+    const std::array<std::array<Vec3, 2>, 4> walks{{{Vec3(-0.3, 1.0, -1.5), Vec3(-0.2, 2.9, -1.4)},
+                                                    {Vec3(0.1, 1.1, -2.0), Vec3(5.0, 0.9, -2.2)},
+                                                    {Vec3(0.3, 1.0, 3.0), Vec3(4.0, 1.6, 2.5)},
+                                                    {Vec3(-0.5, 0.9, -0.7), Vec3(-0.6, 0.05, -3)}}};
+    std::size_t boundaries = 0;
+    for (const auto& [from, to] : walks) {
+        constexpr int kSteps = 40;
+        const auto place = [&, a = from, b = to](double t) { return a + t * (b - a); };
+        double previous = 0.0;
+        std::size_t paths = scene.at(from).specular_paths;
+        for (int i = 1; i <= kSteps; ++i) {
+            const double t = static_cast<double>(i) / kSteps;
+            if (scene.at(place(t)).specular_paths != paths) {
+                double low = previous, high = t;
+                while (high - low > 1e-11) {
+                    const double middle = 0.5 * (low + high);
+                    (scene.at(place(middle)).specular_paths == paths ? low : high) = middle;
+                }
+                const Field before = scene.at(place(low));
+                const Field after = scene.at(place(high));
+                ++boundaries;
+                for (std::size_t band = 0; band < before.pressure.size(); ++band) {
+                    EXPECT_LT(std::abs(after.pressure[band] - before.pressure[band]), 1e-7);
+                    EXPECT_LT(std::abs(after.energy[band] - before.energy[band]), 1e-7);
+                }
+                paths = after.specular_paths;
+            }
+            paths = scene.at(place(t)).specular_paths;
+            previous = t;
+        }
+    }
+    EXPECT_GE(boundaries, 6U);
+}
+
+}  // namespace
+}  // namespace earshot::propagation
