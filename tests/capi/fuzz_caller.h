@@ -108,5 +108,6 @@ struct WeightedCall {
 const std::vector<WeightedCall>& scene_calls();
 const std::vector<WeightedCall>& simulation_calls();
 const std::vector<WeightedCall>& query_calls();
+const std::vector<WeightedCall>& location_calls();
 
 }  // namespace earshot::capi_fuzz
