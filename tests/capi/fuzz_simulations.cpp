@@ -515,6 +515,66 @@ es_status mend(Caller& c) {
     }
 }
 
+es_status make_calibration(Caller& c) {
+    const es_scene scene = c.handle(ES_KIND_SCENE);
+    es_simulation_options simulation = options(c);
+    simulation.rays = 0;
+    es_calibration_options given;
+    es_calibration_options_init(&given, sizeof given);
+    given.default_error = c.number(1e-3, 1e3);
+    given.spread = c.number(1e-3, 1e3);
+    given.max_simulations = 1 + c.choice(2);
+    std::array<es_measured_metric, 3> measured{};
+    const std::size_t count = c.count(3);
+    for (std::size_t i = 0; i < count; ++i) {
+        measured[i] = {.source = static_cast<std::uint32_t>(c.below(3)),
+                       .listener = static_cast<std::uint32_t>(c.below(3)),
+                       .metric = c.choice(8),
+                       .reserved = 0,
+                       .band_hz = c.chance(0.1) ? 440.0 : 500.0,
+                       .value = c.number(-1e6, 1e6, {0.3, 3.0}),
+                       .error = c.number(0.0, 1e6, {0.0, 0.5})};
+    }
+    given.measured = c.text({"none.csv", "fuzz.csv", "/", ""}, true);
+    // Indices and doubled values may be wrong whatever each member is.
+    c.wrong = false;
+    es_calibration calibration = 0;
+    return kept(
+        c,
+        es_calibrate(scene, &simulation, &given, measured.data(), count, c.out(calibration)),
+        calibration);
+}
+
+es_status use_calibration(Caller& c) {
+    const es_calibration calibration = c.handle(ES_KIND_CALIBRATION);
+    switch (c.below(4)) {
+        case 0: {
+            const double* values = nullptr;
+            std::size_t shape[2] = {};
+            const es_status status =
+                es_calibration_values(calibration, c.choice(9), c.out(values), shape);
+            keep_reading(status == ES_OK ? sum(values, shape[0] * shape[1]) : 0.0);
+            return status;
+        }
+        case 1: {
+            const double* after = nullptr;
+            std::size_t count = 0;
+            const es_status status = es_calibration_metrics(
+                calibration, nullptr, nullptr, &after, nullptr, c.out(count));
+            keep_reading(status == ES_OK ? sum(after, count) : 0.0);
+            return status;
+        }
+        case 2: {
+            const char* text = nullptr;
+            return es_calibration_json(calibration, c.out(text));
+        }
+        default: {
+            const es_scene scene = c.handle(ES_KIND_SCENE);
+            return es_calibration_apply(calibration, scene);
+        }
+    }
+}
+
 es_status read_files(Caller& c) {
     std::uint64_t handle = 0;
     const char* file = c.text({"none", "fuzz.wav", "fuzz.json", "fuzz.pvs", "/", ""});
@@ -541,6 +601,8 @@ const std::vector<WeightedCall>& simulation_calls() {
                                                     {"write_report", write_report, 3},
                                                     {"make_map", make_map, 2},
                                                     {"use_map", use_map, 8},
+                                                    {"make_calibration", make_calibration, 1},
+                                                    {"use_calibration", use_calibration, 6},
                                                     {"make_check", make_check, 1},
                                                     {"use_check", use_check, 8},
                                                     {"mend", mend, 6},
