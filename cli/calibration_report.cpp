@@ -129,26 +129,33 @@ private:
         for (const auto& [materials, list] : of_materials) {
             std::string names, bands, means;
             for (const std::uint32_t material : materials) {
-                names += (names.empty() ? "" : ", ") +
-                         on_one_line(parts_.scene.materials[material].name);
+                names += (names.empty() ? "" : ", ") + name(material);
             }
             for (const UnidentifiedGroup* group : list) {
                 const double band_hz = parts_.bands.nominal_hz()[group->band];
                 bands += (bands.empty() ? "" : ", ") + formatted("%g", band_hz);
-                if (!group->weights.empty()) {
-                    means +=
-                        (means.empty() ? "" : ", ") +
-                        formatted("%.3f +- %.3f at %g Hz", group->value, group->error, band_hz);
-                }
+                means += group->weights.empty() ? "" : mean(*group);
             }
             text += "\n" + names +
                     (materials.size() > 1 ? ": not told apart" : ": hardly told at all") + " at " +
-                    bands + " Hz\n";
-            if (!means.empty()) {
-                text += "  their weighted mean is: " + means + "\n";
-            }
+                    bands + " Hz" + (means.empty() ? "" : "; known are") + "\n" + means;
         }
         return text;
+    }
+
+    std::string name(std::uint32_t material) const {
+        return on_one_line(parts_.scene.materials[material].name);
+    }
+
+    /// What is known of a group: "  1000 Hz: 0.54 floor + 0.46 ceiling = 0.245 +- 0.008".
+    std::string mean(const UnidentifiedGroup& group) const {
+        std::string sum;
+        for (std::size_t k = 0; k < group.materials.size(); ++k) {
+            sum += (sum.empty() ? "" : " + ") + formatted("%.2f ", group.weights[k]) +
+                   name(group.materials[k]);
+        }
+        return formatted("  %5g Hz: ", parts_.bands.nominal_hz()[group.band]) + sum +
+               formatted(" = %.3f +- %.3f\n", group.value, group.error);
     }
 
     static constexpr std::size_t kMaxNameWidth = 32;

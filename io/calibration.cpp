@@ -30,7 +30,11 @@ Json coefficient_of(const EnergyCoefficient& coefficient) {
     }
     Json json = Json::object();
     for (const EnergyCoefficient::Point& point : coefficient.points()) {
-        json[json_number(point.frequency_hz)] = point.value;
+        std::string frequency = json_number(point.frequency_hz);
+        if (frequency.ends_with(".0")) {
+            frequency.resize(frequency.size() - 2);
+        }
+        json[frequency] = point.value;
     }
     return json;
 }

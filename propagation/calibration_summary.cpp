@@ -141,6 +141,26 @@ void warn_of_bands(const audio::Bands& bands, CalibrationResult& result) {
     }
 }
 
+/// Files of materials go by names.
+void warn_of_names(const Scene& scene, CalibrationResult& result) {
+    std::map<std::string, std::size_t> counts;
+    for (std::size_t material = 0; material < scene.materials.size(); ++material) {
+        const std::vector<FittedAbsorption>& bands = result.absorption[material];
+        if (std::any_of(bands.begin(), bands.end(), [](const auto& b) { return b.is_fitted; })) {
+            ++counts[scene.materials[material].name];
+        }
+    }
+    for (const auto& [name, count] : counts) {
+        if (count > 1) {
+            result.warnings.push_back(
+                {name,
+                 std::to_string(count) +
+                     " materials have this name; from a file of materials all take the absorption "
+                     "of the last"});
+        }
+    }
+}
+
 void warn_of_bounds(const Scene& scene, const audio::Bands& bands, CalibrationResult& result) {
     for (std::size_t material = 0; material < result.absorption.size(); ++material) {
         std::string list;
@@ -185,6 +205,7 @@ void summarize(const Scene& scene, const audio::Bands& bands, CalibrationResult&
     warn_of_pairs(scene, result);
     warn_of_outliers(result);
     warn_of_bounds(scene, bands, result);
+    warn_of_names(scene, result);
 }
 
 }  // namespace earshot::propagation

@@ -547,32 +547,14 @@ es_status make_calibration(Caller& c) {
 
 es_status use_calibration(Caller& c) {
     const es_calibration calibration = c.handle(ES_KIND_CALIBRATION);
-    switch (c.below(4)) {
-        case 0: {
-            const double* values = nullptr;
-            std::size_t shape[2] = {};
-            const es_status status =
-                es_calibration_values(calibration, c.choice(9), c.out(values), shape);
-            keep_reading(status == ES_OK ? sum(values, shape[0] * shape[1]) : 0.0);
-            return status;
-        }
-        case 1: {
-            const double* after = nullptr;
-            std::size_t count = 0;
-            const es_status status = es_calibration_metrics(
-                calibration, nullptr, nullptr, &after, nullptr, c.out(count));
-            keep_reading(status == ES_OK ? sum(after, count) : 0.0);
-            return status;
-        }
-        case 2: {
-            const char* text = nullptr;
-            return es_calibration_json(calibration, c.out(text));
-        }
-        default: {
-            const es_scene scene = c.handle(ES_KIND_SCENE);
-            return es_calibration_apply(calibration, scene);
-        }
+    if (c.chance(0.3)) {
+        return es_calibration_apply(calibration, c.handle(ES_KIND_SCENE));
     }
+    const double* values = nullptr;
+    std::size_t shape[2] = {};
+    const es_status status = es_calibration_values(calibration, c.choice(9), c.out(values), shape);
+    keep_reading(status == ES_OK ? sum(values, shape[0] * shape[1]) : 0.0);
+    return status;
 }
 
 es_status read_files(Caller& c) {

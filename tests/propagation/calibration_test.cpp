@@ -184,7 +184,8 @@ TEST(Calibration, DoesNotFollowOutliers) {
 
 TEST(Calibration, KeepsFixedMaterialsAndTellsUnknownOnesApart) {
     REQUIRE_SOLVER();
-    const Scene truth = calibration_room();
+    Scene truth = calibration_room();
+    truth.materials[2].name = truth.materials[3].name = "wall";
     const auto exact = expected_metrics(truth, simulation(512, 1));
     const auto measured = measured_metrics(truth, exact, exact, {kT30}, {kBand500}, 0);
     const CalibrationResult result = calibrate_absorption(truth,
@@ -200,6 +201,9 @@ TEST(Calibration, KeepsFixedMaterialsAndTellsUnknownOnesApart) {
     // One metric of a diffuse room tells one mean of all surfaces.
     ASSERT_FALSE(result.groups.empty());
     EXPECT_GT(result.groups.front().materials.size(), 2U);
+    EXPECT_TRUE(std::any_of(result.warnings.begin(), result.warnings.end(), [](const Warning& w) {
+        return w.subject == "wall" && w.what.starts_with("2 materials have this name");
+    }));
 }
 
 TEST(Calibration, NeverGoesBelowTransmission) {
