@@ -62,9 +62,10 @@ std::string geometry_text(const SimplificationReport& report) {
                 std::to_string(report.dropped_triangles) + " triangles without an area or doubled");
     }
     if (report.parts_tightened + report.parts_kept > 0) {
-        text += row("measured",
-                    std::to_string(report.parts_tightened) + " parts simplified again by less, " +
-                        std::to_string(report.parts_kept) + " left as they were");
+        text +=
+            row("measured",
+                std::to_string(report.parts_tightened) + " parts simplified again more closely, " +
+                    std::to_string(report.parts_kept) + " left as they were");
     }
     text += row("volume",
                 "of closed solids " + short_text(report.solid_volume_before) + " -> " +

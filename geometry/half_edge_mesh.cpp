@@ -94,9 +94,9 @@ HalfEdgeId inner_half_edge(const Connectivity& mesh,
 
 namespace decimater = OpenMesh::Decimater;
 
-/// No collapse turns a triangle by more: somewhat more than a chamfer, half of a right angle, which
+/// No collapse turns a triangle by more: just more than a chamfer, half of a right angle, which
 /// vanishes so. More leaves folds in which later collapses are stuck.
-constexpr float kMaxTurnDegrees = 50.0F;
+constexpr float kMaxTurnDegrees = 45.5F;
 
 /// Collapses half-edges in the order of their quadric errors. OpenMesh's own loop asks all modules
 /// about every half-edge around a change; here the costly questions are asked only about the

@@ -89,7 +89,7 @@ struct SimplificationReport {
     std::size_t vertices_before = 0, vertices_after = 0;
     std::size_t dropped_triangles = 0;  ///< of these before: degenerate or duplicate (clean.h)
     std::size_t parts = 0;              ///< connected
-    std::size_t parts_tightened = 0;    ///< simplified again with less, as the measure asked
+    std::size_t parts_tightened = 0;    ///< simplified again more closely, as the measure asked
     std::size_t parts_kept = 0;         ///< left as they were, as the measure asked
     SurfaceChange surfaces;             ///< the largest of all parts that are no boxes
     SurfaceChange boxes;                ///< and of those that are

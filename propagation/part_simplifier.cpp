@@ -221,20 +221,26 @@ SimplifiedPart PartSimplifier::decimated(const MeshPart& part) const {
     struct Attempt {
         double share;
         int samples_per_edge;
+        bool sharpen;
     };
-    constexpr std::array<Attempt, 5> kAttempts = {
-        {{1.0, 3}, {0.8, 8}, {0.5, 16}, {0.25, 32}, {0.0, 32}}};
+    constexpr std::array<Attempt, 6> kAttempts = {{{1.0, 3, true},
+                                                   {1.0, 6, false},
+                                                   {0.8, 8, true},
+                                                   {0.5, 16, false},
+                                                   {0.25, 32, false},
+                                                   {0.0, 32, false}}};
     for (const Attempt& attempt : kAttempts) {
         geometry::SimplifiedMesh found =
             geometry::simplify(part.mesh.view(),
                                part.labels,
                                {.max_distance = attempt.share * options_.max_distance,
                                 .max_angle = options_.max_angle,
+                                .sharpen = attempt.sharpen,
                                 .samples_per_edge = attempt.samples_per_edge});
         SimplifiedPart simplified{.mesh = std::move(found.mesh),
                                   .labels = {},
                                   .triangles_before = part.mesh.triangles.size(),
-                                  .is_tightened = attempt.share < 1.0,
+                                  .is_tightened = &attempt != kAttempts.data(),
                                   .change = {},
                                   .box = {},
                                   .uses = {}};
