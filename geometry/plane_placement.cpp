@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/internal/plane_placement.h"
 
-#include "earshot/geometry/internal/surface_samples.h"
 #include "earshot/geometry/vector.h"
 
 #include <glm/mat3x3.hpp>
@@ -164,26 +163,6 @@ private:
                 return;
             }
         }
-        if (!keeps_samples(beside)) {
-            positions_[vertex] = before;
-        }
-    }
-
-    /// Whether the samples of these triangles are still within the distance of one of them.
-    bool keeps_samples(std::span<const std::size_t> beside) const {
-        for (const std::size_t t : beside) {
-            for (const VertexId sample : triangles_[t].samples) {
-                const auto is_close = [&](std::size_t other) {
-                    return squared_distance(input_.mesh.positions[sample],
-                                            corners(positions_, triangles_[other].corners)) <=
-                           max_distance_ * max_distance_;
-                };
-                if (!is_close(t) && std::none_of(beside.begin(), beside.end(), is_close)) {
-                    return false;
-                }
-            }
-        }
-        return true;
     }
 
     const PlacementInput& input_;

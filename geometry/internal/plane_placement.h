@@ -22,7 +22,7 @@ struct PlacementInput {
 /// than twice `max_distance`. What was rounded becomes sharp, and walls stay flat, so that they are
 /// mirrors as before (planar proxies: Salinas, Lafarge and Alliez 2015). Facets count that are
 /// wider than a few distances and face nearly as the triangle does. A vertex stays where a triangle
-/// would turn over or leave its samples by more than the distance. Returns all positions.
+/// would turn over. Returns all positions.
 std::vector<Vec3> place_on_planes(const PlacementInput& input,
                                   std::span<const DecimatedTriangle> triangles,
                                   double max_distance);
