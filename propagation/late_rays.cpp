@@ -3,6 +3,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
+#include "earshot/base/random.h"
 #include "earshot/propagation/internal/listener_sums.h"
 #include "earshot/propagation/internal/ray_tracer.h"
 
@@ -272,6 +273,36 @@ private:
     bool is_over_ = false;
 };
 
+/// The window for the decay of a few rays with random numbers of their own.
+WeightWindow find_weight_window(const RayScene& scene,
+                                const RaySource& source,
+                                const RayOptions& options,
+                                Executor& executor) {
+    constexpr std::size_t kParts = 8;  // of the length
+    constexpr std::uint64_t kPilotStream = (std::uint64_t{1} << 60);
+    RayOptions few = options;
+    few.rays = 512;
+    few.max_error = 0.0;
+    few.report_materials = false;
+    few.decay_time = 0.0;
+    few.seed = random_bits(options.seed, kPilotStream, 0);
+    few.bin = options.length;
+    RayTracer tracer(scene, source, {}, few, executor);
+    std::vector<Spectrum> decay;
+    for (std::size_t part = 1; part <= kParts; ++part) {
+        few.length = options.length * static_cast<double>(part) / kParts;
+        tracer.set_length();
+        Experiment experiment(tracer, 0, few);
+        experiment.run(executor, nullptr);
+        const EnergyBalance balance = experiment.totals().balance;
+        Spectrum& left = decay.emplace_back();
+        for (std::size_t band = 0; band < options.bands.count(); ++band) {
+            left[band] = balance.remaining[band] / balance.emitted[band];
+        }
+    }
+    return WeightWindow(decay, options.bands, speed_of_sound(options.air) * options.length);
+}
+
 }  // namespace
 
 double late_length(const RayScene& scene,
@@ -317,7 +348,10 @@ LateTotals visit_late_sound(const RayScene& scene,
                             Executor& executor,
                             Progress* progress) {
     check(options);
-    const RayTracer tracer(scene, source, listeners, options, executor);
+    RayTracer tracer(scene, source, listeners, options, executor);
+    if (options.weight_window) {
+        tracer.set_weight_window(find_weight_window(scene, source, options, executor));
+    }
     Experiment experiment(tracer, listeners.size(), options);
     experiment.run(executor, progress);
     executor.for_each(listeners.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -272,6 +272,7 @@ Options map_simulation(Options options) {
     // In the classroom this leaves the standard errors as they are, and takes half of the time.
     constexpr double kRainRadius = 1.5;
     options.rain_radius = kRainRadius;
+    options.weight_window = true;
     return options;
 }
 

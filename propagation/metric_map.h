@@ -19,8 +19,8 @@ namespace earshot::propagation {
 
 struct MapOptions {
     /// Of the paths and rays to each point. Paths are not kept (Options::report_paths), beam trees
-    /// are, and diffuse rain falls on far points by chance (Options::rain_radius): see
-    /// map_simulation().
+    /// are, diffuse rain falls on far points by chance (Options::rain_radius), and rays have a
+    /// weight window: see map_simulation().
     Options simulation{};
     std::optional<audio::SpeechConditions> speech{};  ///< for STI
     double step = 0.25;  ///< edge of the smallest cells, metres, at most

@@ -29,6 +29,7 @@ constexpr double kSurvivalProbability = 0.5;
 // Streams of random numbers of a reflection. Stream 0 turns batches.
 constexpr std::uint64_t kStreams = 4;
 constexpr std::uint64_t kDirectionStream = 2;
+constexpr std::uint64_t kSplitStream = kBallStream + 1;
 
 /// A vector of length nearly 1, brought back to length 1 by one step of Newton's method, so that
 /// rounding errors do not grow with the number of reflections.
@@ -79,6 +80,7 @@ void RayBatch<kBands>::scatter_near(std::span<const NearScattering> places, doub
         Path& path = paths_.emplace_back();
         path.travelled = place.travelled;
         path.id = reversed_->first_id + place.start;
+        path.start = static_cast<std::uint32_t>(place.start);
         Energies& energies = energies_.emplace_back();
         for (std::size_t band = 0; band < kBands; ++band) {
             energies[band] = energy * place.energy[band];
@@ -129,7 +131,8 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
     find_chords(random.chord);
     record_chords(random.trials);
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < rays_.size(); ++i) {
+    const std::size_t count = rays_.size();
+    for (std::size_t i = 0; i < count; ++i) {
         if (!hits_[i]) {
             add(1.0, energies_[i], balance_.escaped.data());
             continue;
@@ -141,15 +144,14 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
         }
         ++balance_.bounces;
         if (interact(i, random)) {
-            if (kept != i) {
-                rays_[kept] = rays_[i];
-                origin_triangles_[kept] = origin_triangles_[i];
-                paths_[kept] = paths_[i];
-                energies_[kept] = energies_[i];
-                std::copy_n(reflections_of(i), materials_, reflections_of(kept));
+            if (!tracer_.window_.empty()) {
+                split(i, random.direction);
             }
-            ++kept;
+            move_ray(i, kept++);
         }
+    }
+    for (std::size_t i = count; i < rays_.size(); ++i) {
+        move_ray(i, kept++);
     }
     cast_diffuse_rain(random.rain);
     rays_.resize(kept);
@@ -157,6 +159,63 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
     paths_.resize(kept);
     energies_.resize(kept);
     reflections_.resize(kept * materials_);
+}
+
+template <std::size_t kBands>
+void RayBatch<kBands>::move_ray(std::size_t from, std::size_t to) {
+    if (from != to) {
+        rays_[to] = rays_[from];
+        origin_triangles_[to] = origin_triangles_[from];
+        paths_[to] = paths_[from];
+        energies_[to] = energies_[from];
+        std::copy_n(reflections_of(from), materials_, reflections_of(to));
+    }
+}
+
+/// The weight of a ray in the tracer's window.
+template <std::size_t kBands>
+double RayBatch<kBands>::weight_in_window(const Path& path, const Energies& energy) const {
+    const audio::Spectrum& scale = tracer_.window_.scale_at(path.travelled);
+    double largest = 0.0;
+    for (std::size_t band = 0; band < kBands; ++band) {
+        largest = std::max(largest, scale[band] * energy[band]);
+    }
+    return largest / start_energy_;
+}
+
+/// Splits a heavy ray into parts with random numbers of their own, and with directions of their own
+/// where it was scattered just now. Few enough that a decay that was misjudged does not multiply
+/// them without end.
+template <std::size_t kBands>
+void RayBatch<kBands>::split(std::size_t i, const RandomStream& direction) {
+    constexpr double kMaxParts = 16.0;
+    constexpr std::size_t kMaxRays = 4096;
+    const double parts = std::min(std::floor(weight_in_window(paths_[i], energies_[i])), kMaxParts);
+    if (!(parts >= 2.0) || rays_.size() >= kMaxRays) {
+        return;
+    }
+    for (double& energy : energies_[i]) {
+        energy /= parts;
+    }
+    const RandomStream ids(options_.seed, kSplitStream);
+    std::uint64_t id = paths_[i].id;
+    for (double part = 1.0; part < parts; ++part) {
+        rays_.push_back(rays_[i]);
+        origin_triangles_.push_back(origin_triangles_[i]);
+        energies_.push_back(energies_[i]);
+        paths_.push_back(paths_[i]);
+        reflections_.resize(reflections_.size() + materials_);
+        std::copy_n(reflections_of(i), materials_, reflections_of(rays_.size() - 1));
+        Path& path = paths_.back();
+        // The stream of the reflection tells parts of one ray at different reflections apart.
+        id = ids.bits(id);
+        path.id = id ^ direction.bits(paths_[i].id);
+        if (path.recorded_by_rain) {
+            rays_.back().direction =
+                lambert_direction(path.scattering_normal, direction.bits(path.id));
+            path.scattering_cosine = glm::dot(rays_.back().direction, path.scattering_normal);
+        }
+    }
 }
 
 /// The branching probabilities, from the sums over all bands. Rain is cast with the square root of
@@ -293,6 +352,7 @@ void RayBatch<kBands>::add_secondary_source(const SurfacePoint& point,
     SecondarySource& secondary = secondary_sources_[secondary_source_count_++];
     secondary.point = point;
     secondary.id = path.id;
+    secondary.start = path.start;
     secondary.start_density = single_scattering_density(path, cosine);
     for (std::size_t band = 0; band < kBands; ++band) {
         secondary.energy[band] = weight * (surface.scattered[band] * energy[band]);
@@ -329,6 +389,18 @@ template <std::size_t kBands>
 bool RayBatch<kBands>::survives_roulette(const RandomStream& random,
                                          const Path& path,
                                          Energies& energy) {
+    if (!tracer_.window_.empty()) {
+        const double probability = weight_in_window(path, energy);
+        if (probability >= 1.0) {
+            return true;
+        }
+        if (random.at(path.id) >= probability) {
+            add(1.0, energy, balance_.remaining.data());
+            return false;
+        }
+        survive(probability, energy);
+        return true;
+    }
     // Two maxima at a time, which shortens the chain of dependent instructions.
     double largest = energy[0];
     double other = energy[1];
@@ -344,12 +416,18 @@ bool RayBatch<kBands>::survives_roulette(const RandomStream& random,
         add(1.0, energy, balance_.remaining.data());
         return false;
     }
+    survive(kSurvivalProbability, energy);
+    return true;
+}
+
+/// A ray that survives carries the energy of those that did not.
+template <std::size_t kBands>
+void RayBatch<kBands>::survive(double probability, Energies& energy) {
     for (std::size_t band = 0; band < kBands; ++band) {
-        const double scaled = energy[band] / kSurvivalProbability;
+        const double scaled = energy[band] / probability;
         balance_.remaining[band] -= scaled - energy[band];
         energy[band] = scaled;
     }
-    return true;
 }
 
 namespace {
@@ -436,7 +514,10 @@ void RayTracer::trace_reversed(std::size_t listener,
                                std::uint64_t rays,
                                BatchResult& result) const {
     const Receiver& receiver = receivers_[listener];
-    const double count = std::ceil(static_cast<double>(rays) * receiver.near_scattering);
+    // Fewer where splitting makes each of them tell more.
+    constexpr double kShareInWindow = 0.25;
+    const double share = window_.empty() ? 1.0 : kShareInWindow;
+    const double count = std::ceil(static_cast<double>(rays) * receiver.near_scattering * share);
     const glm::dmat3 rotation = random_rotation(options_.seed, 0, kFirstReversed + index);
     std::vector<Vec3> directions(static_cast<std::size_t>(count));
     for (std::size_t i = 0; i < directions.size(); ++i) {

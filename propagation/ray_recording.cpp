@@ -114,7 +114,7 @@ void RayBatch<kBands>::record_chords(const RandomStream& trials) {
         if (occluded_[j] == 0) {
             const Chord& chord = chords_[j];
             record(chord.receiver,
-                   paths_[chord.ray].id,
+                   paths_[chord.ray].start,
                    chord.travelled,
                    chord.towards,
                    energies_[chord.ray],
@@ -196,7 +196,7 @@ void RayBatch<kBands>::record_near_field(std::size_t i,
             }
         }
         record(0,
-               paths_[i].id,
+               paths_[i].start,
                paths_[i].travelled + later + glm::length(towards),
                towards,
                scattered,
@@ -207,7 +207,7 @@ void RayBatch<kBands>::record_near_field(std::size_t i,
 
 template <std::size_t kBands>
 void RayBatch<kBands>::record(std::size_t receiver,
-                              std::uint64_t id,
+                              std::uint32_t start,
                               double travelled,
                               const Vec3& towards,
                               const Energies& energy,
@@ -218,7 +218,7 @@ void RayBatch<kBands>::record(std::size_t receiver,
         return;
     }
     // Sound leaves the source where the reversed ray arrives, and arrives where that one started.
-    const Vec3& direction = reversed_->directions[id - reversed_->first_id];
+    const Vec3& direction = reversed_->directions[start];
     const RaySource& source = tracer_.source_;
     if (source.directivity.is_omnidirectional()) {
         record_at_listener(reversed_->listener, travelled, direction, energy, share, reflections);
@@ -322,7 +322,7 @@ void RayBatch<kBands>::cast_diffuse_rain(const RandomStream& random) {
         const double squared = glm::dot(to_receiver, to_receiver);
         const double distance = std::sqrt(squared);
         record(rain_[j].receiver,
-               secondary.id,
+               secondary.start,
                secondary.point.travelled + distance,
                -to_receiver,
                secondary.energy,

@@ -152,6 +152,7 @@ RayOptions Simulator::State::ray_options(const RaySource& source, Executor& exec
                        .air_absorption = options.air_absorption,
                        .transmission = options.transmission,
                        .rain_radius = options.rain_radius,
+                       .weight_window = options.weight_window,
                        .report_directions = options.late_directions,
                        .report_materials = options.report_materials};
     constexpr double kDecades = 6.5;  // that late_length() holds

@@ -50,7 +50,8 @@ struct Options {
     std::uint64_t seed = 1;
     /// See RayOptions.
     double rain_radius = std::numeric_limits<double>::infinity();
-    double late_length = 0.0;  ///< seconds; 0: as long as the decay, see propagation::late_length
+    bool weight_window = false;  ///< likewise
+    double late_length = 0.0;    ///< seconds; 0: as long as the decay, see propagation::late_length
     bool late_directions = false;  ///< tell where late sound comes from
     /// Tell which materials late sound has met (PairResult::late_materials), for
     /// pair_sensitivity(). Costs time and memory and changes no other result.

@@ -84,6 +84,7 @@ private:
         std::array<geometry::TriangleId, kMaxTestedReflections> mirrors{};  // the first of them
         bool scattered_before = false;
         bool recorded_by_rain = false;          // the leg that begins
+        std::uint32_t start = 0;                // of a reversed ray: index of its direction
         geometry::Vec3 scattering_normal{0.0};  // at the image, mirrored along
         double scattering_cosine = 0.0;         // of the direction in which it was scattered
         /// Of the only scattering point, per solid angle about the start of the ray: cosine /
@@ -107,6 +108,7 @@ private:
     struct SecondarySource {
         SurfacePoint point;
         std::uint64_t id = 0;        // of the ray
+        std::uint32_t start = 0;     // likewise
         double start_density = 0.0;  // as in Path
         Energies energy;
     };
@@ -145,6 +147,10 @@ private:
                             int reflections,
                             double start_density) const;
     bool survives_roulette(const RandomStream& random, const Path& path, Energies& energy);
+    void survive(double probability, Energies& energy);
+    double weight_in_window(const Path& path, const Energies& energy) const;
+    void split(std::size_t i, const RandomStream& direction);
+    void move_ray(std::size_t from, std::size_t to);
     void find_chords(const RandomStream& random);
     void find_chord(std::size_t i, std::size_t receiver, double hit_distance, double random);
     void record_chords(const RandomStream& trials);
@@ -157,7 +163,7 @@ private:
     void cast_diffuse_rain(const RandomStream& random);
     bool is_active(std::size_t receiver) const { return reversed_ || active_[receiver] != 0; }
     void record(std::size_t receiver,
-                std::uint64_t id,
+                std::uint32_t start,
                 double travelled,
                 const geometry::Vec3& towards,
                 const Energies& energy,

@@ -5,6 +5,7 @@
 #include "earshot/propagation/internal/near_field.h"
 #include "earshot/propagation/internal/ray_surface.h"
 #include "earshot/propagation/internal/receiver_tree.h"
+#include "earshot/propagation/internal/weight_window.h"
 #include "earshot/propagation/late_energy.h"
 
 #include <algorithm>
@@ -13,6 +14,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace earshot::propagation {
@@ -114,6 +116,7 @@ public:
 
     /// Follows a change of the options' length or decay time; what is known of the scene stays.
     void set_length();
+    void set_weight_window(WeightWindow window) { window_ = std::move(window); }
 
     std::size_t bins() const noexcept { return bins_; }
     std::size_t direction_intervals() const noexcept;
@@ -204,6 +207,7 @@ private:
     /// Russian roulette begins below this share of a ray's first energy, per step of distance.
     std::vector<double> roulette_thresholds_;
     double roulette_steps_per_metre_ = 0.0;
+    WeightWindow window_;  // in place of these, unless it is empty
     // For materials; empty where nobody asked.
     std::vector<std::size_t> interval_of_bin_;
     std::vector<double> air_loss_;  // of energy, per bin and band

@@ -3,16 +3,21 @@
 
 #include "earshot/base/digest.h"
 #include "earshot/base/error.h"
+#include "earshot/base/standard_error.h"
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include "one_material_scene.h"
 #include "support/decay_line.h"
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace earshot::propagation {
 namespace {
@@ -514,6 +519,68 @@ TEST(LateRays, RainThatFallsByChanceHasTheSameMean) {
     const LateEnergy alone = trace_late_rays(
         room.scene(), source_at({5, 1.6, 2}), std::span(listeners).subspan(1, 1), options);
     EXPECT_EQ(energies(alone.listeners[0]), energies(by_chance.listeners[1]));
+}
+
+/// A room whose ceiling absorbs nearly all: late sound keeps to the walls.
+struct RoomWithAbsorbingCeiling : BoxRoom {
+    RoomWithAbsorbingCeiling() : BoxRoom({8, 3, 6}, 0.05, 0.2) {
+        materials.push_back(materials[0]);
+        materials[1].absorption = EnergyCoefficient(0.9);
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const auto& [a, b, c] = mesh.triangles[i];
+            if (std::min({mesh.positions[a].y, mesh.positions[b].y, mesh.positions[c].y}) > 2.9) {
+                material_of_triangle[i] = 1;
+            }
+        }
+    }
+};
+
+// Against the same number of rays without a window, in the energy of parts of the decay.
+TEST(LateRays, AWeightWindowKeepsTheMeanAndTellsMoreOfTheDecay) {
+    const RoomWithAbsorbingCeiling room;
+    const std::vector<Vec3> listeners = {{2.5, 1.4, 2}, {6, 1.7, 4.5}, {7.8, 1.2, 3}};
+    RayOptions options = options_for(0.8);
+    options.rays = 40000;
+    const LateEnergy plain =
+        trace_late_rays(room.scene(), source_at({5, 1.6, 2}), listeners, options);
+    options.weight_window = true;
+    options.seed = 2;
+    const auto trace = [&](std::span<const Vec3> to, int threads) {
+        Executor executor(threads);
+        return trace_late_rays(room.scene(), source_at({5, 1.6, 2}), to, options, executor);
+    };
+    const LateEnergy window = trace(listeners, 2);
+    const EnergyBalance& balance = window.balance;
+    EXPECT_NEAR((balance.absorbed[kBand] + balance.escaped[kBand] + balance.remaining[kBand]) /
+                    balance.emitted[kBand],
+                1.0,
+                1e-10);
+    for (std::size_t k = 0; k < listeners.size(); ++k) {
+        for (const double begin : {0.0, 0.1, 0.25}) {
+            const auto sum_and_error = [&](const audio::HistogramReplicates& replicates) {
+                std::vector<double> sums;
+                for (const auto& replicate : replicates.energy) {
+                    sums.push_back(0.0);
+                    for (std::size_t n = 0; n < replicate.size(); ++n) {
+                        const double time =
+                            options.bin * static_cast<double>(replicates.first_bin[n]);
+                        sums.back() += time >= begin ? replicate[n][kBand] : 0.0;
+                    }
+                }
+                const double mean = std::accumulate(sums.begin(), sums.end(), 0.0) /
+                                    static_cast<double>(sums.size());
+                return std::pair(mean, standard_error_of_mean(sums));
+            };
+            const auto [expected, its_error] = sum_and_error(plain.replicates[k]);
+            const auto [mean, error] = sum_and_error(window.replicates[k]);
+            EXPECT_NEAR(mean, expected, 4.0 * std::hypot(error, its_error)) << begin;
+        }
+        EXPECT_LT(window.errors[k].t30, plain.errors[k].t30);
+    }
+    // Nor does it matter who else listens, or how many threads trace.
+    const LateEnergy alone = trace(std::span(listeners).subspan(1, 1), 1);
+    EXPECT_EQ(energies(alone.listeners[0]), energies(window.listeners[1]));
+    EXPECT_EQ(alone.balance.absorbed, balance.absorbed);
 }
 
 }  // namespace
