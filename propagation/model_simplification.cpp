@@ -2,8 +2,7 @@
 #include "earshot/propagation/model_simplification.h"
 
 #include "earshot/base/error.h"
-#include "earshot/bvh/closest_point.h"
-#include "earshot/bvh/tree.h"
+#include "earshot/bvh/deformable_bvh.h"
 #include "earshot/geometry/simplify.h"
 #include "earshot/propagation/internal/part_simplifier.h"
 #include "earshot/propagation/internal/simplified_materials.h"
@@ -282,11 +281,10 @@ private:
             return;
         }
         const geometry::MeshView mesh{positions_, scene_.mesh.triangles()};
-        const bvh::Tree tree =
-            bvh::Tree::build(bvh::triangle_boxes(mesh, executor_), {}, executor_);
+        const bvh::DeformableBvh hierarchy(mesh, {}, executor_);
         const double reach = std::max(options_.max_distance, result_.report.boxes.upper());
         for (std::size_t i = 0; i < points_.size(); ++i) {
-            if (const auto found = bvh::closest_point(tree, mesh, points_[i], reach)) {
+            if (const auto found = hierarchy.view().closest_point(points_[i], reach)) {
                 const bool is_source = i < scene_.sources.size();
                 result_.report.close_emitters.push_back(
                     {.is_source = is_source,
