@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/beam_tree.h"
 
+#include "earshot/base/random.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 namespace earshot::frustum {
 
@@ -63,6 +67,18 @@ bool BeamTracer::may_reflect(const Frustum& frustum, const VisibleFacet& visible
     const double factor = frustum.max_pressure_factor * index_.max_pressure_factor(visible.facet);
     return length <= options_.max_length &&
            !(factor < kRoundedDown * options_.min_pressure * length);
+}
+
+// The image source and the facet tell frusta of one source apart, but for those of several pieces
+// of the sphere around it, which are followed together.
+bool BeamTracer::is_followed(const Frustum& frustum, std::size_t order) const {
+    if (sample_.share >= 1.0 || static_cast<int>(order) != sample_.order) {
+        return true;
+    }
+    const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+    return random(bits(frustum.apex.x),
+                  bits(frustum.apex.y),
+                  bits(frustum.apex.z) + frustum.facet) < sample_.share;
 }
 
 void BeamRecorder::visit(const VisibleFacets& search) {

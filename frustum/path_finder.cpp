@@ -93,7 +93,9 @@ struct PathFinder::State {
                  orders_traced(trace.max_order, bidirectional)),
           box(trace.box_lattice && trace.mode == Mode::complete
                   ? BoxLattice::make(the_scene, verifier, trace)
-                  : std::nullopt) {}
+                  : std::nullopt) {
+        tracer.set_sample(options.sample);
+    }
 
     SceneView scene;
     FacetIndex index;

@@ -59,8 +59,16 @@ private:
     std::unique_ptr<Kept> kept_;
 };
 
+/// For estimates of time: of the frusta that have been reflected `order` times only a random share
+/// is followed, so that paths are missing. The same share for any executor.
+struct BeamSample {
+    int order = 1;       ///< >= 1
+    double share = 1.0;  ///< 0 ... 1; 1: all
+};
+
 struct FinderOptions {
     TraceOptions trace{};
+    BeamSample sample{};
     /// Trace the source's beam tree to the last reflection, instead of joining it two reflections
     /// earlier with beam trees from the listeners (bidirectional tracing). Costs more per source,
     /// and much less per listener: for listeners by the hundred, or that move. Changes the time

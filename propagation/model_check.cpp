@@ -137,8 +137,8 @@ public:
         report_.kind = report_.is_open ? ModelKind::outdoors : model_kind(scene_, options_.time);
         report_.unit = propose_unit(report_.extent.size(), volume, options_.read_as, report_.kind);
         if (options_.forecast_seconds > 0.0) {
-            report_.costs =
-                forecast_costs(scene_, options_.time, options_.forecast_seconds, executor_);
+            report_.costs = forecast_costs(
+                scene_, options_.time, options_.forecast_seconds, executor_, options_.progress);
         }
         return std::move(report_);
     }

@@ -103,7 +103,7 @@ struct SmallFacets {
 struct OrderCost {
     int order = 0;
     double seconds = 0.0;
-    bool is_measured = false;  ///< else extrapolated by the growth from the orders below
+    bool is_measured = false;  ///< else estimated from a share of the beam tree
 };
 
 struct ModelReport {

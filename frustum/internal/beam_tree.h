@@ -7,6 +7,7 @@
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/frustum/internal/visible_facets.h"
+#include "earshot/frustum/path_finder.h"
 #include "earshot/frustum/paths.h"
 
 #include <cstddef>
@@ -71,12 +72,16 @@ public:
                             Progress* progress) const;
 
     VisibleFacets make_search() const;
+    /// Follows a share of the frusta of an order only.
+    void set_sample(const BeamSample& sample) { sample_ = sample; }
 
 private:
     static constexpr std::size_t kGrain = 4;
 
     std::vector<Frustum> frusta_around_source(const geometry::Vec3& source) const;
     bool may_reflect(const Frustum& frustum, const VisibleFacet& visible) const;
+    /// Whether a frustum is of the share that is followed.
+    bool is_followed(const Frustum& frustum, std::size_t order) const;
     template <typename Task>
     void trace_subtree(const Frustum& frustum,
                        std::vector<VisibleFacets>& searches,
@@ -88,6 +93,7 @@ private:
     double max_radius_;
     int orders_;
     GrazingFacets grazing_facets_;
+    BeamSample sample_{};
 };
 
 /// A task of BeamTracer::trace that records the tree.
@@ -117,9 +123,11 @@ void BeamTracer::trace_subtree(const Frustum& frustum,
     for (const VisibleFacet& visible : search.found()) {
         if (may_reflect(search.frustum(), visible)) {
             const Frustum child = search.reflect(visible);
-            task.push(child.facet);
-            trace_subtree(child, searches, task);
-            task.pop();
+            if (is_followed(child, task.order() + 1)) {
+                task.push(child.facet);
+                trace_subtree(child, searches, task);
+                task.pop();
+            }
         }
     }
 }
@@ -146,7 +154,10 @@ std::vector<Task> BeamTracer::trace(const geometry::Vec3& source,
             task.visit(search);
             for (const VisibleFacet& visible : search.found()) {
                 if (orders_ > 1 && may_reflect(search.frustum(), visible)) {
-                    reflections[i].push_back(search.reflect(visible));
+                    const Frustum child = search.reflect(visible);
+                    if (is_followed(child, 1)) {
+                        reflections[i].push_back(child);
+                    }
                 }
             }
         }
