@@ -2,6 +2,7 @@
 #include "earshot/io/calibration.h"
 
 #include "earshot/io/internal/json_lines.h"
+#include "earshot/io/material_assignments.h"
 
 #include <algorithm>
 #include <optional>
@@ -13,46 +14,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using namespace propagation;
-
-/// A name as a shell pattern that matches it alone.
-std::string pattern_of(const std::string& name) {
-    std::string pattern;
-    for (const char c : name) {
-        pattern += std::string_view("*?[\\").find(c) != std::string_view::npos ? "\\" : "";
-        pattern += c;
-    }
-    return pattern;
-}
-
-Json coefficient_of(const EnergyCoefficient& coefficient) {
-    if (coefficient.points().size() == 1) {
-        return coefficient.points().front().value;
-    }
-    Json json = Json::object();
-    for (const EnergyCoefficient::Point& point : coefficient.points()) {
-        std::string frequency = json_number(point.frequency_hz);
-        if (frequency.ends_with(".0")) {
-            frequency.resize(frequency.size() - 2);
-        }
-        json[frequency] = point.value;
-    }
-    return json;
-}
-
-Json material_of(const Material& material) {
-    Json json = {{"absorption", coefficient_of(material.absorption)},
-                 {"scattering", coefficient_of(material.scattering)}};
-    const auto& transmission = material.transmission.points();
-    if (std::any_of(transmission.begin(), transmission.end(), [](const auto& point) {
-            return point.value > 0.0;
-        })) {
-        json["transmission"] = coefficient_of(material.transmission);
-    }
-    if (material.one_sided) {
-        json["one_sided"] = true;
-    }
-    return json;
-}
 
 Json number_or_null(const std::optional<double>& value) {
     return value ? Json(*value) : Json(nullptr);
@@ -129,7 +90,7 @@ Json band_of(double band_hz, const CalibratedBand& band) {
 std::string encode_calibrated_materials(const CalibrationParts& parts) {
     const std::vector<Material> materials =
         calibrated_materials(parts.scene, parts.result, parts.bands);
-    std::vector<std::string> lines;
+    std::vector<Material> written;
     for (std::size_t i = 0; i < materials.size(); ++i) {
         const std::vector<FittedAbsorption>& fitted = parts.result.absorption[i];
         const bool is_fitted =
@@ -138,15 +99,10 @@ std::string encode_calibrated_materials(const CalibrationParts& parts) {
             std::find(parts.default_materials.begin(), parts.default_materials.end(), i) !=
             parts.default_materials.end();
         if (is_fitted || !is_default) {
-            lines.push_back("  " + json_text(pattern_of(materials[i].name)) + ": " +
-                            json_text(material_of(materials[i])));
+            written.push_back(materials[i]);
         }
     }
-    std::string text = "{";
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        text += (i == 0 ? "\n" : ",\n") + lines[i];
-    }
-    return text + "\n}\n";
+    return encode_materials(written);
 }
 
 std::string encode_calibration(const CalibrationParts& parts) {

@@ -5,6 +5,7 @@
 #include "earshot/io/scene_file.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -28,6 +29,10 @@ MaterialAssignment parse_material_assignment(std::string_view text);
 /// a glTF material. Throws Error naming file and pattern.
 std::vector<MaterialAssignment> read_material_assignments(const std::filesystem::path& file,
                                                           Warnings& warnings);
+
+/// The materials as the text of such a file, each under a pattern that matches its name alone. Of
+/// several with one name the last counts.
+std::string encode_materials(std::span<const propagation::Material> materials);
 
 /// `room.materials.json` beside `room.obj`.
 std::filesystem::path material_assignments_file(const std::filesystem::path& scene);

@@ -2,6 +2,7 @@
 #include "earshot/io/scene_glb.h"
 
 #include "earshot/io/internal/json_lines.h"
+#include "earshot/io/internal/material_json.h"
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
@@ -17,7 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using geometry::Vec3;
-using propagation::EnergyCoefficient;
 static_assert(std::endian::native == std::endian::little, "glTF buffers are little-endian");
 
 // glTF 2.0, section 5: names of numbers.
@@ -26,41 +26,8 @@ constexpr int kUnsignedInt = 5125;
 constexpr int kVertices = 34962;
 constexpr int kIndices = 34963;
 
-Json coefficient_of(const EnergyCoefficient& coefficient) {
-    if (coefficient.points().size() == 1) {
-        return coefficient.points().front().value;
-    }
-    Json json = Json::object();
-    for (const auto& [frequency, value] : coefficient.points()) {
-        json[json_number(frequency)] = value;
-    }
-    return json;
-}
-
-Json acoustics_of(const propagation::Material& material) {
-    Json acoustics = {{"absorption", coefficient_of(material.absorption)},
-                      {"scattering", coefficient_of(material.scattering)},
-                      {"transmission", coefficient_of(material.transmission)}};
-    if (material.one_sided) {
-        acoustics["one_sided"] = true;
-    }
-    return acoustics;
-}
-
 Json material_of(const propagation::Material& material) {
-    return {{"name", material.name}, {"extras", {{"acoustics", acoustics_of(material)}}}};
-}
-
-/// A shell pattern that matches this name alone.
-std::string pattern_of(const std::string& name) {
-    std::string pattern;
-    for (const char c : name) {
-        if (c == '*' || c == '?' || c == '[' || c == '\\') {
-            pattern += '\\';
-        }
-        pattern += c;
-    }
-    return pattern;
+    return {{"name", material.name}, {"extras", {{"acoustics", material_json(material)}}}};
 }
 
 /// Collects the parts of a file.
@@ -218,14 +185,6 @@ private:
 
 std::string encode_glb(const propagation::Scene& scene) {
     return GlbWriter(scene).write();
-}
-
-std::string encode_materials(std::span<const propagation::Material> materials) {
-    Json json = Json::object();
-    for (const propagation::Material& material : materials) {
-        json[pattern_of(material.name)] = acoustics_of(material);
-    }
-    return json_text(json) + "\n";
 }
 
 }  // namespace earshot::io

@@ -432,49 +432,6 @@ TEST_F(Ir, LimitsLeaveOutWhatIsLongerOrFainter) {
     EXPECT_EQ(paths_with({"--min-level", "-25"}), loud);
 }
 
-TEST_F(Ir, DiffractionBendsRoundTheCornerOfAnLRoom) {
-    const auto paths_with = [&](const char* diffraction) {
-        EXPECT_EQ(run_earshot({"ir",
-                               kScenes + "lroom.gltf",
-                               "-o",
-                               out(),
-                               "--order",
-                               "0",
-                               "--diffraction",
-                               diffraction,
-                               "--rays",
-                               "0",
-                               "--quiet"})
-                      .status,
-                  0);
-        Json paths = Json::array();
-        for (const Json& pair : json_of("paths.json")["pairs"]) {
-            for (const Json& path : pair["paths"]) {
-                paths.push_back(path);
-            }
-        }
-        return paths;
-    };
-    std::size_t direct = 0;
-    std::size_t diffracted = 0;
-    for (const Json& path : paths_with("1")) {
-        direct += path["kind"] == "direct" ? 1 : 0;
-        EXPECT_EQ(path.contains("edges"), path["kind"] == "diffracted");
-        if (path["kind"] == "diffracted") {
-            ++diffracted;
-            EXPECT_EQ(path["order"], 1);
-            EXPECT_EQ(path["points"].size(), 3U);
-            ASSERT_EQ(path["edges"].size(), 1U);
-            EXPECT_EQ(path["edges"][0].size(), 2U);
-            EXPECT_EQ(path["triangles"].size(), 1U);
-        }
-    }
-    EXPECT_EQ(paths_with("0").size(), direct);
-    EXPECT_GT(diffracted, 0U);
-    EXPECT_EQ(run_earshot({"ir", kScenes + "lroom.gltf", "-o", out(), "--diffraction", "2"}).status,
-              2);
-}
-
 TEST_F(Ir, TransmissionGoesThroughWallsThatLetSoundThrough) {
     const std::string file = (folder_ / "two_rooms.gltf").string();
     Json scene = Json::parse(read_file(kScenes + "coupled_rooms.gltf"));
