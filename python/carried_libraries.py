@@ -93,17 +93,20 @@ def carry(root):
         retarget(copy, names, "$ORIGIN")
         shutil.copy(f"/usr/share/doc/{package}/copyright", terms / f"{package}.txt")
         told.append((name, package))
-    retarget(library, names, "$ORIGIN/libraries")
+    # strip moves the sections that patchelf adds, so it comes first.
     subprocess.run(["strip", "--strip-debug", str(library)], check=True)
+    retarget(library, names, "$ORIGIN/libraries")
     return told
 
 
 def retarget(library, names, path):
     """Lets a library find the others under their new names."""
-    command = ["patchelf", "--force-rpath", "--set-rpath", path]
-    for name in needed(library):
-        command += ["--replace-needed", name, names[name]]
-    subprocess.run([*command, str(library)], check=True)
+    # Names and path one after the other: together, patchelf 0.14 gives libpng the name of zlib as
+    # its path.
+    changes = [option for name in needed(library) for option in ("--replace-needed", name, names[name])]
+    if changes:
+        subprocess.run(["patchelf", *changes, str(library)], check=True)
+    subprocess.run(["patchelf", "--force-rpath", "--set-rpath", path, str(library)], check=True)
 
 
 def pack(root, wheel):
