@@ -52,7 +52,8 @@ public:
           names_(job.scene),
           renderer_(job.simulation.bands, job.format) {
         summary_.size = propagation::scene_extent(job.scene, job.times.front()).size();
-        summary_.paths_of_order.resize(static_cast<std::size_t>(job.simulation.specular_order) + 1);
+        const int max_order = job.simulation.specular_order + job.simulation.diffraction;
+        summary_.paths_of_order.resize(static_cast<std::size_t>(max_order) + 1);
     }
 
     ResponseSummary run() {
