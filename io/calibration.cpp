@@ -117,12 +117,12 @@ std::string encode_calibration(const CalibrationParts& parts) {
                                       {"converged", result.converged}});
     head.pop_back();
     lines.append(head);
-    const auto add_list = [&](const char* name, const auto& items, auto text_of) {
-        lines.begin_list(", \"" + std::string(name) + "\": ", 2);
+    const auto add_list = [&](const char* name, const auto& items, auto record_of) {
+        Json records = Json::array();
         for (std::size_t i = 0; i < items.size(); ++i) {
-            lines.add_record(json_text(text_of(i)));
+            records.push_back(record_of(i));
         }
-        lines.end_list();
+        lines.add_list(name, records);
     };
     add_list("bands", result.bands, [&](std::size_t i) {
         return band_of(bands_hz[i], result.bands[i]);

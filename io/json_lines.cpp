@@ -45,6 +45,14 @@ void JsonLines::end_list() {
     text_ += ']';
 }
 
+void JsonLines::add_list(std::string_view name, const nlohmann::ordered_json& records) {
+    begin_list(", \"" + std::string(name) + "\": ", 2);
+    for (const nlohmann::ordered_json& record : records) {
+        add_record(json_text(record));
+    }
+    end_list();
+}
+
 std::string JsonLines::finish(std::string_view closing) {
     EARSHOT_ASSERT(lists_.empty());
     text_ += closing;

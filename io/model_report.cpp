@@ -219,14 +219,6 @@ Json mending_of(const MendingReport& mending) {
             {"max_rounding", mending.max_rounding}};
 }
 
-void append_list(JsonLines& lines, const char* name, const Json& list) {
-    lines.begin_list(", \"" + std::string(name) + "\": ", 2);
-    for (const Json& record : list) {
-        lines.add_record(json_text(record));
-    }
-    lines.end_list();
-}
-
 }  // namespace
 
 std::string encode_model_report(const ModelReportParts& parts) {
@@ -272,17 +264,17 @@ std::string encode_model_report(const ModelReportParts& parts) {
     std::string text = json_text(head);
     text.pop_back();
     lines.append(text);
-    append_list(lines, "findings", findings_of(parts.findings));
-    append_list(lines, "airs", airs_of(parts));
-    append_list(lines, "leaks", leaks_of(report));
-    append_list(lines, "holes", holes_of(report));
-    append_list(lines, "in_solid", emitters_with(parts, EmitterFault::in_solid));
-    append_list(lines, "outside", emitters_with(parts, EmitterFault::outside));
-    append_list(lines, "sealed", emitters_with(parts, EmitterFault::sealed));
-    append_list(lines, "reversed", faces_of(report.reversed, false));
-    append_list(lines, "doubled", faces_of(report.doubled, true));
-    append_list(lines, "materials", materials_of(parts));
-    append_list(lines, "small_facets", small_facets_of(report));
+    lines.add_list("findings", findings_of(parts.findings));
+    lines.add_list("airs", airs_of(parts));
+    lines.add_list("leaks", leaks_of(report));
+    lines.add_list("holes", holes_of(report));
+    lines.add_list("in_solid", emitters_with(parts, EmitterFault::in_solid));
+    lines.add_list("outside", emitters_with(parts, EmitterFault::outside));
+    lines.add_list("sealed", emitters_with(parts, EmitterFault::sealed));
+    lines.add_list("reversed", faces_of(report.reversed, false));
+    lines.add_list("doubled", faces_of(report.doubled, true));
+    lines.add_list("materials", materials_of(parts));
+    lines.add_list("small_facets", small_facets_of(report));
     return lines.finish();
 }
 

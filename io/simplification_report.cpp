@@ -141,14 +141,6 @@ std::vector<Json> pairs_of(const SimplificationReportParts& parts) {
     return list;
 }
 
-void append_list(JsonLines& lines, const char* key, const std::vector<Json>& records) {
-    lines.begin_list(", \"" + std::string(key) + "\": ", 2);
-    for (const Json& record : records) {
-        lines.add_record(json_text(record));
-    }
-    lines.end_list();
-}
-
 }  // namespace
 
 std::string encode_simplification_report(const SimplificationReportParts& parts) {
@@ -164,11 +156,11 @@ std::string encode_simplification_report(const SimplificationReportParts& parts)
     std::string text = json_text(head);
     text.pop_back();
     lines.append(text);
-    append_list(lines, "materials", materials_of(parts));
-    append_list(lines, "objects", objects_of(parts));
-    append_list(lines, "close_emitters", close_emitters_of(parts));
+    lines.add_list("materials", materials_of(parts));
+    lines.add_list("objects", objects_of(parts));
+    lines.add_list("close_emitters", close_emitters_of(parts));
     if (parts.comparison != nullptr) {
-        append_list(lines, "pairs", pairs_of(parts));
+        lines.add_list("pairs", pairs_of(parts));
     }
     return lines.finish();
 }

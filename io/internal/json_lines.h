@@ -40,6 +40,10 @@ public:
 
     void end_list();
 
+    /// A whole list as the next member of an object that is open: `name` and the records of an
+    /// array.
+    void add_list(std::string_view name, const nlohmann::ordered_json& records);
+
     /// The document, `closing` and a line end appended. To be called once, with every list ended.
     std::string finish(std::string_view closing = "}");
 
