@@ -69,18 +69,7 @@ std::vector<std::uint32_t> materials_of(const std::uint32_t* materials,
     return {list.begin(), list.end()};
 }
 
-es_simulation_options simulation_of(const es_simulation_options* options) {
-    es_simulation_options checked_all = checked_options(options);
-    if (options == nullptr) {
-        constexpr std::int32_t kOrder = 3;
-        constexpr double kRaysError = 0.01;
-        constexpr std::uint64_t kMaxRays = 200000;
-        checked_all.order = kOrder;
-        checked_all.rays_error = kRaysError;
-        checked_all.rays = kMaxRays;
-    }
-    return checked_all;
-}
+constexpr double kRaysError = 0.01;  // of T30, without options
 
 std::vector<MeasuredMetric> measured_of(std::span<const es_measured_metric> given,
                                         const propagation::Scene& scene,
@@ -206,7 +195,7 @@ es_status es_calibrate(es_scene scene,
         require(calibration, "calibration");
         const io::LoadedScene& loaded = object->loaded;
         const std::size_t material_count = loaded.scene.materials.size();
-        const es_simulation_options given = simulation_of(simulation);
+        const es_simulation_options given = checked_options_or(simulation, kRaysError);
         const es_calibration_options whole = checked(options);
         propagation::CalibrationOptions fit = {
             .simulation = simulator_options(given),

@@ -84,18 +84,7 @@ std::vector<MapMetric> metrics_of(const es_map_options& options, const audio::Ba
     return metrics;
 }
 
-es_simulation_options simulation_of(const es_simulation_options* options) {
-    es_simulation_options checked_all = checked_options(options);
-    if (options == nullptr) {
-        constexpr std::int32_t kOrder = 3;
-        constexpr double kRaysError = 0.04;
-        constexpr std::uint64_t kMaxRays = 200000;
-        checked_all.order = kOrder;
-        checked_all.rays_error = kRaysError;
-        checked_all.rays = kMaxRays;
-    }
-    return checked_all;
-}
+constexpr double kRaysError = 0.04;  // of T30, without options
 
 es_map_limit limit_of(const propagation::MetricMap& map, const MapLimitResult& result) {
     es_map_limit limit{};
@@ -181,7 +170,7 @@ es_status es_map_create(es_scene scene,
         const Reading<SceneObject> object(scene, "scene");
         require(map, "map");
         const propagation::Scene& contents = object->loaded.scene;
-        const es_simulation_options given = simulation_of(simulation);
+        const es_simulation_options given = checked_options_or(simulation, kRaysError);
         const es_map_options whole = checked(options);
         propagation::MapOptions map_options{
             .simulation = simulator_options(given),

@@ -138,6 +138,18 @@ es_simulation_options checked_options(const es_simulation_options* options) {
     return whole;
 }
 
+es_simulation_options checked_options_or(const es_simulation_options* options, double rays_error) {
+    es_simulation_options all = checked_options(options);
+    if (options == nullptr) {
+        constexpr std::int32_t kOrder = 3;
+        constexpr std::uint64_t kMaxRays = 200000;
+        all.order = kOrder;
+        all.rays_error = rays_error;
+        all.rays = kMaxRays;
+    }
+    return all;
+}
+
 propagation::Options simulator_options(const es_simulation_options& options) {
     return {
         .specular_order = options.order,

@@ -12,6 +12,10 @@ namespace earshot::capi {
 /// All options, the defaults for null. Throws Failure for what is out of range.
 es_simulation_options checked_options(const es_simulation_options* options);
 
+/// The same, but for null what runs of many receivers or repeated ones have by default: order 3 and
+/// at most 200,000 rays, until T30 has this standard error.
+es_simulation_options checked_options_or(const es_simulation_options* options, double rays_error);
+
 /// Without visible sets.
 propagation::Options simulator_options(const es_simulation_options& options);
 
