@@ -68,6 +68,7 @@ struct RayOptions {
     bool weight_window = false;
     bool report_directions = false;  ///< the histograms hold EnergyHistogram::directions
     bool report_materials = false;   ///< LateSound::materials is filled
+    bool report_scattering = false;  ///< and counts scattered reflections besides
 };
 
 /// Where the energy that left the source went, per band: emitted + roulette_surplus = absorbed +

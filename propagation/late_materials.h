@@ -26,6 +26,8 @@ struct LateMaterials {
         std::vector<double> energy{};       ///< interval, band
         std::vector<double> reflections{};  ///< interval, material, band: energy times the number
                                             ///< of its reflections by the material
+        std::vector<double> scatterings{};  ///< likewise, of those that scattered it; empty unless
+                                            ///< RayOptions::report_scattering
     };
     /// Equally large but for the last batches: replicates, for standard errors.
     std::vector<Part> parts{};

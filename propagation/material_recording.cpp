@@ -25,6 +25,7 @@ BatchMaterials RayTracer::empty_materials() const {
     const std::size_t cells = receivers_.size() * material_intervals() * materials * bands_;
     return {.reflections = std::vector<double>(cells),
             .touched = std::vector<double>(cells),
+            .scatterings = std::vector<double>(options_.report_scattering ? cells : 0),
             .absorbed = std::vector<double>(2 * materials * bands_)};
 }
 
@@ -33,9 +34,9 @@ void RayBatch<kBands>::set_rain_reflections(std::size_t ray, std::uint32_t mater
     if (materials_ == 0) {
         return;
     }
-    std::uint32_t* rain = rain_reflections_.data() + (secondary_source_count_ - 1) * materials_;
-    std::copy_n(reflections_of(ray), materials_, rain);
-    ++rain[material];
+    std::uint32_t* rain = rain_reflections_.data() + (secondary_source_count_ - 1) * counts_;
+    std::copy_n(reflections_of(ray), counts_, rain);
+    count_reflection(material, true, rain);
 }
 
 template <std::size_t kBands>
@@ -50,6 +51,11 @@ void RayBatch<kBands>::record_materials(std::size_t listener,
             const std::size_t cell = (row * materials_ + material) * kBands;
             add(share * reflections[material], energy, result_.materials.reflections.data() + cell);
             add(share, energy, result_.materials.touched.data() + cell);
+            if (counts_ > materials_ && reflections[materials_ + material] > 0) {
+                add(share * reflections[materials_ + material],
+                    energy,
+                    result_.materials.scatterings.data() + cell);
+            }
         }
     }
 }

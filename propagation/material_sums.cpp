@@ -29,7 +29,7 @@ MaterialSums::MaterialSums(const RayOptions& options,
                            std::size_t listener,
                            std::size_t bins,
                            std::size_t materials)
-    : listener_(listener), bins_(bins) {
+    : listener_(listener), bins_(bins), has_scatterings_(options.report_scattering) {
     sums_.materials = materials;
     sums_.bands = options.bands.count();
     if (materials > 0) {
@@ -49,12 +49,16 @@ void MaterialSums::add(const BatchResult& batch, double weight) {
     };
     if (sums_.parts.size() < kMaxParts) {
         sums_.parts.push_back({.energy = std::vector<double>(sums_.intervals() * sums_.bands),
-                               .reflections = std::vector<double>(cells)});
+                               .reflections = std::vector<double>(cells),
+                               .scatterings = std::vector<double>(has_scatterings_ ? cells : 0)});
     }
     LateMaterials::Part& part = sums_.parts[batches_ % kMaxParts];
     part.share += weight;
     add_energy(batch, weight, part);
     propagation::add(weight, of_listener(batch.materials.reflections), part.reflections);
+    if (has_scatterings_) {
+        propagation::add(weight, of_listener(batch.materials.scatterings), part.scatterings);
+    }
     propagation::add(weight, of_listener(batch.materials.touched), sums_.touched);
     propagation::add(weight, batch.materials.absorbed, sums_.absorbed);
     for (std::size_t band = 0; band < sums_.bands; ++band) {
@@ -85,6 +89,7 @@ LateMaterials MaterialSums::result() const {
         part.share /= rays_;
         scale(1.0 / rays_, part.energy);
         scale(1.0 / rays_, part.reflections);
+        scale(1.0 / rays_, part.scatterings);
     }
     scale(1.0 / rays_, result.touched);
     for (std::size_t i = 0; i < result.absorbed.size(); ++i) {

@@ -21,6 +21,9 @@ void add(double factor, const LateMaterials::Part& part, LateMaterials::Part& su
     for (std::size_t i = 0; i < sum.reflections.size(); ++i) {
         sum.reflections[i] += factor * part.reflections[i];
     }
+    for (std::size_t i = 0; i < sum.scatterings.size(); ++i) {
+        sum.scatterings[i] += factor * part.scatterings[i];
+    }
 }
 
 /// One arrival per path, whatever it is made of.
@@ -64,6 +67,9 @@ PairEnergies::PairEnergies(const Scene& scene, const PairResult& pair)
     whole_ = {.share = 1.0,
               .energy = std::vector<double>(late.intervals() * late.bands),
               .reflections = std::vector<double>(late.touched.size())};
+    if (!late.parts.empty()) {
+        whole_.scatterings.resize(late.parts.front().scatterings.size());
+    }
     for (const LateMaterials::Part& part : late.parts) {
         add(1.0, part, whole_);
     }

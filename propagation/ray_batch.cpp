@@ -50,7 +50,7 @@ void RayBatch<kBands>::emit(std::uint64_t id, const Vec3& direction) {
     rays_.push_back({source.pose.position, direction});
     origin_triangles_.push_back(0);
     paths_.push_back({.id = id});
-    reflections_.resize(reflections_.size() + materials_);
+    reflections_.resize(reflections_.size() + counts_);
     Energies& energy = energies_.emplace_back();
     for (std::size_t band = 0; band < kBands; ++band) {
         energy[band] = start_energy_ * (pressure[band] * pressure[band]);
@@ -61,7 +61,7 @@ void RayBatch<kBands>::emit(std::uint64_t id, const Vec3& direction) {
 template <std::size_t kBands>
 void RayBatch<kBands>::scatter_near(std::span<const NearScattering> places, double energy) {
     secondary_sources_.resize(std::max(secondary_sources_.size(), places.size()));
-    rain_reflections_.resize(secondary_sources_.size() * materials_);
+    rain_reflections_.resize(secondary_sources_.size() * counts_);
     secondary_source_count_ = 0;
     const RandomStream random(options_.seed, kDirectionStream);
     for (std::size_t i = 0; i < places.size(); ++i) {
@@ -86,14 +86,14 @@ void RayBatch<kBands>::scatter_near(std::span<const NearScattering> places, doub
             energies[band] = energy * place.energy[band];
         }
         const std::uint32_t material = triangle.front / 2;
-        reflections_.resize(reflections_.size() + materials_);
+        reflections_.resize(reflections_.size() + counts_);
         for (std::size_t k = 0; k < place.reflections && materials_ > 0; ++k) {
-            ++reflections_of(i)[place.materials[k]];
+            count_reflection(place.materials[k], false, reflections_of(i));
         }
         add_secondary_source(point, path, std::abs(along), surface, 1.0, energies);
         set_rain_reflections(i, material);
         if (materials_ > 0) {
-            ++reflections_of(i)[material];
+            count_reflection(material, true, reflections_of(i));
         }
         for (std::size_t band = 0; band < kBands; ++band) {
             energies[band] *= surface.scattered[band];
@@ -119,7 +119,7 @@ template <std::size_t kBands>
 void RayBatch<kBands>::advance(std::uint64_t bounce) {
     find_hits(bounce);
     secondary_sources_.resize(std::max(secondary_sources_.size(), rays_.size()));
-    rain_reflections_.resize(secondary_sources_.size() * materials_);
+    rain_reflections_.resize(secondary_sources_.size() * counts_);
     secondary_source_count_ = 0;
     const RandomStreams random = {
         .branch = {options_.seed, kStreams * bounce + 1},
@@ -158,7 +158,7 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
     origin_triangles_.resize(kept);
     paths_.resize(kept);
     energies_.resize(kept);
-    reflections_.resize(kept * materials_);
+    reflections_.resize(kept * counts_);
 }
 
 template <std::size_t kBands>
@@ -168,7 +168,7 @@ void RayBatch<kBands>::move_ray(std::size_t from, std::size_t to) {
         origin_triangles_[to] = origin_triangles_[from];
         paths_[to] = paths_[from];
         energies_[to] = energies_[from];
-        std::copy_n(reflections_of(from), materials_, reflections_of(to));
+        std::copy_n(reflections_of(from), counts_, reflections_of(to));
     }
 }
 
@@ -204,8 +204,8 @@ void RayBatch<kBands>::split(std::size_t i, const RandomStream& direction) {
         origin_triangles_.push_back(origin_triangles_[i]);
         energies_.push_back(energies_[i]);
         paths_.push_back(paths_[i]);
-        reflections_.resize(reflections_.size() + materials_);
-        std::copy_n(reflections_of(i), materials_, reflections_of(rays_.size() - 1));
+        reflections_.resize(reflections_.size() + counts_);
+        std::copy_n(reflections_of(i), counts_, reflections_of(rays_.size() - 1));
         Path& path = paths_.back();
         // The stream of the reflection tells parts of one ray at different reflections apart.
         id = ids.bits(id);
@@ -288,7 +288,7 @@ bool RayBatch<kBands>::interact(std::size_t i, const RandomStreams& random) {
     const bool passes =
         !path.recorded_by_rain && number < probabilities.scattered + probabilities.transmitted;
     if (materials_ > 0 && !passes) {
-        ++reflections_of(i)[material];
+        count_reflection(material, path.recorded_by_rain, reflections_of(i));
     }
     if (path.recorded_by_rain) {
         attenuate(surface, surface.scattered, probabilities.scattered, energy);

@@ -189,10 +189,12 @@ void RayBatch<kBands>::record_near_field(std::size_t i,
         const double later = glm::dot(rays_[i].direction, near.point - hit_point);
         const Vec3 towards = near.image - receivers_[0].position;
         if (materials_ > 0) {
-            near_reflections_.assign(reflections_of(i), reflections_of(i) + materials_);
-            ++near_reflections_[tracer_.triangle_surfaces_[hits_[i]->triangle].front / 2];
+            near_reflections_.assign(reflections_of(i), reflections_of(i) + counts_);
+            count_reflection(tracer_.triangle_surfaces_[hits_[i]->triangle].front / 2,
+                             true,
+                             near_reflections_.data());
             for (const std::uint32_t material : field.reflection_materials(near.reflections)) {
-                ++near_reflections_[material];
+                count_reflection(material, false, near_reflections_.data());
             }
         }
         record(0,
@@ -328,7 +330,7 @@ void RayBatch<kBands>::cast_diffuse_rain(const RandomStream& random) {
                secondary.energy,
                rain_[j].weight * glm::dot(to_receiver, secondary.point.normal) /
                    (math::kPi * squared * distance),
-               rain_reflections_.data() + rain_[j].source * materials_);
+               rain_reflections_.data() + rain_[j].source * counts_);
     }
 }
 

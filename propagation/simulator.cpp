@@ -154,7 +154,8 @@ RayOptions Simulator::State::ray_options(const RaySource& source, Executor& exec
                        .rain_radius = options.rain_radius,
                        .weight_window = options.weight_window,
                        .report_directions = options.late_directions,
-                       .report_materials = options.report_materials};
+                       .report_materials = options.report_materials,
+                       .report_scattering = options.report_scattering};
     constexpr double kDecades = 6.5;  // that late_length() holds
     const double decay_length = late_length(geometry.ray_scene(), source, rays, executor);
     rays.length = options.late_length > 0.0 ? options.late_length : decay_length;

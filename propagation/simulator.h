@@ -56,6 +56,9 @@ struct Options {
     /// Tell which materials late sound has met (PairResult::late_materials), for
     /// pair_sensitivity(). Costs time and memory and changes no other result.
     bool report_materials = false;
+    /// Tell besides how often these scattered it (LateMaterials::Part::scatterings); needs
+    /// report_materials. Likewise.
+    bool report_scattering = false;
     /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
     /// does not. Costs memory and changes no result.
     bool keep_traces = false;

@@ -28,6 +28,7 @@ private:
     void add_energy(const BatchResult& batch, double weight, LateMaterials::Part& part) const;
 
     std::size_t listener_, bins_;
+    bool has_scatterings_;
     LateMaterials sums_;         // times the rays of a batch
     audio::Spectrum emitted_{};  // likewise
     double rays_ = 0.0;

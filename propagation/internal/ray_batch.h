@@ -41,6 +41,7 @@ public:
           active_(active),
           start_energy_(start_energy),
           materials_(tracer.reported_materials()),
+          counts_(tracer.reflection_counts()),
           result_(result),
           balance_(result.balance) {}
     /// Reversed rays, which go on from their first scattering with about the energy
@@ -58,6 +59,7 @@ public:
           reversed_(&reversed),
           start_energy_(start_energy),
           materials_(tracer.reported_materials()),
+          counts_(tracer.reflection_counts()),
           result_(result),
           balance_(balance) {}
 
@@ -184,14 +186,21 @@ private:
                            double travelled,
                            const RaySurface& surface,
                            const Energies& energy);
-    /// Of a ray, per material; of no use where nobody asked.
-    std::uint32_t* reflections_of(std::size_t ray) {
-        return reflections_.data() + ray * materials_;
-    }
+    /// Of a ray: RayTracer::reflection_counts(); of no use where nobody asked.
+    std::uint32_t* reflections_of(std::size_t ray) { return reflections_.data() + ray * counts_; }
     const std::uint32_t* reflections_of(std::size_t ray) const {
-        return reflections_.data() + ray * materials_;
+        return reflections_.data() + ray * counts_;
     }
-    /// The last secondary source has the reflections of a ray, and one by a material.
+    /// Counts a reflection. Precondition: materials are reported.
+    void count_reflection(std::uint32_t material,
+                          bool is_scattered,
+                          std::uint32_t* reflections) const {
+        ++reflections[material];
+        if (is_scattered && counts_ > materials_) {
+            ++reflections[materials_ + material];
+        }
+    }
+    /// The last secondary source has the reflections of a ray, and a scattering by a material.
     void set_rain_reflections(std::size_t ray, std::uint32_t material);
     static void add(double share, const Energies& energy, double* to) {
         for (std::size_t band = 0; band < kBands; ++band) {
@@ -208,6 +217,7 @@ private:
     const ReversedRays* reversed_ = nullptr;
     double start_energy_;    // of a ray
     std::size_t materials_;  // that are reported
+    std::size_t counts_;     // of each ray, of its reflections
     BatchResult& result_;
     EnergyBalance& balance_;
 
@@ -216,14 +226,14 @@ private:
     std::vector<geometry::TriangleId> origin_triangles_;  // the triangle that the ray leaves
     std::vector<Path> paths_;
     std::vector<Energies> energies_;
-    std::vector<std::uint32_t> reflections_;  // per ray and material
+    std::vector<std::uint32_t> reflections_;  // per ray: counts
 
     std::vector<std::optional<geometry::Hit>> hits_;
     std::vector<Chord> chords_;
     std::vector<SecondarySource> secondary_sources_;  // at least one per ray
     std::size_t secondary_source_count_ = 0;
-    std::vector<std::uint32_t> rain_reflections_;  // per secondary source and material
-    std::vector<std::uint32_t> near_reflections_;  // per material, of one contribution
+    std::vector<std::uint32_t> rain_reflections_;  // per secondary source: counts
+    std::vector<std::uint32_t> near_reflections_;  // counts of one contribution
     std::vector<geometry::Segment> shadow_rays_;
     std::vector<geometry::TriangleId> shadow_ray_origins_;
     std::vector<Rain> rain_;  // per shadow ray

@@ -34,6 +34,7 @@ struct BatchMaterials {
     /// Listener, interval, material, band: energy times its reflections by the material, and energy
     /// that the material reflected at least once.
     std::vector<double> reflections, touched;
+    std::vector<double> scatterings;  ///< as reflections, of those that scattered the energy
     /// Window of LateMaterials::absorbed, material, band: energy that the material absorbs, the
     /// loss in air before it included.
     std::vector<double> absorbed;
@@ -123,6 +124,10 @@ public:
     /// Materials that batches report; 0 where nobody asked.
     std::size_t reported_materials() const noexcept {
         return options_.report_materials ? scene_.materials.size() : 0;
+    }
+    /// Numbers that a ray counts: reflections by each material, then those that scattered.
+    std::size_t reflection_counts() const noexcept {
+        return reported_materials() * (options_.report_scattering ? 2 : 1);
     }
 
     /// Batch `index`, which has `rays` rays and the whole energy of the source: a replicate of the
