@@ -63,6 +63,7 @@ typedef struct es_simulation_options {
                           ///< response and no metric (1)
     int32_t sensitivity;  ///< 1: tell which surfaces matter, es_result_sensitivity(); needs
                           ///< the paths (0)
+    int32_t diffraction;  ///< max edges that a path bends round beside `order`, 0 or 1 (0)
 } es_simulation_options;
 
 /// Sets all members to their defaults, `struct_size` to `size`.
@@ -132,7 +133,8 @@ ES_API es_status es_result_sound(es_result result, size_t source, size_t listene
 typedef enum es_path_kind {
     ES_PATH_DIRECT = 0,
     ES_PATH_SPECULAR = 1,
-    ES_PATH_TRANSMITTED = 2
+    ES_PATH_TRANSMITTED = 2,
+    ES_PATH_DIFFRACTED = 3  ///< bends round edges
 } es_path_kind;
 
 /// One way of sound from a source to a listener.
@@ -140,7 +142,7 @@ typedef struct es_path {
     uint32_t source;
     uint32_t listener;
     int32_t kind;                ///< es_path_kind
-    uint32_t order;              ///< reflections and transmissions; it has order + 2 points
+    uint32_t order;              ///< reflections, transmissions, edges; it has order + 2 points
     double length;               ///< metres
     double delay;                ///< seconds since emission
     double departure[3];         ///< unit direction of travel at the source
@@ -163,6 +165,12 @@ typedef struct es_path_arrays {
     /// negative where the source radiates with the other sign.
     const double* pressure;
     size_t band_count;
+    /// (path_count + 1): where the edges of each path begin. Diffracted paths have some.
+    const uint64_t* first_edge;
+    /// (edge_count, 2, 3): both ends of the part of each edge that diffracts, in the order in which
+    /// the path meets them. Its point there is where the way over that part is shortest.
+    const double* edges;
+    size_t edge_count;
 } es_path_arrays;
 
 /// All paths as flat arrays. `arrays->struct_size` must be set. Fails with ES_ERROR_FAILED if they

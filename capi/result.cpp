@@ -217,7 +217,10 @@ es_status es_result_paths(es_result result, es_path_arrays* arrays) {
                      .materials = object->materials.data(),
                      .interaction_count = object->triangles.size(),
                      .pressure = object->pressure.data(),
-                     .band_count = object->info.bands},
+                     .band_count = object->info.bands,
+                     .first_edge = object->first_edge.data(),
+                     .edges = object->edges.data(),
+                     .edge_count = object->edges.size() / 6},
                     arrays,
                     sizeof(es_path_arrays),
                     "arrays");

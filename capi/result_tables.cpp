@@ -14,6 +14,8 @@ es_path_kind kind_of(propagation::PathKind kind) {
             return ES_PATH_SPECULAR;
         case propagation::PathKind::transmitted:
             return ES_PATH_TRANSMITTED;
+        case propagation::PathKind::diffracted:
+            return ES_PATH_DIFFRACTED;
         default:
             return ES_PATH_DIRECT;
     }
@@ -63,9 +65,16 @@ void ResultObject::flatten_paths() {
             pressure.insert(pressure.end(),
                             path.pressure.begin(),
                             path.pressure.begin() + static_cast<std::ptrdiff_t>(info.bands));
+            first_edge.push_back(edges.size() / 6);
+            for (const std::array<geometry::Vec3, 2>& edge : path.edges) {
+                for (const geometry::Vec3& end : edge) {
+                    edges.insert(edges.end(), {end.x, end.y, end.z});
+                }
+            }
         }
     }
     first_path.push_back(paths.size());
+    first_edge.push_back(edges.size() / 6);
     info.paths = paths.size();
 }
 

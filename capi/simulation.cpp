@@ -7,6 +7,7 @@
 #include "earshot/capi/internal/checks.h"
 #include "earshot/capi/internal/simulation_options.h"
 #include "earshot/propagation/decay_notes.h"
+#include "earshot/propagation/pair_notes.h"
 
 #include <algorithm>
 #include <array>
@@ -135,6 +136,10 @@ std::shared_ptr<ResultObject> Simulation::run(propagation::Simulator& simulator,
                     .facets = simulator.geometry().facets,
                     .frusta = simulator.statistics().frusta};
     add_notes(*result);
+    if (options_.diffraction == 0) {
+        const Warnings notes = propagation::note_blocked_pairs(result->names, result->pairs);
+        result->notes.insert(result->notes.end(), notes.begin(), notes.end());
+    }
     if (renderer_) {
         render(scene, time, *result, executor, progress);
     }

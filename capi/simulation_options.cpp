@@ -56,11 +56,13 @@ constexpr es_simulation_options kDefaults = {.struct_size = sizeof(es_simulation
                                              .threads = 0,
                                              .sofa = 0,
                                              .paths = 1,
-                                             .sensitivity = 0};
+                                             .sensitivity = 0,
+                                             .diffraction = 0};
 
 void check_paths(const es_simulation_options& options) {
     require_time(options.time, "options->time");
     require_in(std::int64_t{options.order}, 0, 64, "options->order");
+    require_in(std::int64_t{options.diffraction}, 0, 1, "options->diffraction");
     require_in(std::int64_t{options.mode}, ES_MODE_COMPLETE, ES_MODE_SAMPLED, "options->mode");
     require_in(std::int64_t{options.resolution}, 0, 1024, "options->resolution");
     require_flag(options.transmission, "options->transmission");
@@ -153,6 +155,7 @@ es_simulation_options checked_options_or(const es_simulation_options* options, d
 propagation::Options simulator_options(const es_simulation_options& options) {
     return {
         .specular_order = options.order,
+        .diffraction = options.diffraction,
         .mode = options.mode == ES_MODE_SAMPLED ? frustum::Mode::sampled : frustum::Mode::complete,
         .resolution = options.resolution,
         .report_paths = options.paths != 0,

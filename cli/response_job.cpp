@@ -11,6 +11,7 @@
 #include "earshot/io/sensitivity.h"
 #include "earshot/io/whole_file.h"
 #include "earshot/propagation/decay_notes.h"
+#include "earshot/propagation/pair_notes.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
@@ -104,6 +105,10 @@ public:
             start = std::chrono::steady_clock::now();
         }
         summary_.prepare_seconds += describe_geometry(simulator);
+        if (job_.simulation.diffraction == 0) {
+            const Warnings notes = propagation::note_blocked_pairs(job_.scene, all_pairs_);
+            summary_.notes.insert(summary_.notes.end(), notes.begin(), notes.end());
+        }
         write_tables();
         write_plans();
         summary_.response_seconds += seconds_since(start);

@@ -139,6 +139,10 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
     for (const std::filesystem::path& file : summary.files) {
         files.push_back(file.string());
     }
+    Json notes = Json::array();
+    for (const Warning& note : summary.notes) {
+        notes.push_back({{"subject", note.subject}, {"text", note.what}});
+    }
     Json json = {{"version", 1},
                  {"scene", job.scene.name},
                  {"triangles", geometry.triangles},
@@ -159,7 +163,8 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
                    {"trace", summary.trace_seconds},
                    {"responses", summary.response_seconds},
                    {"updates", summary.update_seconds}}},
-                 {"files", std::move(files)}};
+                 {"files", std::move(files)},
+                 {"notes", std::move(notes)}};
     if (job.check_visibility) {
         json["paths_lost_to_visible_sets"] = summary.paths_lost;
     }

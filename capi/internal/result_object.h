@@ -60,6 +60,8 @@ struct ResultObject : ObjectOf<ES_KIND_RESULT> {
     std::vector<std::uint64_t> first_path;
     std::vector<double> points, pressure;
     std::vector<std::uint32_t> triangles, materials;
+    std::vector<std::uint64_t> first_edge;
+    std::vector<double> edges;
     /// Per metric, set and form; empty where a metric does not have that.
     std::array<std::array<std::array<MetricTable, 2>, 2>, kMetricCount> metric_tables;
     std::vector<HistogramTable> histograms;  ///< per pair, or none

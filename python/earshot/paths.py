@@ -15,7 +15,7 @@ from ._library import integer
 if TYPE_CHECKING:
     from .result import Result
 
-PATH_KINDS = ("direct", "specular", "transmitted")
+PATH_KINDS = ("direct", "specular", "transmitted", "diffracted")
 
 #: A row of :attr:`Paths.table`, as ``es_path`` of earshot.h.
 PATH_TYPE = np.dtype(
@@ -41,8 +41,8 @@ class Path:
 
     source: str
     listener: str
-    kind: str  #: 'direct', 'specular' or 'transmitted'
-    order: int  #: reflections and transmissions
+    kind: str  #: 'direct', 'specular', 'transmitted' or 'diffracted'
+    order: int  #: reflections, transmissions and edges
     length: float  #: metres
     delay: float  #: seconds since emission
     points: npt.NDArray[np.float64]  #: (order + 2, 3): source, interactions, listener
@@ -51,6 +51,7 @@ class Path:
     pressure: npt.NDArray[np.float64]  #: (bands,) re the source's free field at 1 m
     departure: npt.NDArray[np.float64]  #: (3,) direction of travel at the source
     arrival: npt.NDArray[np.float64]  #: (3,) direction of travel at the listener
+    edges: npt.NDArray[np.float64]  #: (edges, 2, 3): ends of the part of each that diffracts
 
 
 class Paths(Sequence[Path]):
@@ -114,6 +115,7 @@ class Paths(Sequence[Path]):
         row = self._arrays["paths"][index]
         point, interaction, order = (
             int(row[name]) for name in ("first_point", "first_interaction", "order"))
+        first_edge = self._arrays["first_edge"]
         interactions = slice(interaction, interaction + order)
         return Path(
             source=self._result.sources[row["source"]],
@@ -129,6 +131,7 @@ class Paths(Sequence[Path]):
             pressure=self._arrays["pressure"][index],
             departure=row["departure"],
             arrival=row["arrival"],
+            edges=self._arrays["edges"][int(first_edge[index]) : int(first_edge[index + 1])],
         )
 
     def __repr__(self) -> str:

@@ -260,6 +260,8 @@ class Result(Object):
             "triangles": view(given.triangles, (given.interaction_count,), np.uint32, self),
             "materials": view(given.materials, (given.interaction_count,), np.uint32, self),
             "pressure": view(given.pressure, (count, given.band_count), np.float64, self),
+            "first_edge": view(given.first_edge, (count + 1,), np.uint64, self),
+            "edges": view(given.edges, (given.edge_count, 2, 3), np.float64, self),
         }
         return Paths(self, arrays, slice(0, count))
 

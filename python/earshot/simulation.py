@@ -97,6 +97,7 @@ def _options(
     *,
     time: float = 0.0,
     order: int = 4,
+    diffraction: int = 0,
     mode: str = "complete",
     resolution: int = 0,
     transmission: bool = False,
@@ -131,6 +132,7 @@ def _options(
     options = new_options("es_simulation_options")
     options.time = number(time, "time")
     options.order = integer(order, "order")
+    options.diffraction = integer(diffraction, "diffraction")
     options.mode = choice(mode, {"complete": 0, "sampled": 1}, "mode")
     options.resolution = integer(resolution, "resolution")
     options.transmission = int(bool(transmission))
@@ -184,6 +186,8 @@ def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Resu
         Instant of the scene's animation, seconds (0).
     order : int
         Highest number of reflections and transmissions of an exact path (4).
+    diffraction : int
+        Highest number of edges that a path bends round beside them, 0 or 1 (0).
     rays : int or 'auto'
         Rays of late sound; 0: none; 'auto': until T30 and level are certain, at most a million.
     rays_error : float

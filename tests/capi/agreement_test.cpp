@@ -120,6 +120,13 @@ TEST_F(Agreement, BinauralResponsesAreThoseOfTheProgram) {
     expect_same_files(run);
 }
 
+TEST_F(Agreement, DiffractedPathsAreThoseOfTheProgram) {
+    SimulatedCase run = {"scenes/door.gltf", "--diffraction 1 --time 1.5", defaults()};
+    run.options.diffraction = 1;
+    run.options.time = 1.5;
+    expect_same_files(run);
+}
+
 // The module that reads SOFA files is loaded for it.
 TEST_F(Agreement, AnHrirSetOfAFileIsThatOfTheProgram) {
     const char* file = "/usr/share/libmysofa/MIT_KEMAR_normal_pinna.sofa";

@@ -25,6 +25,7 @@ es_simulation_options options(Caller& c) {
     options.time = c.number(-1e12, 1e12);
     options.order = c.chance(0.98) ? c.below(2) : c.choice(3);
     options.mode = c.choice(2);
+    options.diffraction = c.chance(0.9) ? 0 : c.choice(2);
     options.transmission = c.flag();
     options.max_length = c.number(0.0, 1e9, {0.0, 30.0});
     const bool was_wrong = c.wrong;
@@ -131,7 +132,9 @@ double read(const es_path_arrays& arrays) {
     double total = sum(arrays.points, 3 * arrays.point_count) +
                    sum(arrays.triangles, arrays.interaction_count) +
                    sum(arrays.materials, arrays.interaction_count) +
-                   sum(arrays.pressure, arrays.path_count * arrays.band_count);
+                   sum(arrays.pressure, arrays.path_count * arrays.band_count) +
+                   sum(arrays.first_edge, arrays.path_count + 1) +
+                   sum(arrays.edges, 6 * arrays.edge_count);
     for (std::size_t i = 0; i < arrays.path_count; ++i) {
         total += arrays.paths[i].length + sum(arrays.points + 3 * arrays.paths[i].first_point, 6);
     }

@@ -255,6 +255,74 @@ static void test_without_paths(void) {
     CHECK_OK(es_release(scene));
 }
 
+/// How far a point lies from the straight line between two others, over its length.
+static double detour(const double* from, const double* over, const double* to) {
+    double legs[3] = {0.0, 0.0, 0.0};
+    for (int axis = 0; axis < 3; ++axis) {
+        legs[0] += pow(over[axis] - from[axis], 2);
+        legs[1] += pow(to[axis] - over[axis], 2);
+        legs[2] += pow(to[axis] - from[axis], 2);
+    }
+    return sqrt(legs[0]) + sqrt(legs[1]) - sqrt(legs[2]);
+}
+
+/// Round the inner corner of an L, which hides some listener.
+static void test_diffraction(void) {
+    es_scene scene = 0;
+    CHECK_OK(es_scene_load(project_file("scenes/lroom.gltf"), NULL, &scene));
+    es_simulation_options options = early_options(1);
+    options.metrics = 0;
+    es_result without = 0, with = 0;
+    CHECK_OK(es_simulate(scene, &options, &without));
+    options.diffraction = 1;
+    CHECK_OK(es_simulate(scene, &options, &with));
+
+    es_path_arrays arrays = {.struct_size = sizeof arrays},
+                   specular = {.struct_size = sizeof arrays};
+    CHECK_OK(es_result_paths(without, &specular));
+    CHECK(specular.edge_count == 0 && specular.first_edge[specular.path_count] == 0);
+    CHECK_OK(es_result_paths(with, &arrays));
+    size_t diffracted = 0;
+    for (size_t i = 0; i < arrays.path_count; ++i) {
+        const es_path* path = &arrays.paths[i];
+        const size_t edges = arrays.first_edge[i + 1] - arrays.first_edge[i];
+        CHECK(edges == (path->kind == ES_PATH_DIFFRACTED ? 1u : 0u));
+        if (edges == 0) {
+            continue;
+        }
+        ++diffracted;
+        CHECK(path->order == 1 || path->order == 2);
+        // One of its points lies on the edge.
+        const double* edge = arrays.edges + 6 * arrays.first_edge[i];
+        double closest = INFINITY;
+        for (uint32_t point = 1; point <= path->order; ++point) {
+            const double* at = arrays.points + 3 * (path->first_point + point);
+            closest = fmin(closest, detour(edge, at, edge + 3));
+        }
+        CHECK(closest < 1e-9);
+    }
+    CHECK(diffracted > 0 && diffracted == arrays.edge_count);
+    CHECK(arrays.path_count == specular.path_count + diffracted);
+
+    // Without diffraction one note tells of the pairs without a direct path.
+    const es_result results[2] = {without, with};
+    for (size_t i = 0; i < 2; ++i) {
+        es_messages notes = 0;
+        size_t count = 0, told = 0;
+        CHECK_OK(es_result_notes(results[i], &notes));
+        CHECK_OK(es_messages_count(notes, &count));
+        for (size_t k = 0; k < count; ++k) {
+            const char *subject = NULL, *text = NULL;
+            CHECK_OK(es_messages_get(notes, k, &subject, &text));
+            told += strstr(text, "no direct path") != NULL ? 1 : 0;
+        }
+        CHECK(told == (i == 0 ? 1u : 0u));
+        CHECK_OK(es_release(notes));
+        CHECK_OK(es_release(results[i]));
+    }
+    CHECK_OK(es_release(scene));
+}
+
 static void test_time(void) {
     es_scene scene = 0;
     CHECK_OK(es_scene_load(project_file("scenes/door.gltf"), NULL, &scene));
@@ -281,6 +349,7 @@ void test_simulation(void) {
     test_progress();
     test_simulator();
     test_without_paths();
+    test_diffraction();
     test_time();
     // The scene of a call that failed for want of a pointer.
     es_result result = 0;
@@ -313,6 +382,8 @@ void test_simulation_options(void) {
     WRONG(time, NAN, ES_ERROR_ARGUMENT, "options->time");
     WRONG(order, -1, ES_ERROR_ARGUMENT, "options->order");
     WRONG(order, 65, ES_ERROR_ARGUMENT, "options->order");
+    WRONG(diffraction, -1, ES_ERROR_ARGUMENT, "options->diffraction");
+    WRONG(diffraction, 3, ES_ERROR_ARGUMENT, "options->diffraction");
     WRONG(mode, 2, ES_ERROR_ARGUMENT, "options->mode");
     WRONG(resolution, 1025, ES_ERROR_ARGUMENT, "options->resolution");
     WRONG(transmission, 2, ES_ERROR_ARGUMENT, "options->transmission");

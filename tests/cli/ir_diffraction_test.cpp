@@ -58,5 +58,36 @@ TEST(IrDiffraction, BendsRoundTheCornerOfAnLRoom) {
     EXPECT_EQ(run_earshot({"ir", lroom, "-o", out, "--diffraction", "2"}).status, 2);
 }
 
+TEST(IrDiffraction, TellsOfPairsThatItWouldReach) {
+    const TemporaryFolder folder;
+    const std::string out = (folder.path() / "out").string();
+    const auto notes_of = [&](const char* scene, const char* diffraction) {
+        const auto result = run_earshot({"ir",
+                                         test::source_file(scene).string(),
+                                         "-o",
+                                         out,
+                                         "--order",
+                                         "0",
+                                         "--diffraction",
+                                         diffraction,
+                                         "--rays",
+                                         "0",
+                                         "--no-metrics",
+                                         "--json"});
+        EXPECT_EQ(result.status, 0);
+        std::size_t told = 0;
+        const Json summary = Json::parse(result.out);
+        for (const Json& note : summary["notes"]) {
+            const std::string text = note["text"];
+            told += text.find("no direct path") != std::string::npos ? 1 : 0;
+            EXPECT_NE(result.err.find(text), std::string::npos);
+        }
+        return told;
+    };
+    EXPECT_EQ(notes_of("scenes/lroom.gltf", "0"), 1U);
+    EXPECT_EQ(notes_of("scenes/lroom.gltf", "1"), 0U);
+    EXPECT_EQ(notes_of("scenes/shoebox.gltf", "0"), 0U);
+}
+
 }  // namespace
 }  // namespace earshot::test

@@ -42,6 +42,8 @@ def test_files_are_the_programs(tmp_path, scenes, program):
           "--noise", "NC-30", "--speech-level", "raised", "--sample-rate", 16000],
          {"order": 1, "rays": 500, "length": 0.2, "format": "ambisonic:1", "seed": 7,
           "noise": "NC-30", "speech": "raised", "sample_rate": 16000}),
+        ("lroom.gltf", ["--order", 1, "--diffraction", 1, "--rays", 0, "--length", 0.2],
+         {"order": 1, "diffraction": 1, "rays": 0, "length": 0.2}),
     ]:
         ours, theirs = tmp_path / "ours" / name, tmp_path / "theirs" / name
         program("ir", scenes / name, "-o", theirs, *more)
@@ -53,6 +55,24 @@ def test_files_are_the_programs(tmp_path, scenes, program):
         assert sorted(path.name for path in ours.iterdir()) == names
         for file in names:
             assert (ours / file).read_bytes() == (theirs / file).read_bytes(), file
+
+
+def test_diffracted_paths_have_edges(tmp_path, scenes):
+    scene = es.load(scenes / "lroom.gltf")
+    result = es.simulate(scene, order=1, diffraction=1, rays=0, responses=False, metrics=False)
+    result.write_json(tmp_path / "paths.json", "paths")
+    told = json.loads((tmp_path / "paths.json").read_text())["pairs"]
+    kinds = set()
+    for pair in told:
+        paths = result.paths[pair["source"], pair["listener"]]
+        for path, expected in zip(paths, pair["paths"], strict=True):
+            kinds.add(path.kind)
+            assert path.kind == expected["kind"]
+            assert path.edges.tolist() == expected.get("edges", [])
+            assert path.edges.shape == (1 if path.kind == "diffracted" else 0, 2, 3)
+    assert kinds == {"direct", "specular", "diffracted"}
+    with pytest.raises(es.ArgumentError, match="diffraction"):
+        es.simulate(scene, diffraction=3)
 
 
 def test_sensitivity_tells_which_surfaces_matter(tmp_path, scenes, program):
