@@ -2,6 +2,7 @@
 #include "earshot/base/simd.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "support/run_program.h"
 #include "support/test_paths.h"
@@ -76,6 +77,21 @@ const std::string kScenes = test::source_file("scenes/").string();
 TEST(OutputFiles, AreTheSameBytesForDiffractedSound) {
     expect_determinism(
         {"ir", kScenes + "lroom.gltf", "--order", "1", "--diffraction", "1", "--rays", "500"});
+}
+
+TEST(OutputFiles, AreTheSameBytesForSoundRoundADoorThatOpens) {
+    expect_determinism({"ir",
+                        kScenes + "door.gltf",
+                        "--order",
+                        "1",
+                        "--diffraction",
+                        "1",
+                        "--rays",
+                        "0",
+                        "--length",
+                        "0.3",
+                        "--frames",
+                        "1:2:0.5"});
 }
 
 TEST(OutputFiles, AreTheSameBytesForARoom) {
@@ -168,15 +184,24 @@ TEST(OutputFiles, AreTheSameBytesForWhatAPointSees) {
     }
 }
 
-// A refitted hierarchy (the second frame of the sequence) and a freshly built one (that frame
-// alone) give the same paths and the same sound.
-TEST(OutputFiles, DoNotDependOnTheFramesBefore) {
-    const Files sequence = output_of(
-        {"ir", kScenes + "curtain.gltf", "--order", "2", "--rays", "500", "--length", "0.3"},
-        {"--frames", "0:0.6:0.3"});
-    const Files alone = output_of(
-        {"ir", kScenes + "curtain.gltf", "--order", "2", "--rays", "500", "--length", "0.3"},
-        {"--time", "0.6"});
+/// The paths of the pairs at an instant, as text.
+std::vector<std::string> paths_at(const std::string& paths_json, double time) {
+    const auto file = nlohmann::json::parse(paths_json);
+    std::vector<std::string> pairs;
+    for (const auto& pair : file["pairs"]) {
+        if (pair["time"] == time) {
+            pairs.push_back(pair.dump());
+        }
+    }
+    return pairs;
+}
+
+/// The third instant of a sequence and that instant alone give the same sound and the same paths.
+void expect_same_as_alone(const std::vector<std::string>& job,
+                          const std::string& times,
+                          double last) {
+    const Files sequence = output_of(job, {"--frames", times});
+    const Files alone = output_of(job, {"--time", std::to_string(last)});
     int compared = 0;
     for (const auto& [name, bytes] : alone) {
         if (name.ends_with(".wav")) {
@@ -187,6 +212,30 @@ TEST(OutputFiles, DoNotDependOnTheFramesBefore) {
         }
     }
     EXPECT_GE(compared, 1);
+    const auto expected = paths_at(alone.at("paths.json"), last);
+    EXPECT_FALSE(expected.empty());
+    EXPECT_TRUE(paths_at(sequence.at("paths.json"), last) == expected);
+}
+
+// A refitted hierarchy and a freshly built one.
+TEST(OutputFiles, DoNotDependOnTheFramesBefore) {
+    expect_same_as_alone(
+        {"ir", kScenes + "curtain.gltf", "--order", "2", "--rays", "500", "--length", "0.3"},
+        "0:0.6:0.3",
+        0.6);
+}
+
+// The edges of a door that turns, and of a cloth whose folds make and end edges.
+TEST(OutputFiles, DoNotDependOnTheFramesBeforeWhereSoundBends) {
+    const std::vector<std::string> options = {
+        "--diffraction", "1", "--rays", "0", "--length", "0.3", "--no-metrics"};
+    const auto job_of = [&](const char* scene, const char* order) {
+        std::vector<std::string> job = {"ir", kScenes + scene, "--order", order};
+        job.insert(job.end(), options.begin(), options.end());
+        return job;
+    };
+    expect_same_as_alone(job_of("door.gltf", "1"), "1:2:0.5", 2.0);
+    expect_same_as_alone(job_of("curtain.gltf", "0"), "0:0.6:0.3", 0.6);
 }
 
 }  // namespace

@@ -191,6 +191,33 @@ TEST(EdgePaths, FrustaMissNoCandidate) {
     EXPECT_GT(paths, 1000U);
 }
 
+TEST(EdgePaths, AreTheSameInAnyTree) {
+    const LabelledRoom labelled(3);
+    const geometry::Mesh& mesh = labelled.room.mesh;
+    const MeshedScene scene(mesh, labelled.room.labels);
+    const auto wedges = geometry::find_wedges(scene.facets());
+    support::Dice dice(3);
+    const Vec3 source = support::random_air_point(labelled.room, dice);
+    const std::array listeners{support::random_air_point(labelled.room, dice)};
+    const auto expected =
+        find_edge_paths(scene.scene_view(), wedges, source, listeners, {.max_reflections = 1});
+    EXPECT_GT(expected.paths.size(), 0U);
+    for (const bvh::Builder builder : {bvh::Builder::sweep_sah,
+                                       bvh::Builder::spatial_median,
+                                       bvh::Builder::quality,
+                                       bvh::Builder::lbvh,
+                                       bvh::Builder::hybrid,
+                                       bvh::Builder::fast}) {
+        SceneView view = scene.scene_view();
+        const bvh::DeformableBvh tree(view.mesh(), {.build = {.builder = builder}});
+        const SceneView other{.bvh = {tree.tree(), view.mesh()}, .facets = view.facets};
+        Executor two(2);
+        expect_same(
+            find_edge_paths(other, wedges, source, listeners, {.max_reflections = 1}, two).paths,
+            expected.paths);
+    }
+}
+
 /// What the oracle knows of the ways from a point to places beside edges: per place the sequences
 /// of facets, with how certain each is.
 using Reached = std::vector<std::map<Sequence, double>>;
