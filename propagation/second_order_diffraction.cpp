@@ -2,6 +2,7 @@
 #include "earshot/propagation/second_order_diffraction.h"
 
 #include "earshot/base/assert.h"
+#include "earshot/geometry/interval.h"
 #include "earshot/propagation/internal/complex_math.h"
 #include "earshot/propagation/internal/edge_terms.h"
 #include "earshot/propagation/internal/graded_quadrature.h"
@@ -44,17 +45,17 @@ public:
         }
     }
 
-    /// `power` is e^eta.
-    double sum(double power) const noexcept {
+    /// In the order of edge_terms(). `power` is e^eta.
+    std::array<double, 4> values(double power) const noexcept {
         const double root =
             nu_ == 0.5 ? std::sqrt(std::sqrt(power)) : math::exp(0.5 * nu_ * math::log(power));
         const double twice_sinh = root - 1.0 / root;
         const double rise = 0.5 * twice_sinh * twice_sinh;
-        double total = 0.0;
+        std::array<double, 4> values{};
         for (std::size_t i = 0; i < sine_.size(); ++i) {
-            total += sine_[i] / (rise + offset_[i]);
+            values[i] = sine_[i] / (rise + offset_[i]);
         }
-        return total;
+        return values;
     }
 
     double nu() const noexcept { return nu_; }
@@ -66,6 +67,74 @@ private:
     std::array<double, 4> sine_{}, offset_{};
     double min_angle_ = math::kPi;
 };
+
+/// One number for each term at the first edge and each at the second.
+class TermProducts {
+public:
+    void add_absolute(double factor,
+                      const std::array<double, 4>& first,
+                      const std::array<double, 4>& second) noexcept {
+        for (std::size_t i = 0; i < 4; ++i) {
+            for (std::size_t j = 0; j < 4; ++j) {
+                sums_[4 * i + j] += factor * std::abs(first[i] * second[j]);
+            }
+        }
+    }
+    void add(const Complex& factor,
+             const std::array<double, 4>& first,
+             const std::array<double, 4>& second) noexcept {
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Complex weighted = first[i] * factor;
+            for (std::size_t j = 0; j < 4; ++j) {
+                sums_[4 * i + j] += second[j] * weighted;
+            }
+        }
+    }
+    void add(const Complex& factor, const TermProducts& other) noexcept {
+        for (std::size_t i = 0; i < sums_.size(); ++i) {
+            sums_[i] += factor * other.sums_[i];
+        }
+    }
+    const Complex& at(std::size_t first, std::size_t second) const noexcept {
+        return sums_[4 * first + second];
+    }
+
+private:
+    std::array<Complex, 16> sums_{};
+};
+
+/// Radians behind the shortest way up to which all ways count, and from which none does. Between,
+/// their weight falls smoothly, so that no end of an edge is made up.
+constexpr double kFullPhase = 250.0;
+constexpr double kMaxPhase = 500.0;
+
+double weight_of_phase(double phase) noexcept {
+    if (phase <= kFullPhase) {
+        return 1.0;
+    }
+    const double x = (phase - kFullPhase) / (kMaxPhase - kFullPhase);
+    // Three derivatives vanish at both ends.
+    return x >= 1.0 ? 0.0 : 1.0 - x * x * x * x * (35.0 - x * (84.0 - x * (70.0 - x * 20.0)));
+}
+
+/// The part of an interval about `lowest` in which a convex function is below a limit.
+template <typename Function>
+geometry::Interval below(
+    double limit, double begin, double end, double lowest, const Function& function) noexcept {
+    constexpr int kHalvings = 24;
+    const auto edge = [&](double far) {
+        if (function(far) <= limit) {
+            return far;
+        }
+        double inside = lowest;
+        for (int i = 0; i < kHalvings; ++i) {
+            const double middle = 0.5 * (inside + far);
+            (function(middle) <= limit ? inside : far) = middle;
+        }
+        return far;
+    };
+    return {edge(begin), edge(end)};
+}
 
 /// x + sqrt(1 + x^2) = e^{asinh x}.
 double exponential_of_asinh(double x) noexcept {
@@ -121,9 +190,16 @@ public:
           listener_(geometry::wedge_coordinates(edges.second, edges.listener)),
           path_(shortest_path(edges)) {}
 
-    Complex value() const noexcept;
+    DoublyDiffractedPressure value() const noexcept;
+    /// Of the absolute values of all terms, at the wave number 0.
+    double bound() const noexcept;
 
 private:
+    TermProducts integral() const noexcept;
+    double factor() const noexcept {
+        const double half = edges_.common_face ? 0.5 : 1.0;
+        return half / (16.0 * edges_.first.open_angle * edges_.second.open_angle);
+    }
     WedgePoint seen_from_first(double second_z) const noexcept {
         WedgePoint point =
             geometry::wedge_coordinates(edges_.first, edges_.second.point_at(second_z));
@@ -151,7 +227,7 @@ private:
     }
     double peak_at_first(double second_z) const noexcept;
     double place_of_peak(double first_z) const noexcept;
-    Complex inner(double second_z) const noexcept;
+    TermProducts inner(double second_z) const noexcept;
 
     const DoubleDiffraction& edges_;
     double k_;
@@ -179,7 +255,7 @@ double DoubleIntegral::place_of_peak(double first_z) const noexcept {
 }
 
 // The integral over the first edge for a point of the second one.
-Complex DoubleIntegral::inner(double second_z) const noexcept {
+TermProducts DoubleIntegral::inner(double second_z) const noexcept {
     const WedgePoint second = seen_from_first(second_z);
     const WedgeTerms first_terms = terms_at_first(second);
     const WedgeTerms some_second_terms = terms_at_second(seen_from_second(path_.first_z));
@@ -199,29 +275,44 @@ Complex DoubleIntegral::inner(double second_z) const noexcept {
         steep[3] = {z, reach};
     }
     const bool is_fixed = edges_.common_face.has_value();
-    Complex sum{0.0};
+    const double beyond =
+        distance_at(listener_, second_z) - path_.before - path_.between - path_.after;
+    const auto detour = [&](double z) {
+        return distance_at(source_, z) + distance_at(second, z) + beyond;
+    };
+    const geometry::Interval part =
+        below(kMaxPhase / k_,
+              edges_.first_begin,
+              edges_.first_end,
+              std::clamp(apex_z(source_, second), edges_.first_begin, edges_.first_end),
+              detour);
+    TermProducts sum;
     integrate_graded(
-        edges_.first_begin,
-        edges_.first_end,
+        part.min,
+        part.max,
         steep,
         [&](double z) { return k_ * (distance_at(source_, z) + distance_at(second, z)); },
         [&](double z, double weight) {
             const WedgePoint first = seen_from_second(z);
             const double m = distance_at(source_, z);
             const double between = distance_at(second, z);
-            const double at_first = first_terms.sum(exponential_of_eta(z, source_, second));
             const double power = exponential_of_eta(second_z, first, listener_);
-            const double at_second =
-                is_fixed ? some_second_terms.sum(power) : terms_at_second(first).sum(power);
-            sum += (weight * at_first * at_second / (m * between)) *
-                   unit(-k_ * (m + between - path_.before - path_.between));
+            weight *= weight_of_phase(k_ * (m + between + beyond)) / (m * between);
+            const auto at_first = first_terms.values(exponential_of_eta(z, source_, second));
+            const auto at_second =
+                is_fixed ? some_second_terms.values(power) : terms_at_second(first).values(power);
+            if (k_ == 0.0) {
+                sum.add_absolute(weight, at_first, at_second);
+                return;
+            }
+            sum.add(weight * unit(-k_ * (m + between - path_.before - path_.between)),
+                    at_first,
+                    at_second);
         });
     return sum;
 }
 
-Complex DoubleIntegral::value() const noexcept {
-    const double first_nu = math::kPi / edges_.first.open_angle;
-    const double second_nu = math::kPi / edges_.second.open_angle;
+TermProducts DoubleIntegral::integral() const noexcept {
     const WedgePoint second = seen_from_first(path_.second_z);
     const WedgePoint first = seen_from_second(path_.first_z);
     const double min_scale = kMinScale * (edges_.second_end - edges_.second_begin);
@@ -260,29 +351,92 @@ Complex DoubleIntegral::value() const noexcept {
     const auto at_begin = phase(edges_.first_begin);
     const auto at_end = phase(edges_.first_end);
     const auto at_path = phase(path_.first_z);
-    Complex sum{0.0};
+    // No way over the second edge is shorter than past the first one.
+    const auto detour = [&](double z) {
+        return distance_at(source_about_second, z) + distance_at(listener_, z) - path_.length();
+    };
+    const geometry::Interval part =
+        below(kMaxPhase / k_, edges_.second_begin, edges_.second_end, path_.second_z, detour);
+    TermProducts sum;
     integrate_graded(
-        edges_.second_begin,
-        edges_.second_end,
+        part.min,
+        part.max,
         steep,
         [&](double z) {
             return std::max({at_begin(z), at_end(z), at_path(z)});
         },
         [&](double z, double weight) {
             const double l = distance_at(listener_, z);
-            sum += weight / l * unit(-k_ * (l - path_.after)) * inner(z);
+            sum.add(weight / l * unit(-k_ * (l - path_.after)), inner(z));
         });
-    const double half = edges_.common_face ? 0.5 : 1.0;
-    return half * first_nu * second_nu / (16.0 * math::kPi * math::kPi) *
-           unit(-k_ * path_.length()) * sum;
+    return sum;
+}
+
+double DoubleIntegral::bound() const noexcept {
+    const TermProducts sums = integral();
+    double total = 0.0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t j = 0; j < 4; ++j) {
+            total += sums.at(i, j).real();
+        }
+    }
+    return factor() * total;
+}
+
+DoublyDiffractedPressure DoubleIntegral::value() const noexcept {
+    const Complex phased = factor() * unit(-k_ * path_.length());
+    const TermProducts sums = integral();
+    // A term keeps its sign over the edges but where a zone boundary crosses them; the sign at the
+    // shortest way, where the response begins, is taken.
+    const auto first = edge_terms(edges_.first.open_angle,
+                                  source_.angle,
+                                  seen_from_first(path_.second_z).angle,
+                                  {1.0, 1.0, 1.0},
+                                  {});
+    const auto second = edge_terms(edges_.second.open_angle,
+                                   seen_from_second(path_.first_z).angle,
+                                   listener_.angle,
+                                   {1.0, 1.0, 1.0},
+                                   {});
+    DoublyDiffractedPressure pressure;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        for (std::size_t j = 0; j < second.size(); ++j) {
+            const bool is_upright = first[i].sign * second[j].sign > 0.0;
+            auto& kinds = is_upright ? pressure.upright : pressure.inverted;
+            kinds[first[i].kind][second[j].kind] += phased * sums.at(i, j);
+        }
+    }
+    return pressure;
 }
 
 }  // namespace
 
-std::complex<double> second_order_pressure(const DoubleDiffraction& edges,
-                                           double wave_number) noexcept {
+std::complex<double> DoublyDiffractedPressure::total() const noexcept {
+    Complex sum{0.0};
+    for (const Kinds* kinds : {&upright, &inverted}) {
+        for (const auto& of_first : *kinds) {
+            for (const Complex& pressure : of_first) {
+                sum += pressure;
+            }
+        }
+    }
+    return sum;
+}
+
+double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept {
+    constexpr double kQuadrature = 1.01;
+    return kQuadrature * DoubleIntegral(edges, 0.0).bound();
+}
+
+DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edges,
+                                                    double wave_number) noexcept {
     EARSHOT_ASSERT(wave_number > 0.0);
     return DoubleIntegral(edges, wave_number).value();
+}
+
+std::complex<double> second_order_pressure(const DoubleDiffraction& edges,
+                                           double wave_number) noexcept {
+    return doubly_diffracted_pressure(edges, wave_number).total();
 }
 
 std::complex<double> utd_second_order_pressure(const DoubleDiffraction& edges,

@@ -4,6 +4,7 @@
 #include "earshot/base/floating_point.h"
 #include "earshot/geometry/wedge.h"
 
+#include <array>
 #include <complex>
 #include <cstddef>
 #include <optional>
@@ -29,10 +30,30 @@ struct DoubleDiffraction {
     std::optional<CommonFace> common_face{};
 };
 
-/// The sound pressure at the listener, as diffracted_pressure(), within 0.001 dB or 1e-5 of the
-/// direct sound. The double integral over both edges (Svensson, Fred and Vanderkooy 1999, section
-/// II.B): its cost grows with the square of the frequency. Preconditions: wave_number > 0; source,
-/// listener and each of the parts lie outside the line of the other edge.
+/// Sound pressure at the listener, its phase counted from the emission, per kind of term at the
+/// first edge and at the second, in the order of EdgeDiffraction.
+struct DoublyDiffractedPressure {
+    using Kinds = std::array<std::array<std::complex<double>, 3>, 3>;
+    Kinds upright{};   ///< of products of terms that begin with the sign of the source
+    Kinds inverted{};  ///< of those that begin with the other
+
+    std::complex<double> total() const noexcept;
+};
+
+/// The double integral over both edges (Svensson, Fred and Vanderkooy 1999, section II.B), within
+/// 0.001 dB or 1e-5 of the direct sound where no way is longer than the shortest by more than 250
+/// radians. Of longer ways those from 500 radians on are left out: they arrive long after the rest,
+/// with 0.01 dB of it. The cost grows with the square of the frequency up to there. Preconditions:
+/// wave_number > 0; source, listener and each of the parts lie outside the line of the other edge.
+DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edges,
+                                                    double wave_number) noexcept;
+
+/// A bound on the absolute value of the sum of any of doubly_diffracted_pressure()'s terms at any
+/// frequency, with factors of at most 1: the integral of the integrand's absolute value, 1 % added
+/// for the quadrature.
+double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept;
+
+/// The sum of doubly_diffracted_pressure().
 std::complex<double> second_order_pressure(const DoubleDiffraction& edges,
                                            double wave_number) noexcept;
 
