@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
-// bench_calibration [SEEDS [RAYS [NOISE_RAYS [THREADS]]]]: absorption of eight materials fitted to
-// seven metrics of ten pairs in four octaves, measured with errors as large as the standard errors
-// of NOISE_RAYS rays, by simulations of RAYS rays: how many of the 95 % intervals hold the truth,
-// and the processor time of a calibration.
+// bench_calibration [SEEDS [RAYS [NOISE_RAYS [THREADS [SCATTERING]]]]]: absorption of eight
+// materials, and their scattering if SCATTERING is 1, fitted to seven metrics of ten pairs in four
+// octaves, measured with errors as large as the standard errors of NOISE_RAYS rays, by simulations
+// of RAYS rays: how many of the 95 % intervals hold the truth, and the processor time of a
+// calibration.
 
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
@@ -17,6 +18,24 @@ namespace {
 
 using namespace earshot::propagation;
 
+void print(const char* coefficient, const Coverage& sum) {
+    const auto percent = [](std::size_t part, std::size_t whole) {
+        return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
+    };
+    std::printf(
+        "%s, identified  %zu of %zu hold the truth, %.1f %%; at most %.1f standard errors off\n",
+        coefficient,
+        sum.identified_held,
+        sum.identified,
+        percent(sum.identified_held, sum.identified),
+        sum.max_deviation);
+    std::printf("%s, all         %zu of %zu, %.1f %%\n",
+                coefficient,
+                sum.all_held,
+                sum.all,
+                percent(sum.all_held, sum.all));
+}
+
 int run(int argc, char** argv) {
     const auto argument = [&](int index, long otherwise) {
         return argc > index ? std::strtol(argv[index], nullptr, 10) : otherwise;
@@ -26,6 +45,7 @@ int run(int argc, char** argv) {
     options.rays = static_cast<std::size_t>(argument(2, 65536));
     options.noise_rays = static_cast<std::size_t>(argument(3, 2048));
     earshot::Executor executor(static_cast<int>(argument(4, 1)));
+    options.fit_scattering = argument(5, 0) != 0;
     const CalibrationCampaign campaign(options);
     CalibrationStatistic sum;
     double processor = 0.0;
@@ -34,17 +54,10 @@ int run(int argc, char** argv) {
                          campaign.add(campaign.calibrate(options.first_seed + i, executor), sum);
                      }).processor;
     }
-    const auto percent = [](std::size_t part, std::size_t whole) {
-        return 100.0 * static_cast<double>(part) / static_cast<double>(whole);
-    };
-    std::printf(
-        "identified  %zu of %zu hold the truth, %.1f %%; at most %.1f standard errors off\n",
-        sum.identified_held,
-        sum.identified,
-        percent(sum.identified_held, sum.identified),
-        sum.max_deviation);
-    std::printf(
-        "all         %zu of %zu, %.1f %%\n", sum.all_held, sum.all, percent(sum.all_held, sum.all));
+    print("absorption", sum.absorption);
+    if (options.fit_scattering) {
+        print("scattering", sum.scattering);
+    }
     std::printf("reduced chi squared %.2f; %.1f simulations, %.1f s of processor time each fit\n",
                 sum.reduced_chi_squared,
                 sum.simulations,

@@ -30,7 +30,8 @@ constexpr const char* kFooter =
     "measured\n"
     "ones. Each coefficient may move as far as values of one construction differ in literature\n"
     "(--spread); a material without data may move anywhere. The report tells which coefficients\n"
-    "the measurements themselves tell, and which materials they do not part. Scattering stays.\n"
+    "the measurements themselves tell, and which materials they do not part. Scattering stays\n"
+    "but with --fit-scattering.\n"
     "The output is a file of materials: beside the scene as SCENE.materials.json every command\n"
     "reads it. docs/calibrate.md tells the method, and how far to trust it.\n\n"
     "Measurements are recordings named SOURCE__LISTENER.wav, as earshot ir names its responses, "
@@ -51,6 +52,8 @@ constexpr const char* kFooter =
     "  earshot calibrate room.gltf --measured table.csv --unknown 'Curtain*' --keep Glass \\\n"
     "      --spread 0.5 -o fitted.json\n"
     "      what is known of the materials\n"
+    "  earshot calibrate room.gltf --measured table.csv --fit-scattering -o fitted.json\n"
+    "      scattering too\n"
     "  earshot calibrate room.gltf --locate arrivals.csv --folds 5 -o positions.json\n"
     "      where sources and listeners were, and how well that predicts other arrivals";
 
@@ -64,7 +67,7 @@ public:
         scene_.add_to(app());
         add_output("-o,--output", output_, "the calibrated materials or positions, FILE.json")
             ->required();
-        add_absorption_options();
+        add_material_options();
         locate_.add_to(app());
         emitters_.add_to(app());
         materials_.add_to(app());
@@ -89,7 +92,7 @@ public:
         if (locate_.is_chosen()) {
             locate(loaded, simulation);
         } else {
-            fit_absorption(loaded, simulation);
+            fit_materials(loaded, simulation);
         }
     }
 
@@ -98,7 +101,7 @@ private:
     static constexpr SimulationChoice::Defaults kDefaults = {
         .order = 3, .rays_error_percent = 1.0, .max_auto_rays = 200000};
 
-    void add_absorption_options() {
+    void add_material_options() {
         app()
             .add_option("--measured",
                         measured_,
@@ -119,7 +122,7 @@ private:
                    "--spread",
                    spread_,
                    {1e-3, 1e3},
-                   "how far absorption may be off, a factor of the spread in literature; "
+                   "how far coefficients may be off, a factor of the spread in literature; "
                    "default: 1");
         add_repeatable(app(),
                        "--unknown",
@@ -127,13 +130,15 @@ private:
                        "'PATTERN': materials of which nothing is known, by a shell pattern of "
                        "their names; those without data always are")
             ->type_name("TEXT");
-        add_repeatable(app(), "--keep", kept_, "'PATTERN': materials that keep their absorption")
+        add_repeatable(app(), "--keep", kept_, "'PATTERN': materials that keep their coefficients")
             ->type_name("TEXT");
+        app().add_flag(
+            "--fit-scattering", fit_scattering_, "fit scattering as well, which is kept otherwise");
         add_integer(app(),
                     "--simulations",
                     simulations_,
                     {1, 50},
-                    "most simulations of the scene until the absorption stays; default: 5");
+                    "most simulations of the scene until the coefficients stay; default: 5");
         app().add_flag("--noise-free",
                        noise_free_,
                        "the recordings are computed responses without a noise floor");
@@ -157,12 +162,13 @@ private:
             executor);
     }
 
-    void fit_absorption(const io::LoadedScene& loaded, const propagation::Options& simulation) {
+    void fit_materials(const io::LoadedScene& loaded, const propagation::Options& simulation) {
         propagation::CalibrationOptions options = {
             .simulation = simulation,
             .time = scene_.times(app()).front(),
             .default_error = error_,
             .prior_deviation = spread_,
+            .fit_scattering = fit_scattering_,
             .max_simulations = static_cast<int>(simulations_)};
         choose_materials(loaded, options);
         const io::MeasuredMetrics measured = read(loaded.scene, options.simulation.bands);
@@ -174,7 +180,7 @@ private:
         Executor executor(static_cast<int>(common().threads));
         const propagation::CalibrationResult result = [&] {
             ProgressBar progress(common().quiet);
-            return propagation::calibrate_absorption(
+            return propagation::calibrate_materials(
                 loaded.scene, measured.values, options, executor, &progress);
         }();
         const io::CalibrationParts parts = {.scene = loaded.scene,
@@ -239,7 +245,7 @@ private:
     double error_ = 0.5, spread_ = 1.0;
     std::vector<std::string> unknown_, kept_;
     std::int64_t simulations_ = 5;
-    bool noise_free_ = false;
+    bool noise_free_ = false, fit_scattering_ = false;
     CLI::Option* metric_option_ = nullptr;  // owned by the program
 };
 

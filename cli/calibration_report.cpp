@@ -38,7 +38,19 @@ public:
         }
     }
 
-    std::string text() const { return head() + residuals() + absorption() + groups(); }
+    std::string text() const {
+        std::string text = head() + residuals();
+        if (result_.scattering.empty()) {
+            text += coefficients(result_.absorption);
+        } else {
+            text += "absorption\n" + coefficients(result_.absorption) + "\nscattering\n" +
+                    coefficients(result_.scattering);
+        }
+        return text +
+               "* told by the measurements alone; others lean on what the scene or the library "
+               "says\n" +
+               groups();
+    }
 
 private:
     std::string head() const {
@@ -93,11 +105,12 @@ private:
                row("", "after", of_bands(&CalibratedBand::after)) + "\n";
     }
 
-    std::string absorption() const {
+    /// Of each material.
+    std::string coefficients(const std::vector<std::vector<FittedCoefficient>>& list) const {
         std::string text;
-        for (std::size_t material = 0; material < result_.absorption.size(); ++material) {
-            const auto& fitted = result_.absorption[material];
-            if (std::none_of(fitted.begin(), fitted.end(), [](const FittedAbsorption& band) {
+        for (std::size_t material = 0; material < list.size(); ++material) {
+            const auto& fitted = list[material];
+            if (std::none_of(fitted.begin(), fitted.end(), [](const FittedCoefficient& band) {
                     return band.is_fitted;
                 })) {
                 text += row(parts_.scene.materials[material].name, "kept", {});
@@ -114,22 +127,24 @@ private:
                             return formatted("%.3f ", fitted[b].error);
                         }));
         }
-        return text +
-               "* told by the measurements alone; others lean on what the scene or the library "
-               "says\n";
+        return text;
     }
 
-    /// One line for each set of materials, with its bands.
+    /// One line for each set of coefficients, with its bands.
     std::string groups() const {
-        std::map<std::vector<std::uint32_t>, std::vector<const UnidentifiedGroup*>> of_materials;
+        using Materials = std::vector<std::uint32_t>;
+        std::map<std::pair<Materials, Materials>, std::vector<const UnidentifiedGroup*>> of_sets;
         for (const UnidentifiedGroup& group : result_.groups) {
-            of_materials[group.materials].push_back(&group);
+            of_sets[{group.materials, group.scattering}].push_back(&group);
         }
         std::string text;
-        for (const auto& [materials, list] : of_materials) {
+        for (const auto& [set, list] : of_sets) {
             std::string names, bands, means;
-            for (const std::uint32_t material : materials) {
+            for (const std::uint32_t material : set.first) {
                 names += (names.empty() ? "" : ", ") + name(material);
+            }
+            for (const std::uint32_t material : set.second) {
+                names += (names.empty() ? "scattering of " : ", scattering of ") + name(material);
             }
             for (const UnidentifiedGroup* group : list) {
                 const double band_hz = parts_.bands.nominal_hz()[group->band];
@@ -137,8 +152,9 @@ private:
                 means += group->weights.empty() ? "" : mean(*group);
             }
             text += "\n" + names +
-                    (materials.size() > 1 ? ": not told apart" : ": hardly told at all") + " at " +
-                    bands + " Hz" + (means.empty() ? "" : "; known are") + "\n" + means;
+                    (set.first.size() + set.second.size() > 1 ? ": not told apart"
+                                                              : ": hardly told at all") +
+                    " at " + bands + " Hz" + (means.empty() ? "" : "; known are") + "\n" + means;
         }
         return text;
     }

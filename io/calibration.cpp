@@ -29,14 +29,14 @@ Json listed(const Items& items, ValueOf value_of) {
     return list;
 }
 
-Json fitted_of(const std::string& name, const std::vector<FittedAbsorption>& bands) {
-    using Fitted = FittedAbsorption;
+/// `key`: of the fitted values.
+Json fitted_of(const char* key, const std::vector<FittedCoefficient>& bands) {
+    using Fitted = FittedCoefficient;
     return {
-        {"name", name},
         {"prior", listed(bands, [](const Fitted& f) { return f.prior.mean; })},
         {"prior_error",
          listed(bands, [](const Fitted& f) { return f.prior.rate_at(f.prior.mean); })},
-        {"absorption", listed(bands, [](const Fitted& f) { return f.value; })},
+        {key, listed(bands, [](const Fitted& f) { return f.value; })},
         {"error", listed(bands, [](const Fitted& f) { return f.error; })},
         {"interval",
          listed(bands,
@@ -49,11 +49,25 @@ Json fitted_of(const std::string& name, const std::vector<FittedAbsorption>& ban
         {"identified", listed(bands, [](const Fitted& f) { return f.is_identified(); })}};
 }
 
+Json material_of(const CalibrationParts& parts, std::size_t material) {
+    Json json = {{"name", parts.scene.materials[material].name}};
+    json.update(fitted_of("absorption", parts.result.absorption[material]));
+    if (!parts.result.scattering.empty()) {
+        // Beside numbers of the same names.
+        json["scattering"] = fitted_of("value", parts.result.scattering[material]);
+    }
+    return json;
+}
+
 Json group_of(const CalibrationParts& parts, const UnidentifiedGroup& group) {
+    const auto name_of = [&](std::uint32_t material) {
+        return parts.scene.materials[material].name;
+    };
     Json json = {{"band_hz", parts.bands.nominal_hz()[group.band]},
-                 {"materials", listed(group.materials, [&](std::uint32_t material) {
-                      return parts.scene.materials[material].name;
-                  })}};
+                 {"materials", listed(group.materials, name_of)}};
+    if (!group.scattering.empty()) {
+        json["scattering"] = listed(group.scattering, name_of);
+    }
     if (!group.weights.empty()) {
         json["mean"] = {
             {"weights", group.weights}, {"absorption", group.value}, {"error", group.error}};
@@ -92,9 +106,12 @@ std::string encode_calibrated_materials(const CalibrationParts& parts) {
         calibrated_materials(parts.scene, parts.result, parts.bands);
     std::vector<Material> written;
     for (std::size_t i = 0; i < materials.size(); ++i) {
-        const std::vector<FittedAbsorption>& fitted = parts.result.absorption[i];
-        const bool is_fitted =
-            std::any_of(fitted.begin(), fitted.end(), [](const auto& f) { return f.is_fitted; });
+        const auto has_fit = [&](const std::vector<std::vector<FittedCoefficient>>& coefficients) {
+            return !coefficients.empty() && std::any_of(coefficients[i].begin(),
+                                                        coefficients[i].end(),
+                                                        [](const auto& f) { return f.is_fitted; });
+        };
+        const bool is_fitted = has_fit(parts.result.absorption) || has_fit(parts.result.scattering);
         const bool is_default =
             std::find(parts.default_materials.begin(), parts.default_materials.end(), i) !=
             parts.default_materials.end();
@@ -127,9 +144,7 @@ std::string encode_calibration(const CalibrationParts& parts) {
     add_list("bands", result.bands, [&](std::size_t i) {
         return band_of(bands_hz[i], result.bands[i]);
     });
-    add_list("materials", result.absorption, [&](std::size_t i) {
-        return fitted_of(parts.scene.materials[i].name, result.absorption[i]);
-    });
+    add_list("materials", result.absorption, [&](std::size_t i) { return material_of(parts, i); });
     add_list(
         "groups", result.groups, [&](std::size_t i) { return group_of(parts, result.groups[i]); });
     add_list("metrics", result.metrics, [&](std::size_t i) {

@@ -48,9 +48,9 @@ void solve_lower(std::span<const double> factor, std::size_t count, double* b, s
 class BandResiduals {
 public:
     explicit BandResiduals(const BandFitProblem& problem) : problem_(problem) {
-        for (std::size_t material = 0; material < problem.priors.size(); ++material) {
-            if (problem.priors[material].deviation > 0.0) {
-                parameters_.push_back(material);
+        for (std::size_t i = 0; i < problem.priors.size(); ++i) {
+            if (problem.priors[i].deviation > 0.0) {
+                parameters_.push_back(i);
             }
         }
         std::vector<std::vector<MetricVector>> deviations;
@@ -58,9 +58,9 @@ public:
             const std::size_t pair = problem.data[i].pair;
             if (!place_of_pair_.contains(pair)) {
                 place_of_pair_.emplace(pair, pairs_.size());
-                pairs_.push_back(
-                    {.pair = pair,
-                     .simulated = problem.models[pair].evaluate(problem.band, problem.absorption)});
+                pairs_.push_back({.pair = pair,
+                                  .simulated = problem.models[pair].evaluate(
+                                      problem.band, problem.coefficients)});
                 deviations.push_back(problem.models[pair].ray_deviations(problem.band));
             }
             if (simulated(i)) {
@@ -83,11 +83,14 @@ public:
     /// Indices of the data of which the model has a value.
     const std::vector<std::size_t>& data() const { return data_; }
     std::size_t count() const { return data_.size() + parameters_.size(); }
-    const AbsorptionPrior& prior(std::size_t parameter) const {
+    const CoefficientPrior& prior(std::size_t parameter) const {
         return problem_.priors[parameters_[parameter]];
     }
-    double min_absorption(std::size_t parameter) const {
-        return problem_.min_absorption[parameters_[parameter]];
+    double min_value(std::size_t parameter) const {
+        return problem_.min_values[parameters_[parameter]];
+    }
+    double max_value(std::size_t parameter) const {
+        return problem_.max_values[parameters_[parameter]];
     }
     /// The model's value of any datum, as simulated.
     const std::optional<double>& simulated(std::size_t datum) const {
@@ -107,11 +110,11 @@ public:
         factor_ = cholesky_factor(std::move(covariance), data_.size());
     }
 
-    std::vector<double> absorption(std::span<const double> z) const {
-        std::vector<double> result = problem_.absorption;
+    std::vector<double> coefficients(std::span<const double> z) const {
+        std::vector<double> result = problem_.coefficients;
         for (std::size_t k = 0; k < parameters_.size(); ++k) {
             result[parameters_[k]] =
-                std::clamp(prior(k).absorption_at(z[k]), min_absorption(k), kMaxFittedAbsorption);
+                std::clamp(prior(k).value_at(z[k]), min_value(k), max_value(k));
         }
         return result;
     }
@@ -119,7 +122,7 @@ public:
     /// Model - measured of the data, in their units.
     std::vector<double> differences(std::span<const double> z) const {
         std::vector<double> result(count());
-        read_pairs(absorption(z), result, {});
+        read_pairs(coefficients(z), result, {});
         result.resize(data_.size());
         return result;
     }
@@ -129,7 +132,7 @@ public:
                   std::span<double> jacobian) const {
         const std::size_t columns = parameters_.size();
         std::fill(jacobian.begin(), jacobian.end(), 0.0);
-        read_pairs(absorption(z), residuals, jacobian);
+        read_pairs(coefficients(z), residuals, jacobian);
         solve_lower(factor_, data_.size(), residuals.data(), 1);
         for (std::size_t p = 0; p < columns && !jacobian.empty(); ++p) {
             solve_lower(factor_, data_.size(), jacobian.data() + p, columns);
@@ -161,15 +164,15 @@ private:
             // A value that is lost on the way to other coefficients pulls nowhere.
             residuals[k] = model.values[datum.kind].value_or(*simulated(data_[k])) - datum.value;
             for (std::size_t p = 0; p < parameters_.size() && !jacobian.empty(); ++p) {
-                const std::size_t material = parameters_[p];
+                const std::size_t i = parameters_[p];
                 jacobian[k * parameters_.size() + p] =
-                    model.derivatives[material][datum.kind] * prior(p).rate_at(at[material]);
+                    model.derivatives[i][datum.kind] * prior(p).rate_at(at[i]);
             }
         }
     }
 
     const BandFitProblem& problem_;
-    std::vector<std::size_t> parameters_;  // materials
+    std::vector<std::size_t> parameters_;  // indices of coefficients
     std::vector<std::size_t> data_;        // indices
     std::vector<Pair> pairs_;
     std::map<std::size_t, std::size_t> place_of_pair_;  // in pairs_
@@ -185,9 +188,9 @@ LeastSquaresProblem solver_problem(const BandResiduals& residuals) {
                         std::span<double> jacobian) { residuals.evaluate(z, values, jacobian); },
         .residual_count = residuals.count()};
     for (std::size_t k = 0; k < residuals.parameters().size(); ++k) {
-        const AbsorptionPrior& prior = residuals.prior(k);
-        problem.min_values.push_back(prior.deviations_of(residuals.min_absorption(k)));
-        problem.max_values.push_back(prior.deviations_of(kMaxFittedAbsorption));
+        const CoefficientPrior& prior = residuals.prior(k);
+        problem.min_values.push_back(prior.deviations_of(residuals.min_value(k)));
+        problem.max_values.push_back(prior.deviations_of(residuals.max_value(k)));
     }
     return problem;
 }
@@ -219,7 +222,7 @@ LeastSquaresSolution solve(const BandFitProblem& problem,
     std::vector<double> start;
     for (std::size_t k = 0; k < residuals.parameters().size(); ++k) {
         start.push_back(
-            residuals.prior(k).deviations_of(problem.absorption[residuals.parameters()[k]]));
+            residuals.prior(k).deviations_of(problem.coefficients[residuals.parameters()[k]]));
     }
     for (int weighting = 1;; ++weighting) {
         LeastSquaresSolution solution = solve_least_squares(
@@ -265,7 +268,7 @@ void read_spread(const LeastSquaresSolution& solution, std::size_t data_count, B
 BandFit fit_band(const BandFitProblem& problem) {
     BandResiduals residuals(problem);
     BandFit fit = {.parameters = residuals.parameters(),
-                   .absorption = problem.absorption,
+                   .coefficients = problem.coefficients,
                    .model_errors = std::vector<double>(problem.data.size(), 0.0),
                    .weights = std::vector<double>(problem.data.size(), 0.0)};
     for (std::size_t i = 0; i < problem.data.size(); ++i) {
@@ -274,7 +277,7 @@ BandFit fit_band(const BandFitProblem& problem) {
     std::vector<double> weights(residuals.data().size(), 1.0);
     if (!weights.empty() && !fit.parameters.empty()) {
         const LeastSquaresSolution solution = solve(problem, residuals, weights);
-        fit.absorption = residuals.absorption(solution.parameters);
+        fit.coefficients = residuals.coefficients(solution.parameters);
         fit.is_at_bound = solution.at_bound;
         fit.converged = solution.converged;
         read_spread(solution, weights.size(), fit);

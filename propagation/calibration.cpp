@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/propagation/calibration.h"
 
-#include "earshot/propagation/internal/absorption_model.h"
 #include "earshot/propagation/internal/band_fit.h"
 #include "earshot/propagation/internal/calibration_summary.h"
+#include "earshot/propagation/internal/material_model.h"
 #include "earshot/propagation/least_squares.h"
 
 #include <algorithm>
@@ -101,20 +101,31 @@ struct MeasuredScene {
     }
 };
 
+/// A coefficient that is a number in each band.
+template <typename ValueOf>
+EnergyCoefficient per_band(const audio::Bands& bands, ValueOf value_of) {
+    std::vector<EnergyCoefficient::Point> points;
+    for (std::size_t band = 0; band < bands.count(); ++band) {
+        points.push_back({bands.nominal_hz()[band], value_of(band)});
+    }
+    return EnergyCoefficient(std::move(points));
+}
+
 /// Gives a material its absorption per band. Transmission, of which points between bands might
 /// exceed it, then stands per band too.
 template <typename AbsorptionOf>
-void set_bands(const audio::Bands& bands, AbsorptionOf absorption_of, Material& material) {
+void set_absorption(const audio::Bands& bands, AbsorptionOf absorption_of, Material& material) {
     const Spectrum transmitted = transmitted_energy(material, bands);
-    std::vector<EnergyCoefficient::Point> absorption, transmission;
-    for (std::size_t band = 0; band < bands.count(); ++band) {
-        absorption.push_back({bands.nominal_hz()[band], absorption_of(band)});
-        transmission.push_back({bands.nominal_hz()[band], transmitted[band]});
-    }
     if (*std::max_element(transmitted.begin(), transmitted.end()) > 0.0) {
-        material.transmission = EnergyCoefficient(std::move(transmission));
+        material.transmission =
+            per_band(bands, [&](std::size_t band) { return transmitted[band]; });
     }
-    material.absorption = EnergyCoefficient(std::move(absorption));
+    material.absorption = per_band(bands, absorption_of);
+}
+
+bool is_fitted(std::span<const FittedCoefficient> bands) {
+    return std::any_of(
+        bands.begin(), bands.end(), [](const FittedCoefficient& band) { return band.is_fitted; });
 }
 
 class Calibration {
@@ -127,6 +138,7 @@ public:
         : scene_(scene),
           options_(options),
           bands_(options.simulation.bands),
+          materials_(scene.materials.size()),
           of_scene_(scene, measured),
           executor_(executor),
           progress_(progress) {
@@ -136,7 +148,10 @@ public:
                                        .error = value.error.value_or(options.default_error * jnd),
                                        .just_noticeable_difference = jnd});
         }
-        set_priors();
+        set_absorption_priors();
+        if (options.fit_scattering) {
+            set_scattering_priors();
+        }
         group_data();
         require_parameters();
     }
@@ -168,27 +183,69 @@ public:
     }
 
 private:
-    void set_priors() {
-        const std::vector<Material>& materials = of_scene_.scene.materials;
-        const auto contains = [](const std::vector<std::uint32_t>& list, std::size_t material) {
-            return std::find(list.begin(), list.end(), material) != list.end();
-        };
-        for (std::size_t material = 0; material < materials.size(); ++material) {
-            const Spectrum absorption = materials[material].absorption.over(bands_);
-            transmitted_.push_back(transmitted_energy(materials[material], bands_));
+    static bool contains(const std::vector<std::uint32_t>& list, std::size_t material) {
+        return std::find(list.begin(), list.end(), material) != list.end();
+    }
+
+    void set_absorption_priors() {
+        for (std::size_t material = 0; material < materials_; ++material) {
+            const Material& target = of_scene_.scene.materials[material];
+            const Spectrum absorption = target.absorption.over(bands_);
+            transmitted_.push_back(transmitted_energy(target, bands_));
             auto& fitted = result_.absorption.emplace_back(bands_.count());
-            absorption_.push_back(absorption);
+            coefficients_.push_back(absorption);
+            const double deviation = contains(options_.unknown_materials, material)
+                                         ? kUnknownDeviation
+                                         : options_.prior_deviation;
             for (std::size_t band = 0; band < bands_.count(); ++band) {
                 const double mean = absorption[band];
                 const bool is_fixed =
                     contains(options_.fixed_materials, material) || mean > kMaxFittedAbsorption;
-                const double deviation = contains(options_.unknown_materials, material)
-                                             ? kUnknownAbsorptionDeviation
-                                             : options_.prior_deviation;
-                fitted[band].prior = {.mean = mean, .deviation = is_fixed ? 0.0 : deviation};
-                read_interval(is_fixed ? 0.0 : 1.0, mean, fitted[band]);
+                set_prior({.mean = mean, .deviation = is_fixed ? 0.0 : deviation}, fitted[band]);
             }
         }
+    }
+
+    /// What absorbs everything does not scatter.
+    void set_scattering_priors() {
+        for (std::size_t material = 0; material < materials_; ++material) {
+            Spectrum scattering = of_scene_.scene.materials[material].scattering.over(bands_);
+            auto& fitted = result_.scattering.emplace_back(bands_.count());
+            const bool is_kept = contains(options_.fixed_materials, material);
+            const bool is_unset = *std::max_element(scattering.begin(), scattering.end()) == 0.0;
+            const bool is_unknown = is_unset || contains(options_.unknown_materials, material);
+            const double deviation = is_unknown ? kUnknownDeviation : options_.prior_deviation;
+            for (std::size_t band = 0; band < bands_.count(); ++band) {
+                const bool is_fixed =
+                    is_kept || coefficients_[material][band] > kMaxFittedAbsorption;
+                double& mean = scattering[band];
+                if (!is_fixed) {
+                    mean = std::clamp(is_unset ? kUnknownScattering : mean,
+                                      kMinFittedScattering,
+                                      kMaxFittedScattering);
+                }
+                set_prior({.of = Coefficient::scattering,
+                           .mean = mean,
+                           .deviation = is_fixed ? 0.0 : deviation},
+                          fitted[band]);
+            }
+            coefficients_.push_back(scattering);
+        }
+    }
+
+    static void set_prior(const CoefficientPrior& prior, FittedCoefficient& fitted) {
+        fitted.prior = prior;
+        read_interval(prior.deviation > 0.0 ? 1.0 : 0.0, prior.mean, fitted);
+    }
+
+    /// Of an index into coefficients_.
+    std::vector<FittedCoefficient>& fitted_of(std::size_t coefficient) {
+        return coefficient < materials_ ? result_.absorption[coefficient]
+                                        : result_.scattering[coefficient - materials_];
+    }
+    const FittedCoefficient& fitted_of(std::size_t coefficient, std::size_t band) const {
+        return coefficient < materials_ ? result_.absorption[coefficient][band]
+                                        : result_.scattering[coefficient - materials_][band];
     }
 
     /// The measured values of each band, pair by pair.
@@ -207,8 +264,8 @@ private:
 
     void require_parameters() const {
         for (const CalibratedMetric& metric : result_.metrics) {
-            for (const std::vector<FittedAbsorption>& bands : result_.absorption) {
-                if (bands[metric.measured.band].prior.deviation > 0.0) {
+            for (std::size_t i = 0; i < coefficients_.size(); ++i) {
+                if (fitted_of(i, metric.measured.band).prior.deviation > 0.0) {
                     return;
                 }
             }
@@ -218,12 +275,13 @@ private:
 
     void simulate() {
         Scene& scene = of_scene_.scene;
-        for (std::size_t material = 0; material < scene.materials.size(); ++material) {
-            set_absorption(material, scene.materials[material]);
+        for (std::size_t material = 0; material < materials_; ++material) {
+            set_material(material, scene.materials[material]);
         }
         Options simulation = options_.simulation;
         simulation.report_paths = true;
         simulation.report_materials = true;
+        simulation.report_scattering = options_.fit_scattering;
         simulation.late_directions = false;
         if (result_.simulations > 0) {
             // As many rays as the first time: the same random numbers.
@@ -242,13 +300,18 @@ private:
         ++result_.simulations;
     }
 
-    /// Nothing changes where no band was fitted.
-    void set_absorption(std::size_t material, Material& target) const {
-        if (result_.simulations == 0) {
-            return;
+    void set_material(std::size_t material, Material& target) const {
+        const auto value_of = [&](std::size_t coefficient) {
+            return
+                [&values = coefficients_[coefficient]](std::size_t band) { return values[band]; };
+        };
+        if (options_.fit_scattering) {
+            target.scattering = per_band(bands_, value_of(materials_ + material));
         }
-        set_bands(
-            bands_, [&](std::size_t band) { return absorption_[material][band]; }, target);
+        // Nothing changes before the first fit.
+        if (result_.simulations > 0) {
+            set_absorption(bands_, value_of(material), target);
+        }
     }
 
     BandFitProblem problem_of(std::size_t band) const {
@@ -261,13 +324,21 @@ private:
                                     .value = metric.measured.value,
                                     .error = metric.error});
         }
-        for (std::size_t material = 0; material < absorption_.size(); ++material) {
-            problem.absorption.push_back(absorption_[material][band]);
-            problem.priors.push_back(result_.absorption[material][band].prior);
-            problem.min_absorption.push_back(
-                std::max(kMinFittedAbsorption, transmitted_[material][band]));
+        for (std::size_t i = 0; i < coefficients_.size(); ++i) {
+            problem.coefficients.push_back(coefficients_[i][band]);
+            problem.priors.push_back(fitted_of(i, band).prior);
+            problem.min_values.push_back(min_value(i, band));
+            problem.max_values.push_back(i < materials_ ? kMaxFittedAbsorption
+                                                        : kMaxFittedScattering);
         }
         return problem;
+    }
+
+    /// Absorption is never below what is transmitted.
+    double min_value(std::size_t coefficient, std::size_t band) const {
+        return coefficient < materials_
+                   ? std::max(kMinFittedAbsorption, transmitted_[coefficient][band])
+                   : kMinFittedScattering;
     }
 
     /// Moves on to the fitted coefficients; whether they stay where they were simulated.
@@ -277,14 +348,12 @@ private:
         for (std::size_t band = 0; band < fits.size(); ++band) {
             const BandFit& fit = fits[band];
             for (std::size_t k = 0; k < fit.parameters.size() && fit.identifiability; ++k) {
-                const std::size_t material = fit.parameters[k];
-                const double error =
-                    result_.absorption[material][band].prior.rate_at(absorption_[material][band]) *
-                    std::sqrt(fit.identifiability->variance_of(k));
-                double& value = absorption_[material][band];
-                // Never below what is transmitted.
-                const double rounded = std::max(rounded_to(0.001, fit.absorption[material]),
-                                                transmitted_[material][band]);
+                const std::size_t i = fit.parameters[k];
+                double& value = coefficients_[i][band];
+                const double error = fitted_of(i, band).prior.rate_at(value) *
+                                     std::sqrt(fit.identifiability->variance_of(k));
+                const double rounded =
+                    std::max(rounded_to(0.001, fit.coefficients[i]), min_value(i, band));
                 is_settled = is_settled && std::abs(rounded - value) <=
                                                std::max(kRounding, kShareOfError * error);
                 value = rounded;
@@ -310,8 +379,8 @@ private:
             summary.converged = fit.converged;
             summary.reduced_chi_squared = fit.reduced_chi_squared;
             std::vector<double> at;
-            for (const Spectrum& absorption : absorption_) {
-                at.push_back(absorption[band]);
+            for (const Spectrum& coefficient : coefficients_) {
+                at.push_back(coefficient[band]);
             }
             std::map<std::size_t, ModelledMetrics> of_pair;
             for (std::size_t k = 0; k < data_of_band_[band].size(); ++k) {
@@ -332,12 +401,14 @@ private:
     }
 
     /// `share`: of the prior's variance that is left.
-    static void read_interval(double share, double value, FittedAbsorption& fitted) {
+    static void read_interval(double share, double value, FittedCoefficient& fitted) {
         constexpr double kTwoSided95 = 1.959964;
         const double root = std::sqrt(share);
         const auto limit = [&](double errors) {
-            const double position = to_spread_scale(value) + errors * root * fitted.prior.deviation;
-            return rounded_to(0.001, std::clamp(from_spread_scale(position), 0.0, 1.0));
+            const Coefficient of = fitted.prior.of;
+            const double position =
+                to_spread_scale(of, value) + errors * root * fitted.prior.deviation;
+            return rounded_to(0.001, std::clamp(from_spread_scale(of, position), 0.0, 1.0));
         };
         fitted.value = value;
         fitted.error = share > 0.0 ? rounded_error(root * fitted.prior.rate_at(value)) : 0.0;
@@ -346,10 +417,10 @@ private:
     }
 
     void read_parameter(const BandFit& fit, std::size_t band, std::size_t k) {
-        const std::size_t material = fit.parameters[k];
-        FittedAbsorption& fitted = result_.absorption[material][band];
+        const std::size_t i = fit.parameters[k];
+        FittedCoefficient& fitted = fitted_of(i)[band];
         const double share = std::min(fit.identifiability->variance_of(k), 1.0);
-        read_interval(share, absorption_[material][band], fitted);
+        read_interval(share, coefficients_[i][band], fitted);
         fitted.is_fitted = true;
         fitted.data_share = rounded_to(0.01, 1.0 - share);
         const double data_error = fitted.prior.rate_at(fitted.value) *
@@ -380,26 +451,26 @@ private:
         std::vector<double> of_parameters(fit.parameters.size(), 0.0);
         double sum = 0.0, magnitude = 0.0;
         for (std::size_t k = 0; k < group.size(); ++k) {
-            const std::size_t material = fit.parameters[group[k]];
-            result.materials.push_back(static_cast<std::uint32_t>(material));
+            const std::size_t i = fit.parameters[group[k]];
+            auto& list = i < materials_ ? result.materials : result.scattering;
+            list.push_back(static_cast<std::uint32_t>(i % materials_));
             of_parameters[group[k]] = direction[k];
-            result.weights.push_back(
-                direction[k] /
-                result_.absorption[material][band].prior.rate_at(absorption_[material][band]));
+            result.weights.push_back(direction[k] /
+                                     fitted_of(i, band).prior.rate_at(coefficients_[i][band]));
             sum += result.weights.back();
             magnitude += std::abs(result.weights.back());
         }
         // A direction that the data tell, of coefficients that count in one sense: a mean.
         constexpr double kToldVariance = 0.25, kMainlyOneSense = 0.8;
         const double variance = fit.identifiability->variance(of_parameters);
-        if (group.size() < 2 || variance > kToldVariance ||
+        if (group.size() < 2 || !result.scattering.empty() || variance > kToldVariance ||
             std::abs(sum) < kMainlyOneSense * magnitude) {
             result.weights.clear();
             return result;
         }
         for (std::size_t k = 0; k < group.size(); ++k) {
             result.weights[k] /= sum;
-            result.value += result.weights[k] * absorption_[result.materials[k]][band];
+            result.value += result.weights[k] * coefficients_[result.materials[k]][band];
             result.weights[k] = rounded_to(0.01, result.weights[k]);
         }
         result.value = rounded_to(0.001, result.value);
@@ -412,23 +483,25 @@ private:
     const Scene& scene_;
     const CalibrationOptions& options_;
     const audio::Bands& bands_;
+    std::size_t materials_;
     MeasuredScene of_scene_;
     Executor& executor_;
     Progress* progress_;
-    std::vector<Spectrum> absorption_;   // per material, as simulated next
+    // As simulated next: absorption of each material, and then scattering if it is fitted.
+    std::vector<Spectrum> coefficients_;
     std::vector<Spectrum> transmitted_;  // per material
     std::vector<std::vector<std::size_t>> data_of_band_;
-    std::vector<AbsorptionModel> models_;  // per pair
+    std::vector<MaterialModel> models_;  // per pair
     CalibrationResult result_;
 };
 
 }  // namespace
 
-CalibrationResult calibrate_absorption(const Scene& scene,
-                                       std::span<const MeasuredMetric> measured,
-                                       const CalibrationOptions& options,
-                                       Executor& executor,
-                                       Progress* progress) {
+CalibrationResult calibrate_materials(const Scene& scene,
+                                      std::span<const MeasuredMetric> measured,
+                                      const CalibrationOptions& options,
+                                      Executor& executor,
+                                      Progress* progress) {
     check(scene, measured, options);
     return Calibration(scene, measured, options, executor, progress).run();
 }
@@ -438,14 +511,15 @@ std::vector<Material> calibrated_materials(const Scene& scene,
                                            const audio::Bands& bands) {
     std::vector<Material> materials = scene.materials;
     for (std::size_t material = 0; material < materials.size(); ++material) {
-        const std::vector<FittedAbsorption>& fitted = result.absorption[material];
-        if (std::none_of(fitted.begin(), fitted.end(), [](const FittedAbsorption& band) {
-                return band.is_fitted;
-            })) {
-            continue;
+        const auto value_of = [](const std::vector<FittedCoefficient>& fitted) {
+            return [&fitted](std::size_t band) { return fitted[band].value; };
+        };
+        if (is_fitted(result.absorption[material])) {
+            set_absorption(bands, value_of(result.absorption[material]), materials[material]);
         }
-        set_bands(
-            bands, [&](std::size_t band) { return fitted[band].value; }, materials[material]);
+        if (!result.scattering.empty() && is_fitted(result.scattering[material])) {
+            materials[material].scattering = per_band(bands, value_of(result.scattering[material]));
+        }
     }
     return materials;
 }

@@ -5,7 +5,7 @@
 #include "earshot/base/error.h"
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
-#include "earshot/propagation/absorption_prior.h"
+#include "earshot/propagation/coefficient_prior.h"
 #include "earshot/propagation/scene.h"
 #include "earshot/propagation/simulator.h"
 
@@ -37,20 +37,22 @@ struct CalibrationOptions {
     double time = 0.0;  ///< seconds, of the scene's animation
     /// Standard error of measured values that have none, in just-noticeable differences, > 0.
     double default_error = 0.5;
-    /// Standard deviation of the priors about what the scene says, in absorption_spread()s, > 0.
+    /// Standard deviation of the priors about what the scene says, in coefficient_spread()s, > 0.
     double prior_deviation = 1.0;
-    /// Indices of materials of which nothing is known: kUnknownAbsorptionDeviation.
+    /// Fit scattering as well as absorption.
+    bool fit_scattering = false;
+    /// Indices of materials of which nothing is known: kUnknownDeviation.
     std::vector<std::uint32_t> unknown_materials{};
-    /// Indices of materials that keep their absorption.
+    /// Indices of materials that keep their coefficients.
     std::vector<std::uint32_t> fixed_materials{};
     /// Residuals beyond so many standard errors count less (Huber's loss), > 0.
     double outlier_limit = 2.5;
     int max_simulations = 5;  ///< >= 1
 };
 
-/// The absorption of a material in a band.
-struct FittedAbsorption {
-    AbsorptionPrior prior{};
+/// A coefficient of a material in a band.
+struct FittedCoefficient {
+    CoefficientPrior prior{};
     bool is_fitted = false;  ///< fixed materials and bands without measurements are not
     double value = 0.0;
     double error = 0.0;  ///< standard error, data and prior together
@@ -68,12 +70,13 @@ struct FittedAbsorption {
     }
 };
 
-/// Materials whose absorption the data of a band do not tell one by one.
+/// Coefficients that the data of a band do not tell one by one; one alone if it is hardly heard.
 struct UnidentifiedGroup {
     std::size_t band = 0;
-    std::vector<std::uint32_t> materials{};  ///< ascending; one alone if it is hardly heard
-    /// What they do tell: the weighted mean of the coefficients, weights of sum 1. Empty if that is
-    /// not known either.
+    std::vector<std::uint32_t> materials{};   ///< whose absorption belongs to it, ascending
+    std::vector<std::uint32_t> scattering{};  ///< likewise, whose scattering
+    /// What the data do tell of absorption alone: the weighted mean of the coefficients, weights of
+    /// sum 1. Empty if that is not known either, or if scattering belongs to the group.
     std::vector<double> weights{};
     double value = 0.0;  ///< of this mean
     double error = 0.0;  ///< its standard error
@@ -100,32 +103,37 @@ struct CalibratedBand {
 };
 
 struct CalibrationResult {
-    std::vector<std::vector<FittedAbsorption>> absorption{};  ///< material, band
-    std::vector<CalibratedMetric> metrics{};                  ///< as they were measured
+    std::vector<std::vector<FittedCoefficient>> absorption{};  ///< material, band
+    std::vector<std::vector<FittedCoefficient>> scattering{};  ///< likewise; empty unless fitted
+    std::vector<CalibratedMetric> metrics{};                   ///< as they were measured
     std::vector<CalibratedBand> bands{};
-    std::vector<UnidentifiedGroup> groups{};  ///< by band, then by first material
+    std::vector<UnidentifiedGroup> groups{};  ///< by band, then by first coefficient
     int simulations = 0;
     bool converged = true;
     std::size_t rays = 0;  ///< per source, of each simulation
     Warnings warnings{};
 };
 
-/// Fits the absorption of the scene's materials, per band, to measured metrics: the most probable
-/// coefficients under normal errors of the measurements and of the rays, and normal priors about
-/// what the scene says (docs/calibrate.md). Simulates with the same random numbers until the
-/// coefficients stay; between two simulations paths are recomputed exactly, late energy to first
-/// order. Scattering stays as it is: the energies' derivatives by it are not known. Coefficients,
-/// errors and limits are rounded to 0.001, shares and weights to 0.01. Throws Error if there is
-/// nothing to fit, an option, index or value is out of range, or this build is without the solver
-/// (least_squares_available()). Reports the stages of Simulator::run() for each simulation.
-CalibrationResult calibrate_absorption(const Scene& scene,
-                                       std::span<const MeasuredMetric> measured,
-                                       const CalibrationOptions& options = {},
-                                       Executor& executor = Executor::serial(),
-                                       Progress* progress = nullptr);
+/// The scattering that materials start from that scatter nothing: nobody set it.
+inline constexpr double kUnknownScattering = 0.1;
 
-/// The materials of the scene with the absorption of the result; a material that was not fitted in
-/// any band stays as it is.
+/// Fits the absorption of the scene's materials, and their scattering if asked for, per band, to
+/// measured metrics: the most probable coefficients under normal errors of the measurements and of
+/// the rays, and normal priors about what the scene says (docs/calibrate.md). Of materials that
+/// scatter nothing the scattering is not known. Simulates with the same random numbers until the
+/// coefficients stay; between two simulations paths are recomputed exactly, late energy to first
+/// order. Coefficients, errors and limits are rounded to 0.001, shares and weights to 0.01. Throws
+/// Error if there is nothing to fit, an option, index or value is out of range, or this build is
+/// without the solver (least_squares_available()). Reports the stages of Simulator::run() for each
+/// simulation.
+CalibrationResult calibrate_materials(const Scene& scene,
+                                      std::span<const MeasuredMetric> measured,
+                                      const CalibrationOptions& options = {},
+                                      Executor& executor = Executor::serial(),
+                                      Progress* progress = nullptr);
+
+/// The materials of the scene with the coefficients of the result; a material that was not fitted
+/// in any band stays as it is.
 std::vector<Material> calibrated_materials(const Scene& scene,
                                            const CalibrationResult& result,
                                            const audio::Bands& bands);

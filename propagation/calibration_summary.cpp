@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -145,7 +146,7 @@ void warn_of_bands(const audio::Bands& bands, CalibrationResult& result) {
 void warn_of_names(const Scene& scene, CalibrationResult& result) {
     std::map<std::string, std::size_t> counts;
     for (std::size_t material = 0; material < scene.materials.size(); ++material) {
-        const std::vector<FittedAbsorption>& bands = result.absorption[material];
+        const std::vector<FittedCoefficient>& bands = result.absorption[material];
         if (std::any_of(bands.begin(), bands.end(), [](const auto& b) { return b.is_fitted; })) {
             ++counts[scene.materials[material].name];
         }
@@ -161,17 +162,22 @@ void warn_of_names(const Scene& scene, CalibrationResult& result) {
     }
 }
 
-void warn_of_bounds(const Scene& scene, const audio::Bands& bands, CalibrationResult& result) {
-    for (std::size_t material = 0; material < result.absorption.size(); ++material) {
+void warn_of_bounds(const Scene& scene,
+                    const audio::Bands& bands,
+                    const char* coefficient,
+                    std::span<const std::vector<FittedCoefficient>> fitted,
+                    CalibrationResult& result) {
+    for (std::size_t material = 0; material < fitted.size(); ++material) {
         std::string list;
         for (std::size_t band = 0; band < bands.count(); ++band) {
-            if (result.absorption[material][band].is_at_bound) {
+            if (fitted[material][band].is_at_bound) {
                 list += (list.empty() ? "" : ", ") + band_name(bands, band);
             }
         }
         if (!list.empty()) {
-            result.warnings.push_back({scene.materials[material].name,
-                                       "absorption is at the end of its range at " + list});
+            result.warnings.push_back(
+                {scene.materials[material].name,
+                 std::string(coefficient) + " is at the end of its range at " + list});
         }
     }
 }
@@ -195,7 +201,7 @@ void summarize(const Scene& scene, const audio::Bands& bands, CalibrationResult&
     }
     if (!result.converged) {
         result.warnings.push_back({"calibration",
-                                   "the absorption still changes after " +
+                                   "the coefficients still change after " +
                                        counted(std::size_t(result.simulations), "simulation") +
                                        "; allow more (--simulations)"});
     }
@@ -204,7 +210,8 @@ void summarize(const Scene& scene, const audio::Bands& bands, CalibrationResult&
     warn_of_bands(bands, result);
     warn_of_pairs(scene, result);
     warn_of_outliers(result);
-    warn_of_bounds(scene, bands, result);
+    warn_of_bounds(scene, bands, "absorption", result.absorption, result);
+    warn_of_bounds(scene, bands, "scattering", result.scattering, result);
     warn_of_names(scene, result);
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/propagation/absorption_prior.h"
-#include "earshot/propagation/internal/absorption_model.h"
+#include "earshot/propagation/coefficient_prior.h"
 #include "earshot/propagation/internal/identifiability.h"
+#include "earshot/propagation/internal/material_model.h"
 
 #include <cstddef>
 #include <optional>
@@ -23,17 +23,19 @@ struct BandDatum {
 /// The fit of one band.
 struct BandFitProblem {
     std::size_t band = 0;
-    std::span<const AbsorptionModel> models{};
-    std::vector<BandDatum> data{};          ///< ordered by pair
-    std::vector<double> absorption{};       ///< of each material, as simulated
-    std::vector<AbsorptionPrior> priors{};  ///< of each material; deviation 0: fixed
-    std::vector<double> min_absorption{};   ///< of each material
+    std::span<const MaterialModel> models{};
+    std::vector<BandDatum> data{};  ///< ordered by pair
+    /// As simulated: the absorption of each material, and then, if it is fitted, the scattering of
+    /// each.
+    std::vector<double> coefficients{};
+    std::vector<CoefficientPrior> priors{};          ///< of each; deviation 0: fixed
+    std::vector<double> min_values{}, max_values{};  ///< of each
     double outlier_limit = 2.5;
 };
 
 struct BandFit {
-    std::vector<std::size_t> parameters{};  ///< the materials that were fitted
-    std::vector<double> absorption{};       ///< of each material
+    std::vector<std::size_t> parameters{};  ///< indices of the coefficients that were fitted
+    std::vector<double> coefficients{};     ///< all of them
     std::vector<bool> is_at_bound{};        ///< per parameter
     /// Of the parameters in units of their priors' deviations.
     std::optional<Identifiability> identifiability{};
@@ -46,6 +48,8 @@ struct BandFit {
 };
 
 inline constexpr double kMinFittedAbsorption = 0.001, kMaxFittedAbsorption = 0.999;
+/// Rays tell nothing of scattering that never happens, or always.
+inline constexpr double kMinFittedScattering = 0.01, kMaxFittedScattering = 0.99;
 
 BandFit fit_band(const BandFitProblem& problem);
 

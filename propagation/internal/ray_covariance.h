@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/propagation/internal/absorption_model.h"
+#include "earshot/propagation/internal/material_model.h"
 
 #include <cstddef>
 #include <span>
@@ -14,7 +14,7 @@ namespace earshot::propagation {
 /// one pair, and of those of any two, each the mean over the pairs.
 class RayCovariance {
 public:
-    /// `deviations`: of each pair (AbsorptionModel::ray_deviations()), of the same rays.
+    /// `deviations`: of each pair (MaterialModel::ray_deviations()), of the same rays.
     explicit RayCovariance(std::span<const std::vector<MetricVector>> deviations);
 
     double covariance(std::size_t pair_a,

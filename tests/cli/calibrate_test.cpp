@@ -6,6 +6,7 @@
 #include "run_earshot.h"
 #include "support/read_file.h"
 #include "support/temporary_folder.h"
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -145,6 +146,48 @@ TEST_F(Calibrate, TakesTheRecordingsThatIrWrites) {
     for (const Json& is_fitted : result["materials"][0]["fitted"]) {
         EXPECT_FALSE(is_fitted.get<bool>());
     }
+}
+
+TEST_F(Calibrate, FitsScatteringIfAskedFor) {
+    std::ofstream(file("table.csv")) << "s,a,t30,500,0.4,0.01\ns,b,c80,500,9,0.3\n";
+    const auto calibrate = [&](std::vector<std::string> more) {
+        more.insert(more.begin(),
+                    {"--measured",
+                     file("table.csv"),
+                     "-o",
+                     file("fitted.json"),
+                     "--keep",
+                     "floor",
+                     "--simulations",
+                     "1"});
+        return run("calibrate", more);
+    };
+    const RunResult kept = calibrate({"--json"});
+    ASSERT_EQ(kept.status, 0) << kept.err;
+    EXPECT_FALSE(Json::parse(kept.out)["materials"][0].contains("scattering"));
+    const RunResult fit = calibrate({"--json", "--fit-scattering"});
+    ASSERT_EQ(fit.status, 0) << fit.err;
+    const Json result = Json::parse(fit.out);
+    const Json floor = result["materials"][0]["scattering"];
+    const Json ceiling = result["materials"][1]["scattering"];
+    EXPECT_FALSE(floor["fitted"][4].get<bool>());
+    EXPECT_TRUE(ceiling["fitted"][4].get<bool>());
+    EXPECT_FALSE(ceiling["fitted"][5].get<bool>());  // no band of the measurements
+    EXPECT_EQ(ceiling["prior"][4], 0.3);
+    EXPECT_LT(ceiling["interval"][4][0], ceiling["value"][4]);
+    // Two values cannot tell scattering from absorption.
+    const Json& groups = result["groups"];
+    EXPECT_TRUE(std::any_of(groups.begin(), groups.end(), [](const Json& group) {
+        return group.contains("scattering") && !group.contains("mean");
+    }));
+    const RunResult text = calibrate({"--fit-scattering"});
+    EXPECT_NE(text.out.find("\nscattering\n"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("scattering of ceiling"), std::string::npos) << text.out;
+    // The file of materials holds it.
+    const Json materials = Json::parse(read_file(file("fitted.json")));
+    EXPECT_TRUE(materials["ceiling"]["scattering"].is_object() ||
+                materials["ceiling"]["scattering"].is_array())
+        << materials["ceiling"];
 }
 
 TEST_F(Calibrate, RefusesWhatItCannotUse) {

@@ -84,12 +84,28 @@ inline Scene with_wrong_absorption(const Scene& truth, std::uint64_t seed) {
         const audio::Spectrum absorption = truth.materials[i].absorption.over(calibration_bands());
         std::vector<double> wrong;
         for (std::size_t band = 0; band < calibration_bands().count(); ++band) {
-            wrong.push_back(std::clamp(AbsorptionPrior{.mean = absorption[band]}.absorption_at(
+            wrong.push_back(std::clamp(CoefficientPrior{.mean = absorption[band]}.value_at(
                                            test::random_normal(seed, 50 + i, band)),
                                        0.005,
                                        0.95));
         }
         scene.materials[i].absorption = per_octave(wrong);
+    }
+    return scene;
+}
+
+/// The scene with scattering that is off as priors are, drawn by `seed`.
+inline Scene with_wrong_scattering(const Scene& truth, std::uint64_t seed) {
+    Scene scene = truth;
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        const audio::Spectrum scattering = truth.materials[i].scattering.over(calibration_bands());
+        std::vector<double> wrong;
+        for (std::size_t band = 0; band < calibration_bands().count(); ++band) {
+            const CoefficientPrior about = {.of = Coefficient::scattering,
+                                            .mean = scattering[band]};
+            wrong.push_back(about.value_at(test::random_normal(seed, 150 + i, band)));
+        }
+        scene.materials[i].scattering = per_octave(wrong);
     }
     return scene;
 }

@@ -12,13 +12,32 @@
 
 namespace earshot::propagation {
 
-/// How 95 % intervals of a calibration agree with the truth.
-struct CalibrationStatistic {
+/// How 95 % intervals of coefficients agree with the truth.
+struct Coverage {
     std::size_t identified = 0;       ///< intervals of coefficients that the data alone tell
     std::size_t identified_held = 0;  ///< of these hold the truth
     std::size_t all = 0;              ///< of all coefficients that were fitted
     std::size_t all_held = 0;
     double max_deviation = 0.0;  ///< largest distance from the truth in standard errors, identified
+
+    void add(const FittedCoefficient& fitted, double truth) {
+        const bool holds = fitted.lower <= truth && truth <= fitted.upper;
+        ++all;
+        all_held += holds ? 1 : 0;
+        if (fitted.is_identified()) {
+            ++identified;
+            identified_held += holds ? 1 : 0;
+            const Coefficient of = fitted.prior.of;
+            const double spreads = to_spread_scale(of, fitted.value) - to_spread_scale(of, truth);
+            max_deviation =
+                std::max(max_deviation,
+                         std::abs(spreads) * coefficient_spread(of, fitted.value) / fitted.error);
+        }
+    }
+};
+
+struct CalibrationStatistic {
+    Coverage absorption{}, scattering{};
     double reduced_chi_squared = 0.0;  ///< mean of all fits
     double simulations = 0.0;          ///< mean
 };
@@ -26,9 +45,11 @@ struct CalibrationStatistic {
 struct StatisticOptions {
     std::uint64_t first_seed = 1;
     std::uint64_t seeds = 20;
-    std::size_t rays = 65536;       ///< of the calibrations; twice as many tell the truth
-    std::size_t noise_rays = 2048;  ///< measurements are off by the standard errors of so many
+    std::size_t rays = 65536;         ///< of the calibrations
+    std::size_t truth_rays = 262144;  ///< tell what is measured; a chance that no fit can know of
+    std::size_t noise_rays = 2048;    ///< measurements are off by the standard errors of so many
     std::vector<std::size_t> bands{2, 3, 5, 6};
+    bool fit_scattering = false;  ///< which is off then as absorption is
 };
 
 /// A room whose metrics are known, but for the noise of many rays, measured with normal errors, and
@@ -38,7 +59,7 @@ public:
     explicit CalibrationCampaign(const StatisticOptions& options) : options_(options) {
         // The seeds of the truth and of the errors are not among those of the calibrations.
         constexpr std::uint64_t kTruthSeed = 1000001, kNoiseSeed = 1000002;
-        exact_ = expected_metrics(truth_, simulation(2 * options.rays, kTruthSeed));
+        exact_ = expected_metrics(truth_, simulation(options.truth_rays, kTruthSeed));
         noise_ = expected_metrics(truth_, simulation(options.noise_rays, kNoiseSeed));
     }
 
@@ -46,29 +67,26 @@ public:
         constexpr std::array<std::size_t, 7> kKinds = {0, 1, 2, 4, 5, 6, 7};  // all but C50
         const std::vector<MeasuredMetric> measured = measured_metrics(
             truth_, exact_, noise_, {kKinds.begin(), kKinds.end()}, options_.bands, seed);
-        return calibrate_absorption(with_wrong_absorption(truth_, seed),
-                                    measured,
-                                    {.simulation = simulation(options_.rays, seed)},
-                                    executor);
+        Scene scene = with_wrong_absorption(truth_, seed);
+        if (options_.fit_scattering) {
+            scene = with_wrong_scattering(scene, seed);
+        }
+        return calibrate_materials(scene,
+                                   measured,
+                                   {.simulation = simulation(options_.rays, seed),
+                                    .fit_scattering = options_.fit_scattering},
+                                   executor);
     }
 
     void add(const CalibrationResult& result, CalibrationStatistic& sum) const {
         for (std::size_t material = 0; material < truth_.materials.size(); ++material) {
-            const audio::Spectrum truth =
-                truth_.materials[material].absorption.over(calibration_bands());
+            const Material& truth = truth_.materials[material];
+            const audio::Spectrum absorption = truth.absorption.over(calibration_bands());
+            const audio::Spectrum scattering = truth.scattering.over(calibration_bands());
             for (const std::size_t band : options_.bands) {
-                const FittedAbsorption& fitted = result.absorption[material][band];
-                const bool holds = fitted.lower <= truth[band] && truth[band] <= fitted.upper;
-                ++sum.all;
-                sum.all_held += holds ? 1 : 0;
-                if (fitted.is_identified()) {
-                    ++sum.identified;
-                    sum.identified_held += holds ? 1 : 0;
-                    const double spreads =
-                        to_spread_scale(fitted.value) - to_spread_scale(truth[band]);
-                    sum.max_deviation = std::max(
-                        sum.max_deviation,
-                        std::abs(spreads) * absorption_spread(fitted.value) / fitted.error);
+                sum.absorption.add(result.absorption[material][band], absorption[band]);
+                if (options_.fit_scattering) {
+                    sum.scattering.add(result.scattering[material][band], scattering[band]);
                 }
             }
         }
