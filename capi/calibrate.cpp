@@ -20,7 +20,7 @@ namespace earshot::capi {
 namespace {
 
 using propagation::CalibratedMetric;
-using propagation::FittedAbsorption;
+using propagation::FittedCoefficient;
 using propagation::MeasuredMetric;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -38,7 +38,9 @@ constexpr es_calibration_options kDefaults = {.struct_size = sizeof(es_calibrati
                                               .kept_count = 0,
                                               .measured = nullptr,
                                               .metrics = nullptr,
-                                              .reference_db = kNone};
+                                              .reference_db = kNone,
+                                              .fit_scattering = 0,
+                                              .reserved = 0};
 
 es_calibration_options checked(const es_calibration_options* options) {
     if (options == nullptr) {
@@ -52,6 +54,8 @@ es_calibration_options checked(const es_calibration_options* options) {
     require_in(whole.spread, 1.0 / kMaxFactor, kMaxFactor, "options->spread");
     require_in(std::int64_t{whole.max_simulations}, 1, kMaxSimulations, "options->max_simulations");
     require_flag(whole.noise_free, "options->noise_free");
+    require_flag(whole.fit_scattering, "options->fit_scattering");
+    require_in(std::int64_t{whole.reserved}, 0, 0, "options->reserved");
     if (!std::isnan(whole.reference_db)) {
         require_in(whole.reference_db, -kMaxLevel, kMaxLevel, "options->reference_db");
     }
@@ -119,7 +123,7 @@ io::MeasuredMetrics read_files(const es_calibration_options& options,
                              options.metrics != nullptr);
 }
 
-double number_of(const FittedAbsorption& fitted, std::size_t table) {
+double number_of(const FittedCoefficient& fitted, std::size_t table) {
     switch (table) {
         case ES_CALIBRATION_PRIOR:
             return fitted.prior.mean;
@@ -157,15 +161,21 @@ es_calibration_info info_of(const propagation::CalibrationResult& result) {
 
 CalibrationObject::CalibrationObject(propagation::CalibrationResult calibration)
     : result(std::move(calibration)) {
-    for (const std::vector<FittedAbsorption>& bands : result.absorption) {
-        is_fitted.push_back(std::any_of(
-            bands.begin(), bands.end(), [](const FittedAbsorption& b) { return b.is_fitted; }));
-        for (const FittedAbsorption& band : bands) {
-            for (std::size_t table = 0; table < kTables; ++table) {
-                tables[table].push_back(number_of(band, table));
+    constexpr std::size_t kTablesEach = ES_CALIBRATION_SCATTERING_PRIOR;
+    is_fitted.resize(result.absorption.size());
+    const auto add = [&](const std::vector<std::vector<FittedCoefficient>>& coefficients,
+                         std::size_t first_table) {
+        for (std::size_t material = 0; material < coefficients.size(); ++material) {
+            for (const FittedCoefficient& band : coefficients[material]) {
+                is_fitted[material] = is_fitted[material] || band.is_fitted;
+                for (std::size_t table = 0; table < kTablesEach; ++table) {
+                    tables[first_table + table].push_back(number_of(band, table));
+                }
             }
         }
-    }
+    };
+    add(result.absorption, ES_CALIBRATION_PRIOR);
+    add(result.scattering, ES_CALIBRATION_SCATTERING_PRIOR);
     for (const CalibratedMetric& metric : result.metrics) {
         measured.push_back(metric.measured.value);
         before.push_back(metric.before.value_or(kNone));
@@ -202,6 +212,7 @@ es_status es_calibrate(es_scene scene,
             .time = given.time,
             .default_error = whole.default_error,
             .prior_deviation = whole.spread,
+            .fit_scattering = whole.fit_scattering != 0,
             .unknown_materials = materials_of(whole.unknown_materials,
                                               whole.unknown_count,
                                               material_count,
@@ -224,7 +235,7 @@ es_status es_calibrate(es_scene scene,
         Executor executor(given.threads);
         CallbackProgress progress(given.progress, given.progress_data);
         auto made = std::make_shared<CalibrationObject>(
-            propagation::calibrate_absorption(loaded.scene, read.values, fit, executor, &progress));
+            propagation::calibrate_materials(loaded.scene, read.values, fit, executor, &progress));
         const io::CalibrationParts parts = {.scene = loaded.scene,
                                             .bands = bands,
                                             .result = made->result,
@@ -252,7 +263,14 @@ es_status es_calibration_values(es_calibration calibration,
                                 size_t shape[2]) {
     return call(__func__, [&] {
         const Reading<CalibrationObject> object(calibration, "calibration");
-        require_in(std::int64_t{table}, ES_CALIBRATION_PRIOR, ES_CALIBRATION_IDENTIFIED, "table");
+        require_in(std::int64_t{table},
+                   ES_CALIBRATION_PRIOR,
+                   ES_CALIBRATION_SCATTERING_IDENTIFIED,
+                   "table");
+        if (table >= ES_CALIBRATION_SCATTERING_PRIOR && object->result.scattering.empty()) {
+            fail_argument(
+                "table", "is of scattering, which was not fitted", "set options->fit_scattering");
+        }
         require(values, "values") = object->tables[static_cast<std::size_t>(table)].data();
         require(shape, "shape");
         shape[0] = object->result.absorption.size();
@@ -317,6 +335,7 @@ es_status es_calibration_apply(es_calibration calibration, es_scene scene) {
             if (object->is_fitted[i]) {
                 materials[i].absorption = object->materials[i].absorption;
                 materials[i].transmission = object->materials[i].transmission;
+                materials[i].scattering = object->materials[i].scattering;
                 std::erase(target->loaded.default_materials, static_cast<std::uint32_t>(i));
             }
         }

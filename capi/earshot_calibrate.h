@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Calibration: absorption of materials fitted to measurements.
+// Calibration: absorption and scattering of materials fitted to measurements.
 // Part of earshot.h, which says what holds for all.
 #ifndef EARSHOT_CALIBRATE_H
 #define EARSHOT_CALIBRATE_H
@@ -24,14 +24,14 @@ typedef struct es_calibration_options {
     size_t struct_size;
     /// Standard error of values that have none, just-noticeable differences, > 0 (0.5).
     double default_error;
-    /// How far absorption may be off, a factor of the spread in literature, > 0 (1).
+    /// How far coefficients may be off, a factor of the spread in literature, > 0 (1).
     double spread;
-    int32_t max_simulations;  ///< until the absorption stays, >= 1 (5)
+    int32_t max_simulations;  ///< until the coefficients stay, >= 1 (5)
     int32_t noise_free;       ///< 1: recordings are computed responses without a noise floor (0)
     /// Materials of which nothing is known, beside those without data (null, 0).
     const uint32_t* unknown_materials;
     size_t unknown_count;
-    /// Materials that keep their absorption (null, 0).
+    /// Materials that keep their coefficients (null, 0).
     const uint32_t* kept_materials;
     size_t kept_count;
     /// Instead of an array: a folder of recordings named SOURCE__LISTENER.wav, or a table .csv with
@@ -42,16 +42,18 @@ typedef struct es_calibration_options {
     /// Level of the source in free field at 1 m, decibels re full scale, for G of recordings; NaN:
     /// not calibrated (NaN).
     double reference_db;
+    int32_t fit_scattering;  ///< 1: scattering is fitted as well (0)
+    int32_t reserved;        ///< 0
 } es_calibration_options;
 
 /// Sets all members to their defaults, `struct_size` to `size`.
 ES_API es_status es_calibration_options_init(es_calibration_options* options, size_t size);
 
-/// Fits the absorption of the scene's materials to `count` measured metrics, or to those that
-/// `options->measured` names if `count` is 0. `simulation` null: the defaults of es_simulate() with
-/// order 3, rays_error 0.01 and 200000 rays; its time, order, transmission, rays, rays_error, seed,
-/// air, bands, progress and threads count. Reads `scene`, which stays as it is. Fails if this build
-/// is without Ceres.
+/// Fits the absorption of the scene's materials, and their scattering if asked for, to `count`
+/// measured metrics, or to those that `options->measured` names if `count` is 0. `simulation` null:
+/// the defaults of es_simulate() with order 3, rays_error 0.01 and 200000 rays; its time, order,
+/// transmission, rays, rays_error, seed, air, bands, progress and threads count. Reads `scene`,
+/// which stays as it is. Fails if this build is without Ceres.
 ES_API es_status es_calibrate(es_scene scene,
                               const es_simulation_options* simulation,
                               const es_calibration_options* options,
@@ -84,10 +86,21 @@ typedef enum es_calibration_table {
     ES_CALIBRATION_UPPER = 5,
     ES_CALIBRATION_DATA_ERROR = 6,  ///< standard error of the data alone; NaN: they do not tell it
     ES_CALIBRATION_DATA_SHARE = 7,  ///< of the prior's variance that the data have removed, 0 ... 1
-    ES_CALIBRATION_IDENTIFIED = 8   ///< 1: the data alone tell it; 0 otherwise
+    ES_CALIBRATION_IDENTIFIED = 8,  ///< 1: the data alone tell it; 0 otherwise
+    /// The same of scattering, in the same order.
+    ES_CALIBRATION_SCATTERING_PRIOR = 9,
+    ES_CALIBRATION_SCATTERING_PRIOR_ERROR = 10,
+    ES_CALIBRATION_SCATTERING = 11,
+    ES_CALIBRATION_SCATTERING_ERROR = 12,
+    ES_CALIBRATION_SCATTERING_LOWER = 13,
+    ES_CALIBRATION_SCATTERING_UPPER = 14,
+    ES_CALIBRATION_SCATTERING_DATA_ERROR = 15,
+    ES_CALIBRATION_SCATTERING_DATA_SHARE = 16,
+    ES_CALIBRATION_SCATTERING_IDENTIFIED = 17
 } es_calibration_table;
 
-/// Numbers of an es_calibration_table, (materials, bands).
+/// Numbers of an es_calibration_table, (materials, bands). Fails for scattering that was not
+/// fitted.
 ES_API es_status es_calibration_values(es_calibration calibration,
                                        int32_t table,
                                        const double** values,
@@ -108,7 +121,7 @@ ES_API es_status es_calibration_json(es_calibration calibration, const char** te
 /// Writes the materials as a file SCENE.materials.json, the same bytes as the program, whole or not
 /// at all.
 ES_API es_status es_calibration_write(es_calibration calibration, const char* file);
-/// Gives the absorption to the materials of a scene that has as many, those of the same index.
+/// Gives the coefficients to the materials of a scene that has as many, those of the same index.
 /// Changes `scene`.
 ES_API es_status es_calibration_apply(es_calibration calibration, es_scene scene);
 

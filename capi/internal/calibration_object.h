@@ -14,7 +14,7 @@ namespace earshot::capi {
 
 /// A calibration and its views. Never changes.
 struct CalibrationObject : ObjectOf<ES_KIND_CALIBRATION> {
-    static constexpr std::size_t kTables = ES_CALIBRATION_IDENTIFIED + 1;
+    static constexpr std::size_t kTables = ES_CALIBRATION_SCATTERING_IDENTIFIED + 1;
 
     explicit CalibrationObject(propagation::CalibrationResult calibration);
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Absorption of materials fitted to measurements."""
+"""Absorption and scattering of materials fitted to measurements."""
 
 from __future__ import annotations
 
@@ -44,10 +44,10 @@ MeasuredRow = Sequence[Any]
 
 
 class Calibration(Object):
-    """Absorption fitted to measurements, as :func:`earshot.calibrate` gives it.
+    """Materials fitted to measurements, as :func:`earshot.calibrate` gives them.
 
-    Tables are (materials, bands) arrays; ``report`` has everything else, as ``earshot calibrate
-    --json`` prints it.
+    Tables are (materials, bands) arrays; those of scattering raise an error unless it was fitted.
+    ``report`` has everything else, as ``earshot calibrate --json`` prints it.
     """
 
     def __init__(self, handle: int, scene: Scene) -> None:
@@ -96,6 +96,37 @@ class Calibration(Object):
         return self._table(lib.ES_CALIBRATION_IDENTIFIED) != 0
 
     @property
+    def scattering_prior(self) -> npt.NDArray[np.float64]:
+        """The scattering before."""
+        return self._table(lib.ES_CALIBRATION_SCATTERING_PRIOR)
+
+    @property
+    def scattering_prior_error(self) -> npt.NDArray[np.float64]:
+        """Its standard deviation; 0 of kept materials."""
+        return self._table(lib.ES_CALIBRATION_SCATTERING_PRIOR_ERROR)
+
+    @property
+    def scattering(self) -> npt.NDArray[np.float64]:
+        """The fitted scattering; as before where nothing was measured."""
+        return self._table(lib.ES_CALIBRATION_SCATTERING)
+
+    @property
+    def scattering_error(self) -> npt.NDArray[np.float64]:
+        """Its standard error, of measurements and prior together."""
+        return self._table(lib.ES_CALIBRATION_SCATTERING_ERROR)
+
+    @property
+    def scattering_interval(self) -> npt.NDArray[np.float64]:
+        """(2, materials, bands): the ends of the 95 % interval."""
+        return np.stack([self._table(lib.ES_CALIBRATION_SCATTERING_LOWER),
+                         self._table(lib.ES_CALIBRATION_SCATTERING_UPPER)])
+
+    @property
+    def scattering_identified(self) -> npt.NDArray[np.bool_]:
+        """Whether the measurements alone tell it."""
+        return self._table(lib.ES_CALIBRATION_SCATTERING_IDENTIFIED) != 0
+
+    @property
     def report(self) -> dict[str, Any]:
         """Everything, with residuals, groups of materials that are not told apart, and warnings."""
         value = ffi.new("const char **")
@@ -116,7 +147,7 @@ class Calibration(Object):
         check(lib.es_calibration_write(self._handle, encoded(os.fspath(file))))
 
     def apply(self, scene: Scene) -> None:
-        """Gives the absorption to the materials of a scene."""
+        """Gives the coefficients to the materials of a scene."""
         handle = handle_of(scene, Scene, "scene")
         with scene._lock:
             check(lib.es_calibration_apply(self._handle, handle))
@@ -151,13 +182,14 @@ def calibrate(
     spread: float = 1.0,
     unknown: Sequence[str | int] = (),
     keep: Sequence[str | int] = (),
+    fit_scattering: bool = False,
     max_simulations: int = 5,
     noise_free: bool = False,
     reference: float | None = None,
     progress: Progress = None,
     **options: Any,
 ) -> Calibration:
-    """Fits the absorption of a scene's materials, per band, to measured metrics.
+    """Fits the absorption of a scene's materials, per band, to measured metrics, and scattering.
 
     The scene stays as it is; :meth:`Calibration.apply` gives it the result.
 
@@ -170,12 +202,14 @@ def calibrate(
     metrics : str or list of str
         Of a folder or table: those to fit. By default edt, t30 and c80 of recordings, all of a table.
     error, spread : float
-        Standard error of values that have none, just-noticeable differences (0.5); how far absorption
+        Standard error of values that have none, just-noticeable differences (0.5); how far coefficients
         may be off, a factor of the spread in literature (1).
     unknown, keep : list of str or int
         Materials of which nothing is known, beside those without data; materials that stay.
+    fit_scattering : bool
+        Fits scattering as well, which is kept otherwise (False).
     max_simulations : int
-        Until the absorption stays (5).
+        Until the coefficients stay (5).
     noise_free, reference
         Recordings are computed responses (False); level of the source in free field at 1 m,
         decibels re full scale, for G (None: not calibrated).
@@ -188,6 +222,7 @@ def calibrate(
     own.default_error, own.spread = number(error, "error"), number(spread, "spread")
     own.max_simulations = integer(max_simulations, "max_simulations")
     own.noise_free = int(bool(noise_free))
+    own.fit_scattering = int(bool(fit_scattering))
     if reference is not None:
         own.reference_db = number(reference, "reference")
     names = Names(tuple(scene.materials), "material")

@@ -94,6 +94,29 @@ static void test_fit(void) {
     CHECK_FAILS(ES_ERROR_HANDLE, "calibration", es_calibration_apply(wrong, wrong));
     CHECK_FAILS(ES_ERROR_ARGUMENT, "table", es_calibration_values(calibration, 9, &values, shape));
     CHECK_OK(es_release(calibration));
+
+    es_calibration_options options;
+    CHECK_OK(es_calibration_options_init(&options, sizeof options));
+    options.fit_scattering = 1;
+    options.max_simulations = 1;
+    CHECK_OK(es_calibrate(wrong, &simulation, &options, measured, count, &calibration));
+    CHECK_OK(es_calibration_values(calibration, ES_CALIBRATION_SCATTERING, &fitted, shape));
+    CHECK_OK(es_calibration_values(calibration, ES_CALIBRATION_SCATTERING_LOWER, &lower, shape));
+    CHECK_OK(es_calibration_values(calibration, ES_CALIBRATION_SCATTERING_UPPER, &upper, shape));
+    for (size_t i = 0; i < shape[0] * shape[1]; ++i) {
+        CHECK(lower[i] <= fitted[i] && fitted[i] <= upper[i]);
+    }
+    CHECK_FAILS(ES_ERROR_ARGUMENT, "table", es_calibration_values(calibration, 18, &values, shape));
+    options.fit_scattering = 2;
+    CHECK_FAILS(ES_ERROR_ARGUMENT,
+                "options->fit_scattering",
+                es_calibrate(wrong, &simulation, &options, measured, count, &calibration));
+    options.fit_scattering = 0;
+    options.reserved = 1;
+    CHECK_FAILS(ES_ERROR_ARGUMENT,
+                "options->reserved",
+                es_calibrate(wrong, &simulation, &options, measured, count, &calibration));
+    CHECK_OK(es_release(calibration));
     CHECK_OK(es_release(scene));
     CHECK_OK(es_release(wrong));
 }

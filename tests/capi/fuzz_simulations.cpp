@@ -527,6 +527,7 @@ es_status make_calibration(Caller& c) {
     given.default_error = c.number(1e-3, 1e3);
     given.spread = c.number(1e-3, 1e3);
     given.max_simulations = 1 + c.choice(2);
+    given.fit_scattering = c.choice(2);
     std::array<es_measured_metric, 3> measured{};
     const std::size_t count = c.count(3);
     for (std::size_t i = 0; i < count; ++i) {

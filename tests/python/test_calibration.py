@@ -78,3 +78,19 @@ def test_what_is_wrong_is_told(rows):
             es.calibrate(scene, bad)
     with pytest.raises(es.Error):
         es.calibrate(scene, "absent.csv")
+
+
+def test_scattering_is_fitted_if_asked_for(rows):
+    scene = room(0.3, 0.2)
+    kept = calibrate(scene, rows, max_simulations=1)
+    with pytest.raises(es.Error):
+        kept.scattering
+    fit = calibrate(scene, rows, fit_scattering=True, max_simulations=2, keep=["ceiling"])
+    assert fit.scattering.shape == fit.scattering_error.shape == fit.absorption.shape
+    assert fit.scattering_identified.shape == fit.absorption.shape
+    low, high = fit.scattering_interval
+    assert ((low <= fit.scattering) & (fit.scattering <= high)).all()
+    ceiling = scene.materials.index("ceiling")
+    assert (fit.scattering_prior_error[ceiling] == 0).all()
+    assert (fit.scattering[ceiling] == fit.scattering_prior[ceiling]).all()
+    assert fit.report["materials"][ceiling]["scattering"]["value"] == list(fit.scattering[ceiling])
