@@ -176,19 +176,23 @@ Faults faults_of(const std::vector<bool>& exposed, const AirCut& result) {
 }
 
 void print_series(const Model& house, const std::vector<bool>& exposed) {
-    std::printf("| RperN | RS | BS | seconds | kept wrongly | lost wrongly |\n");
+    std::printf("| RperN | RS | BS | processor s | kept wrongly | lost wrongly |\n");
     std::printf("| ---: | ---: | ---: | ---: | ---: | ---: |\n");
     const auto row = [&](std::uint64_t rays, std::size_t inside, std::size_t border) {
-        const AirCut result =
-            cut(house, {.rays_per_node = rays, .random_samples = inside, .border_samples = border});
+        AirCut result;
+        const bench::Times times = bench::times_of([&] {
+            result = cut(
+                house, {.rays_per_node = rays, .random_samples = inside, .border_samples = border});
+        });
         const auto [kept, lost] = faults_of(exposed, result);
         std::printf("| %llu | %zu | %zu | %.2f | %zu | %zu |\n",
                     static_cast<unsigned long long>(rays),
                     inside,
                     border,
-                    result.cluster_seconds + result.sampling_seconds + result.cut_seconds,
+                    times.processor,
                     kept,
                     lost);
+        std::fflush(stdout);
     };
     for (const std::uint64_t rays : {8U, 16U, 32U, 48U, 64U}) {
         row(rays, 5, 30);
