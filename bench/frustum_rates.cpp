@@ -114,7 +114,7 @@ void measure(const Scene& scene, Mode mode, int order, int resolution, Executor&
             {.max_order = order, .mode = mode, .resolution = resolution, .box_lattice = false},
             executor);
     };
-    const double seconds = bench::min_times_of(3, trace).clock;
+    const double seconds = bench::min_times_of(3, trace).processor;
     const auto frusta = static_cast<double>(found.statistics.frusta);
     std::printf("| %s | %zu | %zu | %s | %d | %llu | %zu | %.0f | %.0f |\n",
                 scene.name.c_str(),
@@ -125,7 +125,7 @@ void measure(const Scene& scene, Mode mode, int order, int resolution, Executor&
                 static_cast<unsigned long long>(found.statistics.frusta),
                 found.paths.size(),
                 1e3 * seconds,
-                frusta / seconds / executor.threads() / 1e3);
+                frusta / seconds / 1e3);
 }
 
 int run(int argc, char** argv) {

@@ -13,51 +13,6 @@ using geometry::FacetId;
 using geometry::Plane;
 using geometry::Vec3;
 
-namespace {
-
-/// Whether a facet may be the last reflection of sound in a frustum on its way to a listener. The
-/// test is conservative: the reflection point must lie in the facet's box and in the frustum.
-/// Obstacles are ignored, because PathVerifier tests for them. `position_error`: metres, at least
-/// the rounding error that PathVerifier allows for.
-bool may_be_last_reflection(const FacetIndex& index,
-                            const Frustum& frustum,
-                            FacetId facet,
-                            const Vec3& listener,
-                            double position_error) noexcept {
-    const Plane& plane = index.plane(facet);
-    const double apex_height = plane.distance(frustum.apex);
-    const double listener_height = plane.distance(listener);
-    // PathVerifier rejects an apex in the plane, and accepts a listener that lies behind the plane
-    // by at most its slack.
-    if (std::abs(apex_height) <= kRounding * index.extent() ||
-        (apex_height > 0.0 ? listener_height < -position_error
-                           : listener_height > position_error)) {
-        return false;
-    }
-    // The reflection point is where the line from the apex to the mirrored listener intersects the
-    // plane. If both heights are small, their errors dominate the error of the point.
-    const double height_sum = std::abs(apex_height) + std::abs(listener_height);
-    const Vec3 point = frustum.apex + (std::abs(apex_height) / height_sum) *
-                                          (plane.mirror(listener) - frustum.apex);
-    const double path_length = glm::distance(frustum.apex, listener) + height_sum;
-    const double slack = position_error * (4.0 + 4.0 * path_length / height_sum);
-    const geometry::Aabb& box = index.box(facet);
-    for (int k = 0; k < 3; ++k) {
-        const auto axis = static_cast<std::size_t>(k);
-        if (point[k] < static_cast<double>(box.lower[axis]) - slack ||
-            point[k] > static_cast<double>(box.upper[axis]) + slack) {
-            return false;
-        }
-    }
-    const Vec3 p = frustum.local(point);
-    const double margin = 4.0 * slack;
-    return p.x >= frustum.rect.lower.x * p.z - margin &&
-           p.x <= frustum.rect.upper.x * p.z + margin &&
-           p.y >= frustum.rect.lower.y * p.z - margin && p.y <= frustum.rect.upper.y * p.z + margin;
-}
-
-}  // namespace
-
 void TaskResult::append(TaskResult&& other) {
     std::move(other.paths.begin(), other.paths.end(), std::back_inserter(paths));
     statistics.frusta += other.statistics.frusta;
@@ -124,21 +79,19 @@ void CandidateGenerator::generate_from(const VisibleFacets& search,
         return;
     }
     aperture_test_ = search.aperture_test();
-    const auto next_order = static_cast<int>(order()) + 1;
     for (const VisibleFacet& visible : visible_facets) {
         connect_last_reflections(search, visible);
-        if (next_order + 1 == options_.max_order) {
-            connect_last_two_reflections(search, visible);
-            connect_grazing_facets(search, visible);
+        if (static_cast<int>(order()) == listeners_.connecting_order) {
+            connect_subpaths(search, visible);
         }
     }
 }
 
-template <typename Item, typename Visit>
-void CandidateGenerator::for_each_in_aperture(const VisibleFacets& search,
-                                              const VisibleFacet& visible,
-                                              const PointsByFacet<Item>& stored,
-                                              Visit&& visit) {
+// The visible facet is the last reflection: sound travels from it directly to a listener that it is
+// visible from.
+void CandidateGenerator::connect_last_reflections(const VisibleFacets& search,
+                                                  const VisibleFacet& visible) {
+    const auto& stored = listeners_.beams->last_reflections();
     const auto blocks = stored.blocks(visible.facet);
     if (blocks.empty()) {
         return;
@@ -153,70 +106,55 @@ void CandidateGenerator::for_each_in_aperture(const VisibleFacets& search,
     for (std::size_t block = 0; block < blocks.size(); ++block) {
         for (std::uint32_t bits = inside_masks_[block]; bits != 0; bits &= bits - 1) {
             const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-            const auto& coordinate = blocks[block].coordinate;
-            const Vec3 point = {coordinate[0][lane], coordinate[1][lane], coordinate[2][lane]};
-            if (search.may_pass(visible, point)) {
-                visit(items[PointBlock::kWidth * block + lane]);
+            const std::uint32_t listener = items[PointBlock::kWidth * block + lane].listener;
+            if (search.may_reflect_to(visible, listeners_.positions[listener])) {
+                push(visible.facet);
+                verify_candidate(listener);
+                pop();
             }
         }
     }
 }
 
-// The visible facet is the last reflection: sound travels from it directly to a listener that it is
-// visible from.
-void CandidateGenerator::connect_last_reflections(const VisibleFacets& search,
-                                                  const VisibleFacet& visible) {
-    for_each_in_aperture(
-        search, visible, listeners_.beams->last_reflections(), [&](const LastReflection& last) {
-            if (search.may_reflect_to(visible, listeners_.positions[last.listener])) {
-                push(visible.facet);
-                verify_candidate(last.listener);
-                pop();
-            }
-        });
-}
-
-// The visible facet is the last but one reflection: it is visible in the mirror image of a listener
-// in the last facet.
-void CandidateGenerator::connect_last_two_reflections(const VisibleFacets& search,
-                                                      const VisibleFacet& visible) {
+// Sound travels from the visible facet to the first facet of a subpath. Both ends of that leg know
+// where it may run: it lies on the straight line between the images of source and listener, which
+// passes both apertures.
+void CandidateGenerator::connect_subpaths(const VisibleFacets& search,
+                                          const VisibleFacet& visible) {
     const ListenerBeams& beams = *listeners_.beams;
-    for_each_in_aperture(
-        search, visible, beams.last_two_reflections(), [&](const LastTwoReflections& reflections) {
-            push(visible.facet);
-            if (beams.may_arrive_from(reflections, images_.back())) {
-                push(reflections.last);
-                verify_candidate(reflections.listener);
-                pop();
-            }
-            pop();
-        });
-}
-
-// The visible facet is the last but one reflection, and the plane of the last facet contains the
-// listener.
-void CandidateGenerator::connect_grazing_facets(const VisibleFacets& search,
-                                                const VisibleFacet& visible) {
-    const auto grazing_facets = listeners_.beams->grazing_facets();
-    if (grazing_facets.empty()) {
+    const Plane& plane = index_.plane(visible.facet);
+    const Frustum reflected = mirrored(search.frustum(), plane, visible.facet, visible.aperture);
+    const double position_error =
+        4.0 * kRounding * (index_.extent() + max_radius_ + glm::length(reflected.apex));
+    subpaths_.clear();
+    beams.tree().find(
+        ConnectingLegs(
+            reflected, plane, position_error, beams.tree().max_coordinate(), options_.max_length),
+        subpaths_);
+    if (subpaths_.empty()) {
         return;
     }
-    const Frustum& parent = search.frustum();
-    const Frustum child =
-        mirrored(parent, index_.plane(visible.facet), visible.facet, visible.aperture);
-    const double position_error =
-        4.0 * kRounding * (index_.extent() + max_radius_ + glm::length(child.apex));
-    for (const ListenerBeams::GrazingFacet& last : grazing_facets) {
-        const Vec3& listener = listeners_.positions[last.listener];
-        if (last.facet != visible.facet &&
-            may_be_last_reflection(index_, child, last.facet, listener, position_error)) {
-            push(visible.facet);
-            push(last.facet);
-            verify_candidate(last.listener);
-            pop();
-            pop();
+    push(visible.facet);
+    for (const std::uint32_t number : subpaths_) {
+        const ListenerSubpath& subpath = beams.subpaths()[number];
+        if (subpath.first.facet == visible.facet ||
+            !search.may_pass(visible, plane.mirror(beams.image(number)))) {
+            continue;
         }
+        const Vec3 image_source = images_.back();
+        push(subpath.first.facet);
+        if (beams.may_arrive_from(subpath, image_source, images_.back())) {
+            if (subpath.has_two) {
+                push(subpath.last);
+            }
+            verify_candidate(subpath.listener);
+            if (subpath.has_two) {
+                pop();
+            }
+        }
+        pop();
     }
+    pop();
 }
 
 // Forward-only tracing: verifies the candidates for listeners in the frustum itself and, at the

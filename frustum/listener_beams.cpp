@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/listener_beams.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace earshot::frustum {
 
 using geometry::FacetId;
+using geometry::Plane;
 using geometry::Vec3;
 
 namespace {
@@ -16,16 +20,11 @@ namespace {
 constexpr std::size_t kFrustaPerListener = 6;
 constexpr std::size_t kGrain = 16;
 
-/// Sorts items by facet, then listener, and leaves one of equals.
-template <typename Item>
-void sort_and_deduplicate(std::vector<Item>& items) {
-    std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
-        return std::pair(a.facet, a.listener) < std::pair(b.facet, b.listener);
-    });
-    const auto last = std::unique(items.begin(), items.end(), [](const Item& a, const Item& b) {
-        return a.facet == b.facet && a.listener == b.listener;
-    });
-    items.erase(last, items.end());
+/// The distance of a point from a box.
+double distance_to(const geometry::Aabb& box, const Vec3& point) noexcept {
+    const Vec3 lower = {box.lower[0], box.lower[1], box.lower[2]};
+    const Vec3 upper = {box.upper[0], box.upper[1], box.upper[2]};
+    return glm::distance(point, glm::clamp(point, lower, upper));
 }
 
 }  // namespace
@@ -33,56 +32,84 @@ void sort_and_deduplicate(std::vector<Item>& items) {
 ListenerBeams::ListenerBeams(const FacetIndex& index,
                              double contact_radius,
                              double max_radius,
+                             int max_order,
                              std::span<const Vec3> listeners,
-                             bool two_reflections,
+                             int subpath_reflections,
                              Executor& executor)
     : index_(index), max_radius_(max_radius) {
-    trace_first_beams(listeners, contact_radius, executor);
-    if (two_reflections) {
-        trace_reflected_beams(listeners, contact_radius, executor);
-    } else {
-        last_two_reflections_ = {index.size(), {}};
+    trace_first_beams(listeners, contact_radius, subpath_reflections, executor);
+    if (subpath_reflections > 1) {
+        const std::size_t of_one_reflection = subpaths_.size();
+        trace_reflected_beams(contact_radius, executor);
+        for (std::size_t i = 0; i < of_one_reflection; ++i) {
+            const ListenerSubpath subpath = subpaths_[i];
+            if (subpath.first.grazing) {
+                append_before_grazing(listeners[subpath.listener], subpath, max_order);
+            }
+        }
     }
+    place_images(listeners);
 }
 
 void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
                                       double contact_radius,
+                                      int subpath_reflections,
                                       Executor& executor) {
-    struct Found {
-        std::vector<VisiblePair> visible;
-        std::vector<GrazingFacet> grazing;
-        std::vector<ReflectedBeam> beams;
-    };
+    const double min_depth = 0.5 * kRounding * index_.extent();
+    for (const Vec3& listener : listeners) {
+        const auto around = frusta_around(listener, 1, kGridSide, min_depth);
+        frusta_.insert(frusta_.end(), around.begin(), around.end());
+    }
     // Facets visible from each listener, frustum by frustum.
-    std::vector<Found> found(kFrustaPerListener * listeners.size());
+    std::vector<Found> found(frusta_.size());
     executor.for_each(found.size(), 1, [&](std::size_t begin, std::size_t end) {
         VisibleFacets search(
             index_, Mode::complete, contact_radius, max_radius_, GrazingFacets::keep);
         for (std::size_t i = begin; i < end; ++i) {
             const auto listener = static_cast<std::uint32_t>(i / kFrustaPerListener);
-            const double min_depth = 0.5 * kRounding * index_.extent();
-            const auto frusta = frusta_around(listeners[listener], 1, kGridSide, min_depth);
-            search.search(frusta[i % kFrustaPerListener]);
+            search.search(frusta_[i]);
             for (const VisibleFacet& visible : search.found()) {
-                found[i].visible.push_back({listener, visible.facet});
-                if (visible.grazing) {
-                    found[i].grazing.push_back({visible.facet, listener});
-                } else {
-                    found[i].beams.push_back({listener, search.reflect(visible)});
+                found[i].subpaths.push_back({.first = visible,
+                                             .last = visible.facet,
+                                             .listener = listener,
+                                             .frustum = static_cast<std::uint32_t>(i)});
+                if (subpath_reflections > 1 && !visible.grazing) {
+                    found[i].reflected.push_back(search.reflect(visible));
+                    found[i].listeners.push_back(listener);
                 }
             }
         }
     });
-    // Joined in the order of the frusta; a facet may be visible in several of a listener's.
+    append_last_reflections(listeners, found);
+    if (subpath_reflections == 0) {
+        return;
+    }
+    for (const Found& of_frustum : found) {
+        subpaths_.insert(subpaths_.end(), of_frustum.subpaths.begin(), of_frustum.subpaths.end());
+        frusta_.insert(frusta_.end(), of_frustum.reflected.begin(), of_frustum.reflected.end());
+        listener_of_reflected_.insert(
+            listener_of_reflected_.end(), of_frustum.listeners.begin(), of_frustum.listeners.end());
+    }
+}
+
+// A facet may be visible in several of a listener's frusta: once per listener.
+void ListenerBeams::append_last_reflections(std::span<const Vec3> listeners,
+                                            const std::vector<Found>& found) {
     std::vector<VisiblePair> pairs;
     for (const Found& of_frustum : found) {
-        pairs.insert(pairs.end(), of_frustum.visible.begin(), of_frustum.visible.end());
-        grazing_facets_.insert(
-            grazing_facets_.end(), of_frustum.grazing.begin(), of_frustum.grazing.end());
-        beams_.insert(beams_.end(), of_frustum.beams.begin(), of_frustum.beams.end());
+        for (const ListenerSubpath& subpath : of_frustum.subpaths) {
+            pairs.push_back({subpath.listener, subpath.last});
+        }
     }
-    sort_and_deduplicate(pairs);
-    sort_and_deduplicate(grazing_facets_);
+    const auto key = [](const VisiblePair& pair) { return std::pair(pair.facet, pair.listener); };
+    std::sort(pairs.begin(), pairs.end(), [&](const VisiblePair& a, const VisiblePair& b) {
+        return key(a) < key(b);
+    });
+    const auto last =
+        std::unique(pairs.begin(), pairs.end(), [&](const VisiblePair& a, const VisiblePair& b) {
+            return key(a) == key(b);
+        });
+    pairs.erase(last, pairs.end());
     std::vector<PointsByFacet<LastReflection>::Entry> entries;
     for (const auto& [listener, facet] : pairs) {
         entries.push_back({facet, index_.plane(facet).mirror(listeners[listener]), {listener}});
@@ -90,45 +117,148 @@ void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
     last_reflections_ = {index_.size(), entries};
 }
 
-void ListenerBeams::trace_reflected_beams(std::span<const Vec3> listeners,
-                                          double contact_radius,
-                                          Executor& executor) {
-    using Entry = PointsByFacet<LastTwoReflections>::Entry;
-    std::vector<std::vector<Entry>> of_chunk(chunk_count(beams_.size(), kGrain));
-    executor.for_each(beams_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        VisibleFacets search(
-            index_, Mode::complete, contact_radius, max_radius_, GrazingFacets::keep);
-        for (std::size_t i = begin; i < end; ++i) {
-            const auto& [listener, frustum] = beams_[i];
-            search.search(frustum);
-            const Vec3 image = index_.plane(frustum.facet).mirror(listeners[listener]);
-            for (const VisibleFacet& visible : search.found()) {
-                of_chunk[begin / kGrain].push_back({visible.facet,
-                                                    index_.plane(visible.facet).mirror(image),
-                                                    {.last = frustum.facet,
-                                                     .listener = listener,
-                                                     .beam = static_cast<std::uint32_t>(i),
-                                                     .aperture = visible.aperture,
-                                                     .grazing = visible.grazing}});
+void ListenerBeams::trace_reflected_beams(double contact_radius, Executor& executor) {
+    const std::size_t first_reflected = frusta_.size() - listener_of_reflected_.size();
+    std::vector<std::vector<ListenerSubpath>> of_chunk(
+        chunk_count(listener_of_reflected_.size(), kGrain));
+    executor.for_each(
+        listener_of_reflected_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            VisibleFacets search(
+                index_, Mode::complete, contact_radius, max_radius_, GrazingFacets::keep);
+            for (std::size_t i = begin; i < end; ++i) {
+                const Frustum& frustum = frusta_[first_reflected + i];
+                search.search(frustum);
+                for (const VisibleFacet& visible : search.found()) {
+                    of_chunk[begin / kGrain].push_back(
+                        {.first = visible,
+                         .last = frustum.facet,
+                         .listener = listener_of_reflected_[i],
+                         .frustum = static_cast<std::uint32_t>(first_reflected + i),
+                         .has_two = true});
+                }
             }
-        }
-    });
-    std::vector<Entry> all;
-    for (const auto& entries : of_chunk) {
-        all.insert(all.end(), entries.begin(), entries.end());
+        });
+    for (const auto& subpaths : of_chunk) {
+        subpaths_.insert(subpaths_.end(), subpaths.begin(), subpaths.end());
     }
-    last_two_reflections_ = {index_.size(), all};
 }
 
-bool ListenerBeams::may_arrive_from(const LastTwoReflections& reflections,
-                                    const Vec3& image_source) const noexcept {
-    if (reflections.grazing) {
+// No frustum is mirrored in a facet in whose plane the listener lies. The path comes to the
+// listener from a point p of that facet, and to p from a point q. Unfolded, the listener, p and q
+// lie on a straight line that crosses the plane in p: q is |q - p| / |listener - p| times as high
+// above it as the listener. So if the listener is not at the facet, q lies hardly above the plane,
+// and only facets that come as close to it may be the last but one.
+void ListenerBeams::append_before_grazing(const Vec3& listener,
+                                          const ListenerSubpath& grazing,
+                                          int max_order) {
+    constexpr double kSafety = 8.0;
+    const Plane& plane = index_.plane(grazing.last);
+    // Image sources lie no farther away than every reflection can move them.
+    const double distances =
+        index_.extent() + 2.0 * max_radius_ + 4.0 * (max_order + 1) * index_.extent();
+    const double error = kSafety * kRounding * distances;
+    const double distance = distance_to(index_.box(grazing.last), listener) - error;
+    const double diameter = 4.0 * index_.extent();
+    const double reach = distance > error ? kSafety * (std::abs(plane.distance(listener)) + error) *
+                                                    (1.0 + diameter / distance) +
+                                                error
+                                          : std::numeric_limits<double>::infinity();
+    for (FacetId facet = 0; facet < index_.size(); ++facet) {
+        const auto loops = index_.loops(facet);
+        if (facet == grazing.last || loops.empty()) {
+            continue;
+        }
+        double lowest = std::numeric_limits<double>::infinity();
+        double highest = -lowest;
+        for (std::uint32_t v = loops.front().begin; v < loops.back().end; ++v) {
+            const double height = plane.distance(index_.vertices()[v]);
+            lowest = std::min(lowest, height);
+            highest = std::max(highest, height);
+        }
+        const double slack = reach + 4.0 * index_.flatness(facet);
+        if (lowest <= slack && highest >= -slack) {
+            ListenerSubpath subpath = grazing;
+            subpath.first.facet = facet;
+            subpath.has_two = true;
+            subpaths_.push_back(subpath);
+        }
+    }
+}
+
+void ListenerBeams::place_images(std::span<const Vec3> listeners) {
+    images_.reserve(subpaths_.size());
+    std::vector<SubpathBounds> bounds(subpaths_.size());
+    for (const ListenerSubpath& subpath : subpaths_) {
+        Vec3 image = index_.plane(subpath.last).mirror(listeners[subpath.listener]);
+        if (subpath.has_two) {
+            image = index_.plane(subpath.first.facet).mirror(image);
+        }
+        bounds[images_.size()].aperture = aperture_box(subpath);
+        bounds[images_.size()].image.include(image);
+        images_.push_back(image);
+    }
+    tree_ = SubpathTree(bounds);
+}
+
+// A box around the points of the first facet that lie in its aperture. It is the box of the facet
+// or, where the rays through the corners of the aperture meet the facet's plane, a smaller one.
+geometry::Aabb ListenerBeams::aperture_box(const ListenerSubpath& subpath) const {
+    const geometry::Aabb& whole = index_.box(subpath.first.facet);
+    if (subpath.first.grazing) {
+        return whole;
+    }
+    const Frustum& frustum = frusta_[subpath.frustum];
+    const Plane& plane = index_.plane(subpath.first.facet);
+    const InverseDepth inverse_depth = frustum.inverse_depth(plane);
+    const double position_error =
+        4.0 * kRounding * (index_.extent() + max_radius_ + glm::length(frustum.apex));
+    const double depth_error = position_error / std::abs(plane.distance(frustum.apex));
+    const Rect& aperture = subpath.first.aperture;
+    Vec3 lower(std::numeric_limits<double>::infinity());
+    Vec3 upper = -lower;
+    for (const double u : {aperture.lower.x, aperture.upper.x}) {
+        for (const double v : {aperture.lower.y, aperture.upper.y}) {
+            const double inverse = inverse_depth.at({u, v});
+            constexpr double kMaxDiameters = 4.0;  // no point of the scene is farther away
+            if (!(kMaxDiameters * (index_.extent() + glm::length(frustum.apex)) * inverse > 1.0)) {
+                return whole;
+            }
+            const double depth = 1.0 / inverse;
+            const Vec3 point =
+                frustum.apex + depth * (frustum.forward + u * frustum.right + v * frustum.up);
+            const double slack = 4.0 * (position_error + depth * depth_error);
+            lower = glm::min(lower, point - slack);
+            upper = glm::max(upper, point + slack);
+        }
+    }
+    geometry::Aabb box;
+    box.include(lower);
+    box.include(upper);
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.lower[k] = std::max(box.lower[k], whole.lower[k]);
+        box.upper[k] = std::min(box.upper[k], whole.upper[k]);
+    }
+    return box.lower[0] <= box.upper[0] && box.lower[1] <= box.upper[1] &&
+                   box.lower[2] <= box.upper[2]
+               ? box
+               : whole;
+}
+
+bool ListenerBeams::may_arrive_from(const ListenerSubpath& subpath,
+                                    const Vec3& image_source,
+                                    const Vec3& folded) const noexcept {
+    if (subpath.first.grazing) {
         return true;
     }
-    const Frustum& frustum = beams_[reflections.beam].frustum;
+    const Frustum& frustum = frusta_[subpath.frustum];
     const double position_error =
-        kRounding * (index_.extent() + max_radius_ + glm::length(frustum.apex));
-    return may_pass_aperture(frustum, reflections.aperture, image_source, position_error);
+        4.0 * kRounding *
+        (index_.extent() + max_radius_ + glm::length(frustum.apex) + glm::length(image_source));
+    const Plane& plane = index_.plane(subpath.first.facet);
+    const double height = plane.distance(image_source);
+    const bool is_beyond =
+        plane.distance(frustum.apex) > 0.0 ? height < -position_error : height > position_error;
+    return !is_beyond && may_pass(frustum, subpath.first, folded, position_error);
 }
 
 }  // namespace earshot::frustum

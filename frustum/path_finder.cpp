@@ -29,11 +29,32 @@ namespace {
 // looked up by position.
 constexpr std::size_t kMaxListenersWithBeams = 64;
 
-/// Frusta of this order and above are not traced: bidirectional tracing joins the beam trees of the
-/// listeners two reflections before the end, forward-only tracing looks for listeners in the
-/// reflections of the last frusta.
-int orders_traced(int max_order, bool bidirectional) {
-    return bidirectional ? std::max(max_order - 1, std::min(max_order, 1)) : max_order;
+/// How deep beam trees are traced.
+struct Depths {
+    int source_orders = 0;        // frusta of this order and above are not traced
+    int subpath_reflections = 0;  // of the listeners' beam trees
+    int connecting_order() const { return subpath_reflections > 0 ? source_orders - 1 : -1; }
+};
+
+/// Forward-only tracing looks for listeners in the reflections of the last frusta. Bidirectional
+/// tracing connects facets visible in the source's last frusta with subpaths of the listeners. A
+/// second reflection of subpaths costs each listener what it spares every source: about 16 times as
+/// many frusta of the highest order.
+Depths depths_of(const FinderOptions& options, bool bidirectional) {
+    const int order = options.trace.max_order;
+    if (!bidirectional || order < 2) {
+        return {.source_orders = order};
+    }
+    constexpr int kReflectionsPerFrustum = 16;
+    constexpr std::size_t kMaxListeners = 64;
+    std::size_t max_listeners = order < 3 ? 0 : 1;
+    for (int i = 3; i < order && max_listeners < kMaxListeners; ++i) {
+        max_listeners *= kReflectionsPerFrustum;
+    }
+    const int subpath_reflections =
+        options.listener_count <= std::min(max_listeners, kMaxListeners) ? 2 : 1;
+    return {.source_orders = order - subpath_reflections,
+            .subpath_reflections = subpath_reflections};
 }
 
 /// A task of BeamTracer::trace that generates candidates without recording the tree.
@@ -70,11 +91,13 @@ struct ListenerBeamTree::Kept {
     std::vector<Vec3> listeners;
     std::optional<ListenerBeams> beams;
     std::optional<ListenerPoints> points;
+    int connecting_order = -1;
 
     ListenerSet set() const {
         return {.positions = listeners,
                 .beams = beams ? &*beams : nullptr,
-                .points = points ? &*points : nullptr};
+                .points = points ? &*points : nullptr,
+                .connecting_order = connecting_order};
     }
 };
 
@@ -85,12 +108,9 @@ struct PathFinder::State {
           verifier(the_scene),
           trace(options.trace),
           bidirectional(options.trace.mode == Mode::complete && !options.forward_only),
+          depths(depths_of(options, bidirectional)),
           max_radius(options.max_radius > 0.0 ? options.max_radius : 16.0 * index.extent()),
-          tracer(index,
-                 trace,
-                 verifier.contact_radius(),
-                 max_radius,
-                 orders_traced(trace.max_order, bidirectional)),
+          tracer(index, trace, verifier.contact_radius(), max_radius, depths.source_orders),
           box(trace.box_lattice && trace.mode == Mode::complete
                   ? BoxLattice::make(the_scene, verifier, trace)
                   : std::nullopt) {
@@ -102,6 +122,7 @@ struct PathFinder::State {
     PathVerifier verifier;
     TraceOptions trace;
     bool bidirectional;
+    Depths depths;
     double max_radius;
     BeamTracer tracer;
     std::optional<BoxLattice> box;  // refers to the verifier
@@ -276,9 +297,11 @@ ListenerBeamTree PathFinder::State::trace_beams(std::span<const Vec3> listeners,
         kept->beams.emplace(index,
                             verifier.contact_radius(),
                             max_radius,
+                            trace.max_order,
                             kept->listeners,
-                            bidirectional && trace.max_order > 1,
+                            depths.subpath_reflections,
                             executor);
+        kept->connecting_order = depths.connecting_order();
     }
     return ListenerBeamTree(std::move(kept));
 }

@@ -41,8 +41,8 @@ private:
     std::unique_ptr<Kept> kept_;
 };
 
-/// The beam trees of some listeners, two reflections deep, kept so that sources may move. Made by a
-/// PathFinder and valid as long as it is.
+/// The beam trees of some listeners, one or two reflections deep, kept so that sources may move.
+/// Made by a PathFinder and valid as long as it is.
 class ListenerBeamTree {
 public:
     ListenerBeamTree(ListenerBeamTree&&) noexcept;
@@ -69,14 +69,17 @@ struct BeamSample {
 struct FinderOptions {
     TraceOptions trace{};
     BeamSample sample{};
-    /// Trace the source's beam tree to the last reflection, instead of joining it two reflections
-    /// earlier with beam trees from the listeners (bidirectional tracing). Costs more per source,
-    /// and much less per listener: for listeners by the hundred, or that move. Changes the time
-    /// only; Mode::sampled always traces forward only.
+    /// Trace the source's beam tree to the last reflection, instead of connecting a smaller one
+    /// with beam trees from the listeners (bidirectional tracing). Costs more per source, and less
+    /// per listener: for listeners by the thousand. Changes the time only; Mode::sampled always
+    /// traces forward only.
     bool forward_only = false;
     /// Largest distance of a source or listener from the origin, metres; 0: sixteen times the
     /// scene's largest coordinate. Changes the time only.
     double max_radius = 0.0;
+    /// How many listeners are connected with each source, about: the more, the larger the source's
+    /// part of bidirectional tracing. Changes the time only.
+    std::size_t listener_count = 1;
 };
 
 /// Whether forward-only tracing is the faster way to so many listeners.

@@ -46,20 +46,27 @@ InverseDepth depth_behind(const InverseDepth& depth, double distance, const Rect
 
 }  // namespace
 
-bool may_pass_aperture(const Frustum& frustum,
-                       const Rect& aperture,
-                       const Vec3& unfolded,
-                       double position_error) noexcept {
+bool may_pass(const Frustum& frustum,
+              const VisibleFacet& visible,
+              const Vec3& unfolded,
+              double position_error) noexcept {
     const Vec3 p = frustum.local(unfolded);
     if (!(p.z > frustum.min_depth)) {
         return false;
     }
     const glm::dvec2 size = frustum.rect.upper - frustum.rect.lower;
-    const double slack =
-        kCellSlack * std::max(size.x, size.y) + kProjectionErrorFactor * position_error / p.z;
+    const double error = kProjectionErrorFactor * position_error / p.z;
+    const double slack = kCellSlack * std::max(size.x, size.y) + error;
     const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
-    return uv.x >= aperture.lower.x - slack && uv.x <= aperture.upper.x + slack &&
-           uv.y >= aperture.lower.y - slack && uv.y <= aperture.upper.y + slack;
+    if (!(uv.x >= visible.aperture.lower.x - slack && uv.x <= visible.aperture.upper.x + slack &&
+          uv.y >= visible.aperture.lower.y - slack && uv.y <= visible.aperture.upper.y + slack)) {
+        return false;
+    }
+    const CoverageRaster raster(frustum.rect, frustum.cells);
+    const glm::dvec2 cell = raster.cell_size();
+    const double slack_in_cells = kCellSlack + error / std::min(cell.x, cell.y);
+    return (raster.cells_overlapping({.lower = uv, .upper = uv}, slack_in_cells) & visible.cells) !=
+           0;
 }
 
 VisibleFacets::VisibleFacets(const FacetIndex& index,

@@ -102,8 +102,8 @@ private:
         Simulator simulator(scene_, {}, executor_);
         simulator.set_time(time_, executor_);
         const frustum::SceneView view = simulator.scene_view(executor_);
-        // Bidirectional tracing of order n follows frusta of up to order n - 2.
-        const int first = std::max(1, measured - 1);
+        // Bidirectional tracing of order n follows frusta of up to order n - 3 or n - 2.
+        const int first = std::max(1, measured - 2);
         double last = base;
         for (int order = measured + 1; order <= kMaxOrder; ++order) {
             tell(order);
@@ -123,7 +123,7 @@ private:
                         std::min(1.0, share * kAim * allotted / std::max(below, 0.02 * allotted));
                 }
             }
-            const double seconds = std::max(last, base + below / share);
+            const double seconds = std::max(last, std::max(base, above) + below / share);
             growth = std::max(1.5, seconds / last);
             costs.push_back({order, seconds, false});
             last = seconds;
@@ -137,7 +137,8 @@ private:
             view,
             {.trace = {.max_order = order},
              .sample = sample,
-             .forward_only = frustum::prefer_forward(listeners_.size(), order)},
+             .forward_only = frustum::prefer_forward(listeners_.size(), order),
+             .listener_count = listeners_.size()},
             executor_);
         return seconds_of([&] {
             const frustum::ListenerBeamTree beams = finder.trace_listeners(listeners_, executor_);

@@ -277,7 +277,8 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
         const frustum::FinderOptions finder_options = {
             .trace = trace_options(),
             .forward_only = frustum::prefer_forward(to.size(), options.specular_order),
-            .max_radius = kRoomToMove * max_radius};
+            .max_radius = kRoomToMove * max_radius,
+            .listener_count = to.size()};
         sources.clear();
         listeners.reset();
         if (finder) {

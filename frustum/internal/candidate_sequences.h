@@ -26,6 +26,8 @@ struct ListenerSet {
     std::span<const geometry::Vec3> positions;
     const ListenerBeams* beams = nullptr;    ///< their beam trees, if there are any
     const ListenerPoints* points = nullptr;  ///< a hierarchy over them otherwise
+    /// Of the source's frusta that are connected with the listeners' subpaths; -1: none are.
+    int connecting_order = -1;
 };
 
 /// Generates candidate facet sequences (visibility sequences) from the nodes of the source's beam
@@ -48,24 +50,16 @@ public:
     /// The direct path to every listener.
     void generate_direct();
 
-    /// Generates the candidates of paths that end in the current frustum of `search`, after a
-    /// reflection in a facet visible in it, or after one more reflection. Precondition: the frustum
-    /// was reflected in this sequence.
+    /// Generates the candidates of paths whose next reflection is in a facet visible in the current
+    /// frustum of `search`: their last one, or followed by a subpath of a listener. Precondition:
+    /// the frustum was reflected in this sequence.
     void generate_from(const VisibleFacets& search, std::span<const VisibleFacet> visible_facets);
 
     TaskResult take_result() { return std::move(result_); }
 
 private:
-    /// Calls visit(item) for every item stored under a visible facet such that the straight line
-    /// from the apex to the item's point may pass the facet's aperture.
-    template <typename Item, typename Visit>
-    void for_each_in_aperture(const VisibleFacets& search,
-                              const VisibleFacet& visible,
-                              const PointsByFacet<Item>& stored,
-                              Visit&& visit);
     void connect_last_reflections(const VisibleFacets& search, const VisibleFacet& visible);
-    void connect_last_two_reflections(const VisibleFacets& search, const VisibleFacet& visible);
-    void connect_grazing_facets(const VisibleFacets& search, const VisibleFacet& visible);
+    void connect_subpaths(const VisibleFacets& search, const VisibleFacet& visible);
     void verify_listeners_in_frusta(const VisibleFacets& search,
                                     std::span<const VisibleFacet> visible_facets);
     void verify_candidate(std::size_t listener);
@@ -80,6 +74,7 @@ private:
     std::vector<geometry::Vec3> images_;
     ApertureTest aperture_test_;  // of the current frustum
     std::vector<std::uint8_t> inside_masks_;
+    std::vector<std::uint32_t> subpaths_;
     TaskResult result_;
 };
 

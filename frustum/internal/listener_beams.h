@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/base/floating_point.h"
 #include "earshot/base/parallel.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/frustum/internal/points_by_facet.h"
+#include "earshot/frustum/internal/subpath_tree.h"
 #include "earshot/frustum/internal/visible_facets.h"
 
 #include <cstddef>
@@ -20,83 +22,94 @@ struct LastReflection {
     std::uint32_t listener = 0;
 };
 
-/// Two facets that may be the last two reflections on the path to a listener. They are stored under
-/// the last but one, with the listener mirrored in the last facet, then in the last but one, as
-/// their point.
-struct LastTwoReflections {
-    geometry::FacetId last = 0;
+/// The last one or two reflections on a path to a listener, as its beam tree has them: `first` is
+/// visible in a frustum that starts at the listener or, of two, was mirrored in `last`. (A subpath
+/// in the sense of bidirectional path tracing, Veach and Guibas 1994.)
+struct ListenerSubpath {
+    VisibleFacet first;
+    geometry::FacetId last = 0;  ///< of one reflection: `first`
     std::uint32_t listener = 0;
-    std::uint32_t beam = 0;  ///< the listener's frustum, mirrored in the last facet
-    Rect aperture;           ///< where the last but one facet is visible in that frustum
-    bool grazing = false;    ///< the aperture is unknown, see VisibleFacet::grazing
+    std::uint32_t frustum = 0;  ///< in which `first` is visible
+    bool has_two = false;
 };
 
-/// The beam trees of some listeners, two reflections deep, for bidirectional tracing. Sound paths
-/// are reversible, so the facets visible from a listener, and those visible in its mirrored frusta,
-/// are the only ones in which paths to it can end (complete mode):
+/// The beam trees of some listeners for bidirectional tracing. Sound paths are reversible, so the
+/// facets visible from a listener, and those visible in its mirrored frusta, are the only ones in
+/// which paths to it can end (complete mode):
 ///
-///     source --> f1 --> ... --> f(n-2) --> f(n-1) <-- f(n) <-- listener
-///     |  beam tree of the source  |          |   beam tree   |
+///     source --> f1 --> ... --> f(n-m) ----------------> f(n-m+1) <-- ... f(n) <-- listener
+///     |   beam tree of the source    |  connecting leg  |        subpath          |
 ///
-/// Where a frustum from the source and one from a listener have a visible facet in common, the two
-/// trees are connected, and neither is traced further.
+/// The connecting leg belongs to neither tree: it is a straight line from an image source to an
+/// image of the listener that passes the apertures at both of its ends. What stands in between is
+/// left to the verification.
 class ListenerBeams {
 public:
     /// `max_radius`: the largest distance of a source or listener from the origin, metres.
-    /// `two_reflections`: whether the last but one reflections are wanted too.
+    /// `max_order`: of paths. `subpath_reflections`: 0, 1 or 2 reflections of subpaths are wanted.
     ListenerBeams(const FacetIndex& index,
                   double contact_radius,
                   double max_radius,
+                  int max_order,
                   std::span<const geometry::Vec3> listeners,
-                  bool two_reflections,
+                  int subpath_reflections,
                   Executor& executor);
 
+    /// The facets visible from the listeners.
     const PointsByFacet<LastReflection>& last_reflections() const noexcept {
         return last_reflections_;
     }
 
-    const PointsByFacet<LastTwoReflections>& last_two_reflections() const noexcept {
-        return last_two_reflections_;
-    }
+    /// All subpaths, of one reflection and of two.
+    std::span<const ListenerSubpath> subpaths() const noexcept { return subpaths_; }
+    /// The listener of a subpath, mirrored in its reflections from the last to the first.
+    const geometry::Vec3& image(std::uint32_t subpath) const noexcept { return images_[subpath]; }
+    /// The subpaths by where legs to them run.
+    const SubpathTree& tree() const noexcept { return tree_; }
 
-    /// A facet in whose plane a listener lies, as far as rounding can tell: no frustum leads there,
-    /// so any facet may be the last but one.
-    struct GrazingFacet {
-        geometry::FacetId facet = 0;
-        std::uint32_t listener = 0;
-    };
-    std::span<const GrazingFacet> grazing_facets() const noexcept { return grazing_facets_; }
+    /// Whether sound from an image source that is mirrored in all facets before the subpath may
+    /// travel on straight to `first`, and from there to the listener. `folded`: the image source
+    /// mirrored in `first`.
+    bool may_arrive_from(const ListenerSubpath& subpath,
+                         const geometry::Vec3& image_source,
+                         const geometry::Vec3& folded) const noexcept;
 
-    /// Whether sound from an image source, last mirrored in the facet that `reflections` is stored
-    /// under, may arrive through the aperture in the listener's frustum.
-    bool may_arrive_from(const LastTwoReflections& reflections,
-                         const geometry::Vec3& image_source) const noexcept;
-
-    std::size_t frusta() const noexcept { return beams_.size(); }
+    /// That were traced.
+    std::size_t frusta() const noexcept { return frusta_.size(); }
 
 private:
     struct VisiblePair {
         std::uint32_t listener = 0;
         geometry::FacetId facet = 0;
     };
-    struct ReflectedBeam {
-        std::uint32_t listener = 0;
-        Frustum frustum;
+    /// What is visible in some frusta.
+    struct Found {
+        std::vector<ListenerSubpath> subpaths;
+        std::vector<Frustum> reflected;
+        std::vector<std::uint32_t> listeners;  ///< of the reflected frusta
     };
 
     void trace_first_beams(std::span<const geometry::Vec3> listeners,
                            double contact_radius,
+                           int subpath_reflections,
                            Executor& executor);
-    void trace_reflected_beams(std::span<const geometry::Vec3> listeners,
-                               double contact_radius,
-                               Executor& executor);
+    void trace_reflected_beams(double contact_radius, Executor& executor);
+    void append_last_reflections(std::span<const geometry::Vec3> listeners,
+                                 const std::vector<Found>& found);
+    void append_before_grazing(const geometry::Vec3& listener,
+                               const ListenerSubpath& grazing,
+                               int max_order);
+    void place_images(std::span<const geometry::Vec3> listeners);
+    geometry::Aabb aperture_box(const ListenerSubpath& subpath) const;
 
     const FacetIndex& index_;
     double max_radius_;
-    std::vector<ReflectedBeam> beams_;
+    std::vector<Frustum> frusta_;  // six around each listener, then the reflected ones
+    std::vector<std::uint32_t> listener_of_reflected_;
     PointsByFacet<LastReflection> last_reflections_;
-    PointsByFacet<LastTwoReflections> last_two_reflections_;
-    std::vector<GrazingFacet> grazing_facets_;
+    std::vector<ListenerSubpath> subpaths_;
+    std::vector<geometry::Vec3> images_;
+    SubpathTree tree_;
 };
 
 }  // namespace earshot::frustum

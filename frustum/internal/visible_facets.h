@@ -31,12 +31,13 @@ struct VisibleFacet {
     bool grazing = false;
 };
 
-/// Whether the line from a frustum's apex to an unfolded point may pass an aperture of the frustum.
-/// `position_error`: the largest error of either end, metres.
-bool may_pass_aperture(const Frustum& frustum,
-                       const Rect& aperture,
-                       const geometry::Vec3& unfolded,
-                       double position_error) noexcept;
+/// Whether the straight line from a frustum's apex to an unfolded point (mirrored as often as the
+/// path to it reflects) may pass a facet that is visible in the frustum. Conservative; occluders
+/// between the facet and the point are ignored. `position_error`: of either end, metres.
+bool may_pass(const Frustum& frustum,
+              const VisibleFacet& visible,
+              const geometry::Vec3& unfolded,
+              double position_error) noexcept;
 
 /// The treatment of facets whose plane contains a frustum's apex. A facet reflects no sound from a
 /// source in its plane, so such facets are skipped in beam trees of sources. The last reflection on

@@ -21,14 +21,23 @@ std::vector<Vec3> moved(std::vector<Vec3> points, const Vec3& by) {
     return points;
 }
 
+/// Of tracing beams: forward only, and with one and two reflections in subpaths of listeners.
+struct Way {
+    bool forward_only;
+    std::size_t listener_count;
+};
+constexpr Way kWays[] = {{true, 1}, {false, 1000}, {false, 1}};
+
 TEST(PathFinder, KeptTracesGiveThePathsOfAFreshSearch) {
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
         const RandomRoom random(seed, static_cast<int>(seed % 5));
         const SceneView scene_view = random.room.scene_view();
         const int order = static_cast<int>(seed % 4);
-        for (const bool forward_only : {false, true}) {
+        for (const auto& [forward_only, listener_count] : kWays) {
             const PathFinder finder(scene_view,
-                                    {.trace = {.max_order = order}, .forward_only = forward_only});
+                                    {.trace = {.max_order = order},
+                                     .forward_only = forward_only,
+                                     .listener_count = listener_count});
             auto source = finder.trace_source(random.source);
             auto listeners = finder.trace_listeners(random.listeners);
             const auto expect_fresh = [&](const Vec3& from, const std::vector<Vec3>& to) {
@@ -69,9 +78,14 @@ TEST(PathFinder, ListenersInThePlanesOfFacetsMissNothing) {
                                              source};
         const auto expected =
             find_specular_paths_brute_force(room.scene_view(), source, listeners, 3);
-        const auto found =
-            find_specular_paths(room.scene_view(), source, listeners, {.max_order = 3});
-        EXPECT_EQ(found.paths, expected.paths) << seed;
+        for (const auto& [forward_only, listener_count] : kWays) {
+            const PathFinder finder(room.scene_view(),
+                                    {.trace = {.max_order = 3},
+                                     .forward_only = forward_only,
+                                     .listener_count = listener_count});
+            const auto found = finder.find(source, finder.trace_listeners(listeners));
+            EXPECT_EQ(found.paths, expected.paths) << seed << ' ' << listener_count;
+        }
         paths += expected.paths.size();
     }
     EXPECT_GT(paths, 2000U);
@@ -111,10 +125,12 @@ TEST(PathFinder, FirstFacetsLeaveOutThePathsThatBeginWithOthers) {
         for (std::size_t facet = 0; facet < scene_view.facets.facets.size(); ++facet) {
             first.push_back(earshot::random(seed, 9, facet) < 0.5 ? 1 : 0);
         }
-        for (const bool forward_only : {false, true}) {
+        for (const auto& [forward_only, listener_count] : kWays) {
             const int order = 1 + static_cast<int>(seed % 3);
             const PathFinder finder(scene_view,
-                                    {.trace = {.max_order = order}, .forward_only = forward_only});
+                                    {.trace = {.max_order = order},
+                                     .forward_only = forward_only,
+                                     .listener_count = listener_count});
             const auto listeners = finder.trace_listeners(random.listeners);
             Executor& serial = Executor::serial();
             std::vector<SpecularPath> expected;
