@@ -52,11 +52,18 @@ using Slots = std::array<Slot, WideNode::kWidth>;
 class Collapse {
 public:
     Collapse(const Tree& tree, LeafEncoding encoding, Executor& executor)
-        : tree_(tree),
-          encoding_(encoding),
-          counts_(tree.nodes().size()),
-          costs_(tree.nodes().size()) {
-        for_each_bottom_up(tree.nodes(), executor, [&](std::size_t i) { compute_costs(i); });
+        : tree_(tree), encoding_(encoding), costs_(tree.nodes().size() / 2) {
+        const double root_area = tree.nodes().front().box.half_area();
+        inverse_root_area_ = 1.0 / root_area;
+        for_each_bottom_up(tree.nodes(), executor, [&](std::size_t i) {
+            const Node& node = tree_.nodes()[i];
+            if (!node.is_leaf()) {
+                compute_costs(node);
+            }
+        });
+        // Wide nodes have six children or so, of four triangles or so.
+        slots.reserve(tree.nodes().size() / 8 + 1);
+        children.reserve(slots.capacity());
     }
 
     /// Appends the wide nodes of the subtree in depth-first order and returns the first's index.
@@ -95,87 +102,105 @@ private:
         std::array<float, kMaxSlots> cost;
         std::array<std::uint8_t, kMaxSlots> left_slots;  // 0: one slot for the whole subtree
         std::uint8_t left_slots_of_node;                 // if the subtree becomes a wide node
+        std::uint8_t useful_slots;                       // more of them do not make it cheaper
+        std::uint8_t count;                              // of its primitives; 255: or more
         bool is_leaf;
     };
 
-    void compute_costs(std::size_t index) {
-        const Node& node = tree_.nodes()[index];
-        Costs& result = costs_[index];
-        const float area = probability(node);
-        if (node.is_leaf()) {
-            counts_[index] = static_cast<std::uint8_t>(node.count);
-            // A leaf too large for a slot becomes a node with two.
-            const bool fits = node.count <= kMaxLeafTriangles;
-            result.cost.fill(area * (fits ? kLeafCost : kNodeCost + 2.0F * kLeafCost));
-            result.left_slots.fill(0);
-            result.is_leaf = fits;
-            return;
-        }
-        const Costs& left = costs_[node.first];
-        const Costs& right = costs_[node.first + 1];
-        const std::uint32_t count = counts_[node.first] + counts_[node.first + 1U];
-        counts_[index] = static_cast<std::uint8_t>(std::min(count, 255U));
-        // C_distribute for two to eight slots.
-        std::array<float, WideNode::kWidth + 1> distributed{};
-        std::array<std::uint8_t, WideNode::kWidth + 1> left_slots{};
-        const std::size_t max_slots = max_useful_slots(left) + max_useful_slots(right);
-        for (std::size_t i = 2; i <= WideNode::kWidth; ++i) {
-            if (i > max_slots) {
-                distributed[i] = distributed[i - 1];
-                left_slots[i] = left_slots[i - 1];
-                continue;
-            }
-            distributed[i] = std::numeric_limits<float>::infinity();
-            for (std::size_t k = 1; k < i; ++k) {
-                const float cost = left.cost[k - 1] + right.cost[i - k - 1];
-                if (cost < distributed[i]) {
-                    distributed[i] = cost;
-                    left_slots[i] = static_cast<std::uint8_t>(k);
-                }
-            }
-        }
-        // One slot: a leaf or a node.
-        const float as_leaf =
-            count <= kMaxLeafTriangles ? area * kLeafCost : std::numeric_limits<float>::infinity();
-        const float as_node = area * kNodeCost + distributed[WideNode::kWidth];
-        result.is_leaf = count <= kMaxLeafTriangles && as_leaf <= as_node;
-        result.left_slots_of_node = left_slots[WideNode::kWidth];
-        result.cost[0] = std::min(as_leaf, as_node);
-        result.left_slots[0] = 0;
-        for (std::size_t i = 2; i <= kMaxSlots; ++i) {
-            const bool is_better = distributed[i] < result.cost[i - 2];
-            result.cost[i - 1] = is_better ? distributed[i] : result.cost[i - 2];
-            result.left_slots[i - 1] = is_better ? left_slots[i] : result.left_slots[i - 2];
-        }
+    /// Inner nodes have costs in memory, in the order of their children.
+    Costs& costs_at(const Node& inner) { return costs_[inner.first / 2]; }
+    const Costs& costs_at(const Node& inner) const { return costs_[inner.first / 2]; }
+
+    Costs costs_of_leaf(const Node& leaf) const {
+        Costs result{};
+        // A leaf too large for a slot becomes a node with two.
+        result.is_leaf = leaf.count <= kMaxLeafTriangles;
+        result.cost.fill(probability(leaf) *
+                         (result.is_leaf ? kLeafCost : kNodeCost + 2.0F * kLeafCost));
+        result.useful_slots = 1;
+        result.count = static_cast<std::uint8_t>(leaf.count);
+        return result;
     }
 
-    /// More slots than these do not make a subtree cheaper.
-    static std::size_t max_useful_slots(const Costs& costs) {
-        std::size_t slots_used = kMaxSlots;
-        while (slots_used > 1 && costs.cost[slots_used - 2] == costs.cost[slots_used - 1]) {
-            --slots_used;
+    bool is_leaf_at(std::uint32_t index) const {
+        const Node& node = tree_.nodes()[index];
+        return node.is_leaf() ? node.count <= kMaxLeafTriangles : costs_at(node).is_leaf;
+    }
+
+    std::uint32_t count_at(std::uint32_t index) const {
+        const Node& node = tree_.nodes()[index];
+        return node.is_leaf() ? node.count : costs_at(node).count;
+    }
+
+    void compute_costs(const Node& node) {
+        const Node* const pair = &tree_.nodes()[node.first];
+        Costs of_leaf[2];
+        const Costs* sides[2];
+        for (std::size_t side = 0; side < 2; ++side) {
+            if (pair[side].is_leaf()) {
+                of_leaf[side] = costs_of_leaf(pair[side]);
+                sides[side] = &of_leaf[side];
+            } else {
+                sides[side] = &costs_at(pair[side]);
+            }
         }
-        return slots_used;
+        const Costs& left = *sides[0];
+        const Costs& right = *sides[1];
+        Costs& result = costs_at(node);
+        const std::uint32_t count = std::uint32_t{left.count} + right.count;
+        result.count = static_cast<std::uint8_t>(std::min(count, 255U));
+        // C_distribute. Beyond the slots that are useful to a child its costs stay the same.
+        const std::size_t max_slots =
+            std::min<std::size_t>(left.useful_slots + right.useful_slots, WideNode::kWidth);
+        std::array<float, WideNode::kWidth + 1> distributed;
+        std::array<std::uint8_t, WideNode::kWidth + 1> left_slots;
+        for (std::size_t i = 2; i <= max_slots; ++i) {
+            const std::size_t first = i > right.useful_slots ? i - right.useful_slots : 1;
+            const std::size_t last = std::min<std::size_t>(left.useful_slots, i - 1);
+            float best = std::numeric_limits<float>::infinity();
+            std::size_t best_left = first;
+            for (std::size_t k = first; k <= last; ++k) {
+                const float cost = left.cost[k - 1] + right.cost[i - k - 1];
+                best_left = cost < best ? k : best_left;
+                best = cost < best ? cost : best;
+            }
+            distributed[i] = best;
+            left_slots[i] = static_cast<std::uint8_t>(best_left);
+        }
+        // One slot: a leaf or a node.
+        const float area = probability(node);
+        const float as_node = area * kNodeCost + distributed[max_slots];
+        result.is_leaf = count <= kMaxLeafTriangles && area * kLeafCost <= as_node;
+        result.left_slots_of_node = left_slots[max_slots];
+        result.cost[0] = result.is_leaf ? area * kLeafCost : as_node;
+        result.left_slots[0] = 0;
+        result.useful_slots = 1;
+        for (std::size_t i = 2; i <= kMaxSlots; ++i) {
+            const bool is_better = i <= max_slots && distributed[i] < result.cost[i - 2];
+            result.cost[i - 1] = is_better ? distributed[i] : result.cost[i - 2];
+            result.left_slots[i - 1] = is_better ? left_slots[i] : result.left_slots[i - 2];
+            result.useful_slots = is_better ? static_cast<std::uint8_t>(i) : result.useful_slots;
+        }
     }
 
     /// The probability that a ray which hits the root's box hits the node's; 1 if it is unknown.
     float probability(const Node& node) const {
-        const double ratio = node.box.half_area() / tree_.nodes().front().box.half_area();
+        const double ratio = node.box.half_area() * inverse_root_area_;
         return ratio <= 1.0 ? static_cast<float>(ratio) : 1.0F;
     }
 
     bool is_inner(const Slot& slot) const {
-        return slot.run_begin == slot.run_end && !costs_[slot.node].is_leaf;
+        return slot.run_begin == slot.run_end && !is_leaf_at(slot.node);
     }
 
     std::uint32_t count_of(const Slot& slot) const {
-        return slot.run_begin != slot.run_end ? slot.run_end - slot.run_begin : counts_[slot.node];
+        return slot.run_begin != slot.run_end ? slot.run_end - slot.run_begin : count_at(slot.node);
     }
 
     /// Fills the slots of a wide node.
     void fill_slots(std::uint32_t root, std::size_t index, std::size_t& count) {
         const Node& node = tree_.nodes()[root];
-        if (costs_[root].is_leaf) {
+        if (is_leaf_at(root)) {
             slots[index][count++] = {root};
         } else if (node.is_leaf()) {
             const std::uint32_t end = node.first + node.count;
@@ -183,7 +208,7 @@ private:
             slots[index][count++] = {root, node.first, middle};
             slots[index][count++] = {root, middle, end};
         } else {
-            const std::uint8_t left = costs_[root].left_slots_of_node;
+            const std::uint8_t left = costs_at(node).left_slots_of_node;
             distribute(node.first, left, index, count);
             distribute(node.first + 1, WideNode::kWidth - left, index, count);
         }
@@ -194,20 +219,20 @@ private:
                     std::size_t available,
                     std::size_t index,
                     std::size_t& count) {
-        const std::uint8_t left = costs_[root].left_slots[available - 1];
+        const Node& node = tree_.nodes()[root];
+        const std::uint8_t left = node.is_leaf() ? 0 : costs_at(node).left_slots[available - 1];
         if (left == 0) {
             slots[index][count++] = {root};
             return;
         }
-        const std::size_t used = std::min(available, max_useful_slots(costs_[root]));
-        const std::uint32_t first = tree_.nodes()[root].first;
-        distribute(first, left, index, count);
-        distribute(first + 1, used - left, index, count);
+        const std::size_t used = std::min<std::size_t>(available, costs_at(node).useful_slots);
+        distribute(node.first, left, index, count);
+        distribute(node.first + 1, used - left, index, count);
     }
 
     const Tree& tree_;
     LeafEncoding encoding_;
-    LargeArray<std::uint8_t> counts_;  // of the primitives below a node; 255: or more
+    double inverse_root_area_ = 1.0;
     LargeArray<Costs> costs_;
     std::uint32_t blocks_ = 0;
 };
@@ -248,6 +273,10 @@ WideTree WideTree::build(const Tree& tree,
     wide.nodes_.resize(collapse.slots.size());
     wide.words_.resize(wide.words_per_block_ * collapse.blocks() + kPaddingWords);
     std::fill_n(wide.words_.end() - kPaddingWords, kPaddingWords, 0U);
+    // A mesh that does not fit into the caches is asked for ahead.
+    constexpr std::size_t kMinLargeMesh = std::size_t{4} << 20;
+    const bool is_large =
+        mesh.positions.size_bytes() + mesh.triangles.size_bytes() >= kMinLargeMesh;
     const auto set_node = [&](std::size_t i) {
         WideNode& node = wide.nodes_[i];
         for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
@@ -265,7 +294,9 @@ WideTree WideTree::build(const Tree& tree,
             } else {
                 write_primitives(tree, slot.node, out);
             }
-            prefetch_triangles({out, in_leaf}, mesh);
+            if (is_large) {
+                prefetch_triangles({out, in_leaf}, mesh);
+            }
         }
         set_order(node);
     };
@@ -285,7 +316,7 @@ WideTree WideTree::build(const Tree& tree,
             for (std::size_t i = begin; i < end; ++i) {
                 set_node(i);
             }
-            for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t i = begin; i < end && is_large; ++i) {
                 for_each_leaf(i, [&](std::uint32_t leaf) {
                     prefetch_vertices(wide.leaf_triangles(leaf), mesh);
                 });

@@ -14,8 +14,10 @@ constexpr std::array kBuilders = {
                  "ranges split in the middle of the longest side"},
     NamedBuilder{Builder::quality, "quality", "binned_sah, then reinsertion: the fastest queries"},
     NamedBuilder{Builder::lbvh, "lbvh", "along a Morton curve: the fastest to build"},
-    NamedBuilder{Builder::hybrid, "hybrid", "six levels along the curve, then binned_sah"},
-    NamedBuilder{Builder::fast, "fast", "along the curve, then the largest boxes reinserted"},
+    NamedBuilder{Builder::hybrid,
+                 "hybrid",
+                 "small clusters along the curve, joined by binned_sah, then reinsertion"},
+    NamedBuilder{Builder::fast, "fast", "clusters along the curve, joined by binned_sah"},
 };
 
 }  // namespace

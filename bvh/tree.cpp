@@ -3,7 +3,6 @@
 
 #include "earshot/base/error.h"
 #include "earshot/bvh/internal/builders.h"
-#include "earshot/geometry/intersect.h"
 #include "earshot/geometry/vector.h"
 
 #include <cmath>
@@ -64,18 +63,6 @@ Tree Tree::from_nodes(std::vector<Node> nodes, std::vector<std::uint32_t> primit
     tree.nodes_ = std::move(nodes);
     tree.primitives_ = std::move(primitives);
     return tree;
-}
-
-std::vector<geometry::Aabb> triangle_boxes(const geometry::MeshView& mesh, Executor& executor) {
-    constexpr std::size_t kGrain = 16384;
-    std::vector<geometry::Aabb> boxes(mesh.triangles.size());
-    executor.for_each(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const auto [a, b, c] = geometry::corners(mesh, i);
-            boxes[i] = geometry::triangle_box(a, b, c);
-        }
-    });
-    return boxes;
 }
 
 }  // namespace earshot::bvh

@@ -6,7 +6,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
-#include <limits>
 
 namespace earshot::bvh {
 
@@ -27,70 +26,7 @@ Aabb box_of(const WideNode& node) noexcept {
     return box;
 }
 
-void set_order(WideNode& node) noexcept {
-    constexpr std::size_t kWidth = WideNode::kWidth;
-    std::array<std::array<float, 3>, kWidth> centres{};  // doubled
-    for (std::size_t slot = 0; slot < kWidth; ++slot) {
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-            centres[slot][axis] = node.planes[2 * axis][slot] + node.planes[2 * axis + 1][slot];
-        }
-    }
-    std::array<std::uint32_t, kWidth> order{};
-    // Octants 0 ... 3 have a positive z; the opposite octants have the reverse orders.
-    for (std::uint32_t octant = 0; octant < 4; ++octant) {
-        std::array<float, kWidth> keys{};
-        std::array<std::uint32_t, kWidth> ranked{};
-        for (std::uint32_t slot = 0; slot < kWidth; ++slot) {
-            const auto& c = centres[slot];
-            const float key =
-                ((octant & 1U) != 0 ? -c[0] : c[0]) + ((octant & 2U) != 0 ? -c[1] : c[1]) + c[2];
-            // Insertion sort, farthest first; stable, so that empty slots do not matter.
-            std::size_t rank = slot;
-            for (; rank > 0 && keys[rank - 1] < key; --rank) {
-                keys[rank] = keys[rank - 1];
-                ranked[rank] = ranked[rank - 1];
-            }
-            keys[rank] = key;
-            ranked[rank] = slot;
-        }
-        for (std::size_t rank = 0; rank < kWidth; ++rank) {
-            order[rank] |= ranked[rank] << (3 * octant);
-            order[kWidth - 1 - rank] |= ranked[rank] << (3 * (7 - octant));
-        }
-    }
-    std::copy(order.begin(), order.end(), node.order);
-}
-
 namespace {
-
-/// Writes the vertices in single precision and returns their box.
-Aabb pack_single_leaf(std::uint32_t* words,
-                      std::size_t count,
-                      const geometry::MeshView& mesh) noexcept {
-    // Rounding is monotone, so the box of all vertices is rounded once.
-    geometry::Vec3 lower(std::numeric_limits<double>::infinity());
-    geometry::Vec3 upper(-std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < count; ++i) {
-        std::uint32_t* word = words + i;
-        for (const geometry::VertexId vertex : mesh.triangles[words[9 * count + i]]) {
-            const geometry::Vec3& position = mesh.positions[vertex];
-            for (int axis = 0; axis < 3; ++axis) {
-                const double value = position[axis];
-                lower[axis] = value < lower[axis] ? value : lower[axis];
-                upper[axis] = value > upper[axis] ? value : upper[axis];
-                *word = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-                word += count;
-            }
-        }
-    }
-    Aabb box;
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<std::size_t>(axis);
-        box.lower[k] = geometry::round_down(lower[axis]);
-        box.upper[k] = geometry::round_up(upper[axis]);
-    }
-    return box;
-}
 
 /// Steps from `lower` to `value`, 0 to 65535.
 std::uint16_t steps_to(double value, float lower, float step) noexcept {

@@ -38,11 +38,13 @@ public:
         emit(0, 0);
     }
 
-    std::vector<Node> nodes(Executor& executor) && {
-        executor.for_each(counts_.size(), 1, [&](std::size_t begin, std::size_t) {
-            const auto task = static_cast<std::uint32_t>(begin);
-            for (std::uint32_t i = 1; i < counts_[task]; ++i) {
-                nodes_[shifts_[task] + i] = shifted(task, i);
+    /// `grain`: tasks whose nodes are copied together.
+    std::vector<Node> nodes(Executor& executor, std::size_t grain = 1) && {
+        executor.for_each(counts_.size(), grain, [&](std::size_t begin, std::size_t end) {
+            for (auto task = static_cast<std::uint32_t>(begin); task < end; ++task) {
+                for (std::uint32_t i = 1; i < counts_[task]; ++i) {
+                    nodes_[shifts_[task] + i] = shifted(task, i);
+                }
             }
         });
         return std::move(nodes_);

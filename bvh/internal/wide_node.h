@@ -47,6 +47,11 @@ constexpr std::size_t leaf_blocks(LeafEncoding encoding, std::size_t count) noex
     return (triangle_ids_offset(encoding, count) + count + block - 1) / block;
 }
 
+/// pack_leaf() in single precision.
+geometry::Aabb pack_single_leaf(std::uint32_t* words,
+                                std::size_t count,
+                                const geometry::MeshView& mesh) noexcept;
+
 /// Packs the vertices of a leaf, whose triangle indices are set, and returns its box.
 geometry::Aabb pack_leaf(LeafEncoding encoding,
                          std::uint32_t* words,

@@ -65,9 +65,51 @@ TEST(Morton, SortsAsComparingCodesDoes) {
 TEST(Morton, SplitsWhereTheHighestDifferingBitTurns) {
     const std::vector<MortonPrimitive> primitives = {
         {0, 0}, {3, 1}, {4, 2}, {5, 3}, {5, 4}, {5, 5}};
-    EXPECT_EQ(find_morton_split(primitives, 0, 6), 2U);
-    EXPECT_EQ(find_morton_split(primitives, 2, 6), 3U);
-    EXPECT_EQ(find_morton_split(primitives, 3, 6), 4U);  // equal: the middle
+    const std::span run(primitives);
+    EXPECT_EQ(curve_split(run), 2U);
+    EXPECT_EQ(curve_split(run.subspan(2)), 1U);
+    EXPECT_EQ(curve_split(run.subspan(3)), 1U);  // equal: the middle
+}
+
+// All bits are of the one side that is not flat, and points at equal distances keep their order.
+TEST(Morton, HalvesTheLongestSide) {
+    std::vector<Aabb> line, sheet;
+    for (int i = 0; i < 1024; ++i) {
+        line.push_back(point(0.0F, static_cast<float>(1023 - i), 0.0F));
+        sheet.push_back(point(static_cast<float>(i % 2), 0.0F, static_cast<float>(1023 - i)));
+    }
+    for (const auto& boxes : {line, sheet}) {
+        const auto sorted = sorted_by_morton_code(boxes, Executor::serial());
+        for (std::uint32_t i = 0; i < 1024; ++i) {
+            EXPECT_EQ(sorted[i].index, 1023 - i);
+        }
+    }
+}
+
+// An object of thousands of primitives in one cell of the scene's grid is divided as if it were
+// alone.
+TEST(Morton, GivesASmallPartOfALargeSceneCodesOfItsOwn) {
+    constexpr std::uint32_t kPoints = 8192;
+    std::vector<Aabb> boxes = {point(1e9F, 1e9F, 1e9F)};
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+        boxes.push_back(point(static_cast<float>(i * 5 % kPoints), 0.0F, 0.0F));
+    }
+    auto sorted = sorted_by_morton_code(boxes, Executor::serial());
+    ASSERT_EQ(sorted.front().code, sorted[kPoints - 1].code);
+    MortonRange range = {0, kPoints};
+    EXPECT_EQ(split_morton_range(boxes, sorted, range, Executor::serial()), kPoints / 2);
+    EXPECT_FALSE(range.is_one_point);
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+        EXPECT_EQ(boxes[sorted[i].index].lower[0], static_cast<float>(i));
+    }
+}
+
+TEST(Morton, HalvesWhatCoincides) {
+    const std::vector<Aabb> boxes(10000, point(1.0F, 2.0F, 3.0F));
+    auto sorted = sorted_by_morton_code(boxes, Executor::serial());
+    MortonRange range = {0, 10000};
+    EXPECT_EQ(split_morton_range(boxes, sorted, range, Executor::serial()), 5000U);
+    EXPECT_TRUE(range.is_one_point);
 }
 
 }  // namespace

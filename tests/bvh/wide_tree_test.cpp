@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/wide_tree.h"
 
+#include "earshot/base/simd.h"
 #include "earshot/bvh/internal/wide_node.h"
 
 #include <gtest/gtest.h>
@@ -9,6 +10,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
+#include <string>
 #include <vector>
 
 namespace earshot::bvh {
@@ -118,6 +121,45 @@ TEST(WideTree, HoldsEveryTriangleOnceWhateverTheLeafSize) {
                 EXPECT_EQ(wide.triangle_count(), count);
             }
         }
+    }
+}
+
+// Along the diagonal of every octant, the children stand from the farthest on, but for roundings.
+TEST(WideTree, OrdersChildrenByOctant) {
+    const Mesh mesh = test::triangle_soup(9, 5000);
+    const Tree tree = Tree::build(triangle_boxes(mesh.view()));
+    const WideTree expected = WideTree::build(tree, mesh.view());
+    for (const WideNode& node : expected.nodes()) {
+        for (unsigned octant = 0; octant < 8; ++octant) {
+            double previous = std::numeric_limits<double>::infinity();
+            unsigned slots = 0;
+            for (const std::uint32_t word : node.order) {
+                const std::uint32_t slot = word >> (3 * octant) & 7U;
+                slots |= 1U << slot;
+                if (is_empty(node, slot)) {
+                    continue;
+                }
+                double place = 0.0;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const double doubled_centre =
+                        static_cast<double>(node.planes[2 * axis][slot]) +
+                        static_cast<double>(node.planes[2 * axis + 1][slot]);
+                    place += (octant >> axis & 1U) != 0 ? -doubled_centre : doubled_centre;
+                }
+                EXPECT_LE(place, previous + 1e-5 * expected.max_abs_coordinate());
+                previous = place;
+            }
+            EXPECT_EQ(slots, 255U);
+        }
+    }
+    for (const std::string& target : simd_targets()) {
+        override_simd_target(target);
+        const WideTree wide = WideTree::build(tree, mesh.view());
+        override_simd_target("auto");
+        EXPECT_TRUE(
+            std::ranges::equal(std::as_bytes(wide.nodes()), std::as_bytes(expected.nodes())))
+            << target;
+        EXPECT_TRUE(std::ranges::equal(wide.packed_leaves(), expected.packed_leaves())) << target;
     }
 }
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/base/large_array.h"
+#include "earshot/bvh/internal/morton.h"
+#include "earshot/bvh/tree.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace earshot::bvh {
+
+/// The indices of primitives, in their order on the curve.
+std::vector<std::uint32_t> indices_of(std::span<const MortonPrimitive> sorted, Executor& executor);
+
+struct CurveClusterOptions {
+    std::uint32_t max_size = 16;      ///< primitives in a cluster, at most 16
+    std::uint32_t max_leaf_size = 4;  ///< primitives in a leaf
+};
+
+/// No leaf lies deeper below a cluster's root.
+inline constexpr std::uint32_t kMaxClusterDepth = 7;
+
+/// Runs of primitives along a Morton curve that are close to each other: the largest nodes of a
+/// hierarchy along the curve that have few primitives. Below each cluster's root, runs are halved
+/// until they fit into leaves.
+class CurveClusters {
+public:
+    CurveClusters(std::span<const geometry::Aabb> boxes,
+                  const CurveClusterOptions& options,
+                  Executor& executor);
+
+    /// A box per cluster.
+    std::span<const geometry::Aabb> boxes() const noexcept { return boxes_; }
+
+    /// The tree with the clusters in place of the leaves of `top`, a tree over boxes() with one of
+    /// them to a leaf.
+    Tree tree_below(const Tree& top, Executor& executor) const;
+
+private:
+    LargeArray<MortonPrimitive> sorted_;
+    std::vector<geometry::Aabb> boxes_;
+    std::vector<std::uint32_t> first_node_, node_counts_;  // per cluster
+    LargeArray<Node> nodes_;  // of all clusters: depth-first, child indices from a cluster's root
+};
+
+}  // namespace earshot::bvh
