@@ -106,23 +106,16 @@ void BlockAssembly::make_sums(std::span<double> sums) {
 void BlockAssembly::sort_arrivals() {
     work_.flat.clear();
     work_.filtered.clear();
-    work_.largest.clear();
+    work_.pressures.clear();
     for (const std::size_t arrival : block_.arrivals) {
-        (tables_.flat(arrivals_[arrival]) ? work_.flat : work_.filtered).push_back(arrival);
-    }
-    const std::size_t bands = tables_.filter.bands_in_use();
-    const std::size_t group_size = (bands + 1) * kLanes;
-    work_.logs.assign(padded(work_.filtered.size()) * (bands + 1), 1.0);
-    for (std::size_t i = 0; i < work_.filtered.size(); ++i) {
-        const auto used = std::span(arrivals_[work_.filtered[i]].pressure).first(bands);
-        const double largest = *std::max_element(used.begin(), used.end());
-        work_.largest.push_back(largest);
-        double* column = &work_.logs[i / kLanes * group_size + i % kLanes];
-        for (std::size_t band = 0; band < bands; ++band) {
-            column[band * kLanes] = std::max(used[band] / largest, kPressureFloor);
+        if (tables_.flat(arrivals_[arrival])) {
+            work_.flat.push_back(arrival);
+        } else {
+            work_.filtered.push_back(arrival);
+            work_.pressures.push_back(&arrivals_[arrival].pressure);
         }
     }
-    logarithms(work_.logs.data(), work_.logs.size());
+    log_pressures(work_.pressures, tables_.filter.bands_in_use(), work_.largest, work_.logs);
 }
 
 // 0 if each arrival is cheaper by itself.

@@ -34,12 +34,24 @@ private:
 /// same bits on any machine.
 std::vector<double> convolve(std::span<const double> signal, std::span<const double> filter);
 
+/// The same as a sum of products, for short filters.
+std::vector<double> convolve_directly(std::span<const double> signal,
+                                      std::span<const double> filter);
+
 /// Convolution with a filter that changes while the signal plays: the filters follow each other in
 /// equal shares of the signal, and what goes into two neighbours is cross-faded linearly from the
 /// middle of one's share to the middle of the next's, so that nothing clicks. With one filter it is
 /// convolve(). As long as the longest filter makes it. Precondition: there is a filter.
 std::vector<double> convolve_moving(std::span<const double> signal,
                                     std::span<const std::vector<double>> filters,
+                                    Executor& executor = Executor::serial());
+
+/// The same with filters at places of their own: `places`, ascending, one per filter, are samples
+/// of the signal, which may lie outside of it. The first filter holds before its place, the last
+/// after its own.
+std::vector<double> convolve_moving(std::span<const double> signal,
+                                    std::span<const std::vector<double>> filters,
+                                    std::span<const double> places,
                                     Executor& executor = Executor::serial());
 
 }  // namespace earshot::audio

@@ -67,22 +67,14 @@ std::array<double, kDelayTaps> fractional_impulse(double fraction) {
     return taps;
 }
 
-namespace {
-
-// Of the table's linear interpolation: an eighth of the squared spacing times the taps' curvature,
-// at most pi^2 / 3: 4e-7.
-constexpr std::size_t kFractions = 1024;
-
-}  // namespace
-
-DelayTable::DelayTable() : rows_((kFractions + 1) * kDelayTaps, 0.0) {
+DelayTable::DelayTable() : rows_((kDelayFractions + 1) * kDelayTaps, 0.0) {
     const auto row = [&](std::size_t k) { return &rows_[k * kDelayTaps]; };
-    for (std::size_t k = 0; k <= kFractions / 2; ++k) {
-        const double fraction = static_cast<double>(k) / static_cast<double>(kFractions);
+    for (std::size_t k = 0; k <= kDelayFractions / 2; ++k) {
+        const double fraction = static_cast<double>(k) / static_cast<double>(kDelayFractions);
         const std::array<double, kDelayTaps> taps = fractional_impulse(fraction);
         std::copy(taps.begin(), taps.end(), row(k));
         // An impulse that lies as far before the next sample is the mirror image.
-        std::reverse_copy(taps.begin(), taps.end(), row(kFractions - k));
+        std::reverse_copy(taps.begin(), taps.end(), row(kDelayFractions - k));
     }
 }
 
@@ -93,7 +85,7 @@ const DelayTable& DelayTable::shared() {
 
 void DelayTable::impulse(double fraction, std::span<double, kDelayTaps> taps) const {
     EARSHOT_ASSERT(fraction >= 0.0 && fraction < 1.0);
-    const double place = fraction * static_cast<double>(kFractions);
+    const double place = fraction * static_cast<double>(kDelayFractions);
     const auto below = static_cast<std::size_t>(place);
     const double* row = &rows_[below * kDelayTaps];
     interpolate(row, row + kDelayTaps, place - std::floor(place), kDelayTaps, taps.data());

@@ -68,6 +68,25 @@ NodeRows FilterNodes::rows() const noexcept {
             .phase = phase_.data()};
 }
 
+void log_pressures(std::span<const Spectrum* const> spectra,
+                   std::size_t bands,
+                   std::vector<double>& largest,
+                   LargeArray<double>& logs) {
+    // kLanes spectra side by side, and a last row of zeros.
+    const std::size_t group_size = (bands + 1) * kLanes;
+    logs.assign(padded(spectra.size()) * (bands + 1), 1.0);
+    largest.clear();
+    for (std::size_t i = 0; i < spectra.size(); ++i) {
+        const auto used = std::span(*spectra[i]).first(bands);
+        largest.push_back(*std::max_element(used.begin(), used.end()));
+        double* column = &logs[i / kLanes * group_size + i % kLanes];
+        for (std::size_t band = 0; band < bands; ++band) {
+            column[band * kLanes] = std::max(used[band] / largest[i], kPressureFloor);
+        }
+    }
+    logarithms(logs.data(), logs.size());
+}
+
 bool Representatives::find(const NodeRows& nodes,
                            std::span<const double> log_pressure,
                            std::size_t count,

@@ -17,8 +17,9 @@ namespace earshot::audio {
 /// What a thread needs to assemble a block; see block_assembly.cpp.
 struct BlockWorkspace {
     std::vector<std::size_t> flat, filtered, own;
-    std::vector<double> largest;  // pressure per filtered arrival
-    LargeArray<double> logs;      // as Representatives::find() takes them
+    std::vector<const Spectrum*> pressures;  // per filtered arrival
+    std::vector<double> largest;             // of each of them
+    LargeArray<double> logs;                 // as Representatives::find() takes them
     Representatives representatives;
     LargeArray<double> log_pressure, log_magnitude, taps, weights, trains, piece;
     LargeArray<std::complex<double>> spectrum, filter, train, sum;

@@ -21,6 +21,10 @@ inline constexpr std::size_t kDelayTaps = 2 * kDelayHalfLength;
 /// 0.95 of half the sample rate (docs/algorithms/audio.md).
 std::array<double, kDelayTaps> fractional_impulse(double fraction);
 
+/// Of the table's linear interpolation: an eighth of the squared spacing times the taps' curvature,
+/// at most pi^2 / 3: 4e-7.
+inline constexpr std::size_t kDelayFractions = 1024;
+
 /// fractional_impulse() of any fraction from a table of them: linear between 1,025 fractions,
 /// within 1e-6 per tap, and exact for fraction 0.
 class DelayTable {
@@ -30,6 +34,8 @@ public:
     /// response.
     static const DelayTable& shared();
     void impulse(double fraction, std::span<double, kDelayTaps> taps) const;
+    /// kDelayFractions + 1 rows of kDelayTaps: the impulses of the fractions k / kDelayFractions.
+    const double* rows() const noexcept { return rows_.data(); }
 
 private:
     LargeArray<double> rows_;

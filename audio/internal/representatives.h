@@ -28,6 +28,14 @@ private:
     std::vector<double> upper_weight_, weight_, phase_;
 };
 
+/// The logarithms of pressures, as Representatives::find() takes them: those of the bands in use,
+/// relative to each spectrum's largest, which goes to `largest`. Precondition: no spectrum is
+/// silent in these bands.
+void log_pressures(std::span<const Spectrum* const> spectra,
+                   std::size_t bands,
+                   std::vector<double>& largest,
+                   LargeArray<double>& logs);
+
 /// Writes every filter of a set as a sum of a few of them, by Gram-Schmidt with the largest
 /// remainder first (a rank-revealing QR decomposition, Golub and Van Loan 2013, section 5.4).
 /// Keeps its memory between sets.

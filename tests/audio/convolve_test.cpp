@@ -45,6 +45,7 @@ TEST(Convolve, IsTheSumOfProducts) {
         const auto a = noise(1, signal);
         const auto b = noise(2, filter);
         expect_near(convolve(a, b), convolve_by_definition(a, b));
+        expect_near(convolve_directly(a, b), convolve_by_definition(a, b));
     }
     EXPECT_TRUE(convolve({}, noise(1, 3)).empty());
     EXPECT_TRUE(convolve(noise(1, 3), {}).empty());
@@ -90,6 +91,20 @@ TEST(ConvolveMoving, FadesFromOneFilterToTheNext) {
     for (std::size_t n = 1; n < found.size(); ++n) {
         EXPECT_LE(std::abs(found[n] - found[n - 1]), 0.0041);
     }
+}
+
+TEST(ConvolveMoving, HasEachFilterAtItsPlace) {
+    const std::vector<double> ones(1000, 1.0);
+    const std::vector<std::vector<double>> filters = {{1.0}, {3.0}, {2.0}};
+    const std::vector<double> places = {-100.0, 300.0, 700.0};
+    const auto found = convolve_moving(ones, filters, places);
+    ASSERT_EQ(found.size(), 1000U);
+    EXPECT_NEAR(found[0], 1.5, 1e-12);
+    EXPECT_NEAR(found[100], 2.0, 1e-12);
+    EXPECT_NEAR(found[300], 3.0, 1e-12);
+    EXPECT_NEAR(found[500], 2.5, 1e-12);
+    EXPECT_NEAR(found[700], 2.0, 1e-12);
+    EXPECT_NEAR(found[999], 2.0, 1e-12);
 }
 
 }  // namespace
