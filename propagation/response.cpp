@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/propagation/response.h"
 
+#include "earshot/audio/binaural.h"
 #include "earshot/audio/energy_metrics.h"
-#include "earshot/audio/late_noise.h"
 #include "earshot/audio/response_metrics.h"
 #include "earshot/audio/spatial.h"
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
+#include "earshot/propagation/internal/response_parts.h"
 
 #include <algorithm>
-#include <array>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,14 +19,6 @@ namespace {
 
 using audio::ImpulseResponse;
 using Signals = std::vector<std::vector<double>>;
-
-audio::Orientation orientation_of(const Pose& pose) {
-    const auto components = [](const geometry::Vec3& v) {
-        return std::array<double, 3>{v.x, v.y, v.z};
-    };
-    return {
-        .front = components(pose.front), .left = components(pose.left), .up = components(pose.up)};
-}
 
 /// Adds late sound to early channels; a fixed length stays as it is.
 void add_late(const Signals& late, bool fixed_length, std::vector<ImpulseResponse>& channels) {
@@ -65,25 +57,6 @@ void note_uncertain(const audio::Bands& bands, PairMetrics& metrics) {
     if (expected.standard_error.speech_transmission_index && !expected.speech_transmission_index) {
         note("sti", {});
     }
-}
-
-ResponseFormat checked(ResponseFormat format) {
-    if (format.channels == Channels::ambisonic &&
-        (format.ambisonic_order < 0 || format.ambisonic_order > audio::kMaxAmbisonicOrder)) {
-        throw Error("ambisonic order",
-                    "must lie in 0 ... " + std::to_string(audio::kMaxAmbisonicOrder) + ", not " +
-                        std::to_string(format.ambisonic_order));
-    }
-    return format;
-}
-
-/// The head-related impulse responses of a binaural format at the sample rate of the response.
-std::optional<audio::HrirInterpolator> prepared_hrirs(const ResponseFormat& format) {
-    if (format.channels != Channels::binaural) {
-        return std::nullopt;
-    }
-    return audio::HrirInterpolator(
-        audio::resampled(audio::farthest_measurements(format.hrir_set), format.sample_rate));
 }
 
 }  // namespace
@@ -160,14 +133,22 @@ private:
 private:
     bool has_late() const { return !pair_.late.energy.empty(); }
     bool fixed_length() const { return format_.length > 0.0; }
+    Signals late(Channels channels) const {
+        return late_channels({.bands = bands_,
+                              .format = format_,
+                              .channels = channels,
+                              .hrirs = hrirs_,
+                              .cache = cache_,
+                              .seed = seed_},
+                             pair_.late,
+                             orientation_);
+    }
 
     ImpulseResponse mono() const {
         std::vector<ImpulseResponse> channels{
             assembler_.assemble(arrivals_, format_.length, executor_)};
         if (has_late()) {
-            add_late({late_noise(bands_, pair_.late, format_.sample_rate, seed_, cache_)},
-                     fixed_length(),
-                     channels);
+            add_late(late(Channels::mono), fixed_length(), channels);
         }
         return std::move(channels.front());
     }
@@ -177,11 +158,7 @@ private:
         auto channels =
             encode_ambisonic(assembler_, arrivals_, order, orientation_, format_.length, executor_);
         if (has_late()) {
-            add_late(
-                ambisonic_late_noise(
-                    bands_, pair_.late, format_.sample_rate, seed_, order, orientation_, cache_),
-                fixed_length(),
-                channels);
+            add_late(late(Channels::ambisonic), fixed_length(), channels);
         }
         return channels;
     }
@@ -191,9 +168,7 @@ private:
             assembler_, arrivals_, *hrirs_, orientation_, format_.length, executor_);
         std::vector<ImpulseResponse> channels{std::move(ears[0]), std::move(ears[1])};
         if (has_late()) {
-            auto late =
-                binaural_late_noise(bands_, pair_.late, *hrirs_, seed_, orientation_, cache_);
-            add_late({std::move(late[0]), std::move(late[1])}, fixed_length(), channels);
+            add_late(late(Channels::binaural), fixed_length(), channels);
         }
         return channels;
     }
@@ -212,7 +187,7 @@ private:
 
 ResponseRenderer::ResponseRenderer(const audio::Bands& bands, ResponseFormat format)
     : bands_(bands),
-      format_(checked(std::move(format))),
+      format_(checked_format(std::move(format))),
       assembler_(bands_, format_.sample_rate),
       hrirs_(prepared_hrirs(format_)) {}
 

@@ -563,6 +563,16 @@ frustum::SceneView Simulator::scene_view(Executor& executor) const {
     return state_->geometry.scene_view(executor);
 }
 
+std::vector<geometry::FacetId> Simulator::facet_of_triangle(Executor& executor) const {
+    const SceneGeometry& geometry = state_->geometry;
+    std::vector<geometry::FacetId> facets(state_->scene.mesh.triangles().size(), kNoFacet);
+    const geometry::Facets& found = geometry.facets(executor);
+    for (std::size_t i = 0; i < geometry.kept().size(); ++i) {
+        facets[geometry.kept()[i]] = found.of_triangle[i];
+    }
+    return facets;
+}
+
 RayScene Simulator::ray_scene() const noexcept {
     return state_->geometry.ray_scene();
 }

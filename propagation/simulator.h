@@ -124,6 +124,10 @@ public:
     Warnings warnings(Executor& executor = Executor::serial()) const;
     /// The scene as the tracer sees it; valid until the time is set or the simulator destroyed.
     frustum::SceneView scene_view(Executor& executor = Executor::serial()) const;
+    /// Of each triangle of the scene in file order: its facet in scene_view(), kNoFacet if it takes
+    /// no part.
+    std::vector<geometry::FacetId> facet_of_triangle(Executor& executor = Executor::serial()) const;
+    static constexpr geometry::FacetId kNoFacet = std::numeric_limits<geometry::FacetId>::max();
     /// The scene as rays see it; valid as long.
     RayScene ray_scene() const noexcept;
     /// The hierarchies over the triangles and over their facets since the simulator was made.
