@@ -2,6 +2,7 @@
 #include "earshot/base/simd.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/emitter_options.h"
+#include "earshot/cli/format_choice.h"
 #include "earshot/cli/material_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
@@ -13,9 +14,7 @@
 #include "earshot/cli/simulation_choice.h"
 #include "earshot/cli/speech_options.h"
 #include "earshot/cli/values.h"
-#include "earshot/io/default_hrir_set.h"
 #include "earshot/io/scene_file.h"
-#include "earshot/io/sofa.h"
 #include "earshot/io/visibility_file.h"
 #include "earshot/propagation/plausibility.h"
 
@@ -193,22 +192,7 @@ private:
     }
 
     void add_format_options() {
-        app()
-            .add_option("--format",
-                        format_,
-                        "channels of a response: mono, binaural or ambisonic:N (order N up to 5, "
-                        "ACN, SN3D)")
-            ->capture_default_str();
-        app()
-            .add_option("--hrtf",
-                        hrtf_file_,
-                        "HRIR set for binaural responses, a SOFA file; default: a KEMAR manikin, "
-                        "diffuse-field equalised")
-            ->type_name("FILE");
-        app().add_flag("--hrtf-raw",
-                       raw_hrtf_,
-                       "use the HRIR set as it was measured: without equalisation, and with the "
-                       "delay that all of its responses have in common");
+        format_.add_to(app());
         app().add_flag("--sofa", writes_sofa_, "also write all responses to responses.sofa");
         CLI::Option* report =
             app().add_flag("--report",
@@ -248,7 +232,7 @@ private:
             max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity();
         options.min_level_db = min_level_db_;
         options.late_length = length_;
-        options.late_directions = format_ != "mono";
+        options.late_directions = !format_.is_mono();
         options.report_materials = writes_sensitivity_ || writes_report_;
         options.keep_traces = scene_.is_sequence();
         options.visible_sets = visible_sets_ ? &*visible_sets_ : nullptr;
@@ -256,43 +240,13 @@ private:
     }
 
     propagation::ResponseFormat response_format() {
-        using propagation::Channels;
-        constexpr std::string_view kAmbisonic = "ambisonic:";
         propagation::ResponseFormat format = {.sample_rate = static_cast<double>(sample_rate_hz_),
                                               .length = length_,
                                               .seed = static_cast<std::uint64_t>(common().seed),
                                               .report_metrics = !no_metrics_,
                                               .speech = speech_.conditions(app())};
-        if (format_ == "binaural") {
-            format.channels = Channels::binaural;
-            format.hrir_set = hrir_set();
-        } else if (format_.starts_with(kAmbisonic)) {
-            const auto order = parse_integer(std::string_view(format_).substr(kAmbisonic.size()));
-            if (!order || *order < 0 || *order > audio::kMaxAmbisonicOrder) {
-                throw wrong_usage(
-                    app(), "--format", "the order of '" + format_ + "' is not in 0 ... 5");
-            }
-            format.channels = Channels::ambisonic;
-            format.ambisonic_order = static_cast<int>(*order);
-        } else if (format_ != "mono") {
-            throw wrong_usage(
-                app(), "--format", "'" + format_ + "' is not one of mono, binaural, ambisonic:N");
-        }
+        format_.apply(app(), format);
         return format;
-    }
-
-    /// A set of the user's is equalised already, if its author meant it to be, but its responses
-    /// begin at an instant of their own.
-    audio::HrirSet hrir_set() const {
-        if (hrtf_file_.empty() && !raw_hrtf_) {
-            return io::default_hrir_set();
-        }
-        audio::HrirSet set =
-            io::read_hrir_set(hrtf_file_.empty() ? io::kDefaultHrirSet : hrtf_file_);
-        if (!raw_hrtf_) {
-            set.centre_delay = audio::common_delay(set);
-        }
-        return set;
     }
 
     /// A unit that is not meant, or a listener in a table, is no error, but hardly what was wanted.
@@ -355,11 +309,10 @@ private:
 
     SceneChoice scene_;
     std::string directory_, plan_, mode_ = "complete";
-    std::string format_ = "mono", hrtf_file_;
+    FormatChoice format_;
     EmitterOptions emitters_;
     MaterialOptions materials_;
     SimulationChoice simulation_;
-    bool raw_hrtf_ = false;
     bool writes_sofa_ = false;
     bool writes_histograms_ = false;
     bool writes_sensitivity_ = false;

@@ -29,11 +29,12 @@ std::optional<geometry::Vec3> position_of(const Cells& cells) {
     return point;
 }
 
-/// Calls row(cells, position) for each line of `columns` cells whose last three are a position.
+/// Calls row(cells, position) for each line of as many cells as `form` has, whose last three are a
+/// position. A row that returns false is not of the form.
 template <class Row>
-void for_each_row(const std::filesystem::path& file, std::size_t columns, const Row& row) {
+void for_each_row(const std::filesystem::path& file, const std::string& form, const Row& row) {
     const std::string text = read_whole_file(file);
-    const std::string form = columns == 3 ? "X,Y,Z" : "NAME,X,Y,Z";
+    const std::size_t columns = cells_of(form).size();
     Lines lines(decoded_text(text, file.string()));
     bool is_empty = true;
     while (const auto line = lines.next()) {
@@ -47,12 +48,11 @@ void for_each_row(const std::filesystem::path& file, std::size_t columns, const 
             continue;
         }
         const auto position = cells.size() == columns ? position_of(cells) : std::nullopt;
-        if (!position || cells.front().empty()) {
+        if (!position || cells.front().empty() || !row(cells, *position)) {
             throw Error(file.string(),
                         lines.name() + " is not a point",
                         "give " + form + " on each line, at most 1e12");
         }
-        row(cells, *position);
         is_empty = false;
     }
     if (is_empty) {
@@ -64,17 +64,30 @@ void for_each_row(const std::filesystem::path& file, std::size_t columns, const 
 
 std::vector<geometry::Vec3> read_points(const std::filesystem::path& file) {
     std::vector<geometry::Vec3> points;
-    for_each_row(
-        file, 3, [&](const Cells&, const geometry::Vec3& position) { points.push_back(position); });
+    for_each_row(file, "X,Y,Z", [&](const Cells&, const geometry::Vec3& position) {
+        points.push_back(position);
+        return true;
+    });
     return points;
 }
 
 std::vector<NamedPosition> read_named_points(const std::filesystem::path& file) {
     std::vector<NamedPosition> points;
-    for_each_row(file, 4, [&](const Cells& cells, const geometry::Vec3& position) {
+    for_each_row(file, "NAME,X,Y,Z", [&](const Cells& cells, const geometry::Vec3& position) {
         points.push_back({std::string(cells.front()), position});
+        return true;
     });
     return points;
+}
+
+std::vector<propagation::TrajectoryKey> read_trajectory(const std::filesystem::path& file) {
+    std::vector<propagation::TrajectoryKey> keys;
+    for_each_row(file, "TIME,X,Y,Z", [&](const Cells& cells, const geometry::Vec3& position) {
+        const auto time = to_number(cells.front());
+        keys.push_back({time.value_or(0.0), position});
+        return time && std::isfinite(*time);
+    });
+    return keys;
 }
 
 }  // namespace earshot::io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/geometry/types.h"
+#include "earshot/propagation/trajectory.h"
 
 #include <filesystem>
 #include <string>
@@ -22,5 +23,9 @@ struct NamedPosition {
 
 /// The same of four columns: name, x, y, z. Throws Error besides if a name is empty.
 std::vector<NamedPosition> read_named_points(const std::filesystem::path& file);
+
+/// The way of something that moves: time in seconds, x, y, z. Throws Error besides if a time is no
+/// number.
+std::vector<propagation::TrajectoryKey> read_trajectory(const std::filesystem::path& file);
 
 }  // namespace earshot::io

@@ -63,7 +63,7 @@ TEST(Program, ShowsCommonOptionsWhereTheyAct) {
     };
     const std::vector<Case> cases = {{{"ir"}, true, true, true},
                                      {{"metrics"}, false, false, false},
-                                     {{"auralize"}, true, false, false},
+                                     {{"auralize"}, true, true, true},
                                      {{"bvh"}, true, false, true},
                                      {{"los"}, true, false, true},
                                      {{"visible"}, true, false, true},

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/auralize_scene.h"
+
+#include "earshot/base/error.h"
+#include "earshot/base/spelling.h"
+#include "earshot/io/points.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace earshot::cli {
+namespace {
+
+using propagation::Emitter;
+
+std::vector<std::string> names_of(const std::vector<Emitter>& emitters) {
+    std::vector<std::string> names;
+    for (const Emitter& emitter : emitters) {
+        names.push_back(emitter.name);
+    }
+    return names;
+}
+
+/// The index of the emitter of that name, or of the only one.
+std::size_t find_emitter(const std::vector<Emitter>& emitters,
+                         const std::string& role,
+                         const std::string& option,
+                         const std::string& name) {
+    const std::vector<std::string> names = names_of(emitters);
+    if (name.empty()) {
+        if (names.size() > 1) {
+            throw Error("--scene",
+                        "has " + std::to_string(names.size()) + " " + role + "s",
+                        "name one of them with " + option);
+        }
+        return 0;
+    }
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) {
+        throw Error(name,
+                    "the scene has no such " + role,
+                    did_you_mean(name, names, "check the names of the scene's " + role + "s"));
+    }
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+}  // namespace
+
+// Late sound is traced at many instants, and each of its fades averages two of them.
+AuralizeScene::AuralizeScene()
+    : simulation_choice_({.order = 4, .rays_error_percent = 5.0, .max_auto_rays = 100000}) {}
+
+void AuralizeScene::add_to(CLI::App& app) {
+    app.add_option("--scene",
+                   file_,
+                   "in place of responses: a scene in which DRY is played while it, sources or the "
+                   "listener move")
+        ->type_name("SCENE");
+    app.add_option("--from", from_, "name of the source that plays DRY, if there are several")
+        ->type_name("NAME");
+    app.add_option("--to", to_, "name of the listener that hears it, if there are several")
+        ->type_name("NAME");
+    add_repeatable(app,
+                   "--path-of",
+                   ways_,
+                   "NAME=FILE.csv: the way of a source or listener, time,x,y,z on a line")
+        ->type_name("NAME=FILE");
+    add_number(app,
+               "--step",
+               step_,
+               {1e-4, 1e3},
+               "seconds between the instants at which paths are found; those that come or go fade "
+               "for as long");
+    add_number(app,
+               "--late-step",
+               late_step_,
+               {1e-3, 1e3},
+               "seconds between the instants at which late sound is traced");
+    scene_choice_.add_reading_to(app);
+    emitters_.add_to(app);
+    materials_.add_to(app);
+    simulation_choice_.add_to(app);
+    add_integer(app,
+                "--diffraction",
+                diffraction_,
+                {0, 1},
+                "maximum number of edges that a path bends round, beside its reflections");
+    format_choice_.add_to(app);
+}
+
+void AuralizeScene::load(const CLI::App& app, std::int64_t seed) {
+    scene_choice_.set_file(file_);
+    start_ = scene_choice_.times(app).front();
+    simulation_ = simulation_choice_.options(app, seed);
+    simulation_.diffraction = static_cast<int>(diffraction_);
+    format_.seed = static_cast<std::uint64_t>(seed);
+    format_choice_.apply(app, format_);
+    io::LoadedScene loaded = scene_choice_.load();
+    materials_.apply(file_, loaded);
+    emitters_.apply(app, scene_choice_, loaded.scene);
+    warnings_ = loaded.warnings;
+    const Warnings acoustic = io::warnings_of_acoustics(loaded);
+    warnings_.insert(warnings_.end(), acoustic.begin(), acoustic.end());
+    scene_ = std::move(loaded.scene);
+    trajectories_ = read_ways(app);
+}
+
+std::map<std::string, propagation::Trajectory> AuralizeScene::read_ways(const CLI::App& app) const {
+    std::map<std::string, propagation::Trajectory> trajectories;
+    std::vector<std::string> names = names_of(scene_.sources);
+    const std::vector<std::string> listeners = names_of(scene_.listeners);
+    names.insert(names.end(), listeners.begin(), listeners.end());
+    for (const std::string& text : ways_) {
+        const std::size_t equals = text.find('=');
+        if (equals == std::string::npos || equals == 0 || equals + 1 == text.size()) {
+            throw wrong_usage(app, "--path-of", "'" + text + "' is not of the form NAME=FILE");
+        }
+        const std::string name = text.substr(0, equals);
+        const std::string file = text.substr(equals + 1);
+        if (std::find(names.begin(), names.end(), name) == names.end()) {
+            throw Error(name,
+                        "the scene has no such source or listener",
+                        did_you_mean(name, names, "check the name before ="));
+        }
+        std::vector<propagation::TrajectoryKey> keys = io::read_trajectory(file);
+        for (propagation::TrajectoryKey& key : keys) {
+            key.position = scene_choice_.to_scene(key.position);
+        }
+        try {
+            if (!trajectories.emplace(name, propagation::Trajectory(std::move(keys))).second) {
+                throw Error("--path-of", "'" + name + "' is given twice");
+            }
+        } catch (const Error& error) {
+            throw error.subject() == "trajectory" ? Error(file, error.what(), error.remedy())
+                                                  : error;
+        }
+    }
+    return trajectories;
+}
+
+propagation::MovingSound AuralizeScene::play(const std::string& source,
+                                             const std::string& recording_name,
+                                             const audio::Signal& recording,
+                                             Executor& executor,
+                                             Progress& progress) const {
+    if (recording.channels.size() != 1) {
+        throw Error(recording_name,
+                    "has " + std::to_string(recording.channels.size()) + " channels",
+                    "a source plays a mono recording");
+    }
+    const std::string& name = source.empty() ? from_ : source;
+    propagation::MovingPair pair{
+        .source = find_emitter(scene_.sources, "source", "--from", name),
+        .listener = find_emitter(scene_.listeners, "listener", "--to", to_),
+        .start = start_,
+        .step = step_,
+        .late_step = late_step_};
+    const auto way_of = [&](const Emitter& emitter) {
+        const auto way = trajectories_.find(emitter.name);
+        return way == trajectories_.end() ? std::nullopt : std::optional(way->second);
+    };
+    pair.source_path = way_of(scene_.sources[pair.source]);
+    pair.listener_path = way_of(scene_.listeners[pair.listener]);
+    propagation::ResponseFormat format = format_;
+    format.sample_rate = static_cast<double>(recording.sample_rate);
+    return propagation::render_moving_pair(
+        scene_, simulation_, format, pair, recording.channels.front(), executor, &progress);
+}
+
+}  // namespace earshot::cli

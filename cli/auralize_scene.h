@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "earshot/audio/auralization.h"
+#include "earshot/base/parallel.h"
+#include "earshot/base/progress.h"
+#include "earshot/cli/emitter_options.h"
+#include "earshot/cli/format_choice.h"
+#include "earshot/cli/material_options.h"
+#include "earshot/cli/scene_choice.h"
+#include "earshot/cli/simulation_choice.h"
+#include "earshot/propagation/moving_sound.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace earshot::cli {
+
+/// The options of `earshot auralize --scene`, and a scene in which recordings are played while it,
+/// sources or the listener move.
+class AuralizeScene {
+public:
+    AuralizeScene();
+
+    /// Must outlive the parsing of the command line.
+    void add_to(CLI::App& app);
+
+    bool is_chosen() const noexcept { return !file_.empty(); }
+
+    /// Reads the scene. Call before play(). Throws Error, and UsageError for options that are
+    /// not of their form.
+    void load(const CLI::App& app, std::int64_t seed);
+
+    /// What the listener hears of a mono recording played by the source of that name, or, if it is
+    /// empty, by that of --from, or the only one. Throws Error if there is no such source.
+    propagation::MovingSound play(const std::string& source,
+                                  const std::string& recording_name,
+                                  const audio::Signal& recording,
+                                  Executor& executor,
+                                  Progress& progress) const;
+
+    /// What is odd about the scene.
+    const Warnings& warnings() const noexcept { return warnings_; }
+
+private:
+    std::map<std::string, propagation::Trajectory> read_ways(const CLI::App& app) const;
+
+    std::string file_, from_, to_;
+    std::vector<std::string> ways_;
+    SceneChoice scene_choice_;
+    EmitterOptions emitters_;
+    MaterialOptions materials_;
+    SimulationChoice simulation_choice_;
+    FormatChoice format_choice_;
+    std::int64_t diffraction_ = 0;
+    double step_ = 0.05, late_step_ = 0.5, start_ = 0.0;
+
+    // After load().
+    propagation::Scene scene_;
+    propagation::Options simulation_;
+    propagation::ResponseFormat format_;
+    std::map<std::string, propagation::Trajectory> trajectories_;  // by source or listener
+    Warnings warnings_;
+};
+
+}  // namespace earshot::cli
