@@ -37,6 +37,7 @@
 #include "earshot_check.h"
 #include "earshot_locate.h"
 #include "earshot_map.h"
+#include "earshot_motion.h"
 #include "earshot_report.h"
 #include "earshot_scene.h"
 #include "earshot_simplify.h"

@@ -41,6 +41,7 @@ from .checks import (
 from .locations import Located, Location, locate
 from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
+from .motion import auralize_moving
 from .names import Names
 from .paths import PATH_TYPE, Path, Paths
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
@@ -109,6 +110,7 @@ __all__ = [
     "VisibleSets",
     "World",
     "auralize",
+    "auralize_moving",
     "band_centres",
     "calibrate",
     "check",

@@ -310,6 +310,29 @@ es_status use_sound(Caller& c) {
     return kept(c, es_auralize(dry, sounds, count, threads, c.out(made)), made);
 }
 
+es_status play_moving(Caller& c) {
+    es_simulation_options simulation;
+    es_motion_options motion;
+    static_cast<void>(es_simulation_options_init(&simulation, sizeof simulation));
+    static_cast<void>(es_motion_options_init(&motion, sizeof motion));
+    simulation.order = 1;
+    simulation.rays = c.chance(0.2) ? 50 : 0;
+    simulation.length = 0.05;
+    simulation.threads = c.threads();
+    motion.step = c.number(1e-4, 1e3, {0.01, 1.0});
+    double path[8] = {0.0, 0.5, 0.5, 0.5, 1.0};
+    const double* place = c.points(1, 1.0);
+    for (int k = 0; place != nullptr && k < 3; ++k) {
+        path[5 + k] = place[k];
+    }
+    motion.source_path = path;
+    motion.source_path_count = 2;
+    es_sound wet = 0;
+    const es_scene scene = c.handle(ES_KIND_SCENE);
+    const es_sound dry = c.handle(ES_KIND_SOUND);
+    return kept(c, es_auralize_moving(scene, dry, &simulation, &motion, c.out(wet)), wet);
+}
+
 es_status read_sound(Caller& c) {
     const es_sound sound = c.handle(ES_KIND_SOUND);
     const double* samples = nullptr;
@@ -594,6 +617,7 @@ const std::vector<WeightedCall>& simulation_calls() {
                                                     {"mend", mend, 6},
                                                     {"make_sound", make_sound, 10},
                                                     {"use_sound", use_sound, 10},
+                                                    {"play_moving", play_moving, 3},
                                                     {"read_sound", read_sound, 8},
                                                     {"read_files", read_files, 3},
                                                     {"criterion", criterion, 2}};

@@ -22,5 +22,6 @@ HOLDS(sizeof(es_path_arrays) == 112, path_arrays_size);
 HOLDS(sizeof(es_room) == 72, room_size);
 HOLDS(sizeof(es_histogram) == 80, histogram_size);
 HOLDS(sizeof(es_sensitivity) == 80, sensitivity_size);
+HOLDS(sizeof(es_motion_options) == 64, motion_options_size);
 HOLDS(sizeof(es_visible_sets_info) == 152, visible_sets_info_size);
 HOLDS(sizeof(es_visible_sets_options) == 120, visible_sets_options_size);

@@ -108,7 +108,73 @@ static void test_auralization(void) {
     CHECK_OK(es_release(dry));
 }
 
+// A source that comes nearer at 34.32 m/s, a tenth of the speed of sound, whose tone
+// of 900 Hz is heard at 1000 Hz.
+static void test_motion(void) {
+    enum { RATE = 8000, FRAMES = 4000 };
+    const double size[] = {60.0, 10.0, 10.0}, listener[] = {1.0, 5.0, 5.0};
+    const double path[] = {0.0, 55.0, 5.0, 5.0, 1.0, 20.68, 5.0, 5.0};
+    double tone[FRAMES];
+    for (int n = 0; n < FRAMES; ++n) {
+        tone[n] = sin(2.0 * 3.141592653589793 * 900.0 * n / RATE);
+    }
+    es_scene scene = 0;
+    es_sound dry = 0, wet = 0, stereo = 0;
+    CHECK_OK(es_scene_create_shoebox(size, &scene));
+    CHECK_OK(es_scene_add(scene, ES_SOURCES, path + 1, NULL, 1, NULL));
+    CHECK_OK(es_scene_add(scene, ES_LISTENERS, listener, NULL, 1, NULL));
+    CHECK_OK(es_sound_create(tone, FRAMES, 1, RATE, &dry));
+    CHECK_OK(es_sound_create(tone, FRAMES / 2, 2, RATE, &stereo));
+    es_simulation_options simulation;
+    CHECK_OK(es_simulation_options_init(&simulation, sizeof simulation));
+    simulation.order = 0;
+    simulation.rays = 0;
+    simulation.air_absorption = 0;
+    es_motion_options motion;
+    CHECK_OK(es_motion_options_init(&motion, sizeof motion));
+    motion.source_path = path;
+    motion.source_path_count = 2;
+    CHECK_OK(es_auralize_moving(scene, dry, &simulation, &motion, &wet));
+    const double* samples = NULL;
+    size_t frames = 0, channels = 0, crossings = 0;
+    CHECK_OK(es_sound_samples(wet, &samples, &frames, &channels, NULL));
+    CHECK(channels == 1 && frames >= FRAMES);
+    for (size_t n = 2000; n < 4000; ++n) {
+        crossings += samples[n] < 0.0 && samples[n + 1] >= 0.0 ? 1 : 0;
+    }
+    CHECK(crossings >= 249 && crossings <= 251);
+    CHECK_OK(es_release(wet));
+
+    CHECK_FAILS(ES_ERROR_NULL, "wet", es_auralize_moving(scene, dry, NULL, NULL, NULL));
+    CHECK_FAILS(ES_ERROR_HANDLE, "scene", es_auralize_moving(0, dry, NULL, NULL, &wet));
+    CHECK_FAILS(
+        ES_ERROR_ARGUMENT, "dry", es_auralize_moving(scene, stereo, &simulation, &motion, &wet));
+    motion.source = 1;
+    CHECK_FAILS(ES_ERROR_RANGE,
+                "motion->source",
+                es_auralize_moving(scene, dry, &simulation, &motion, &wet));
+    motion.source = 0;
+    motion.step = 0.0;
+    CHECK_FAILS(ES_ERROR_ARGUMENT,
+                "motion->step",
+                es_auralize_moving(scene, dry, &simulation, &motion, &wet));
+    motion.step = 0.05;
+    const double backwards[] = {1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 2.0};
+    motion.listener_path = backwards;
+    motion.listener_path_count = 2;
+    CHECK_FAILS(ES_ERROR_ARGUMENT,
+                "listener_path",
+                es_auralize_moving(scene, dry, &simulation, &motion, &wet));
+    motion.listener_path = NULL;
+    CHECK_FAILS(
+        ES_ERROR_NULL, "listener_path", es_auralize_moving(scene, dry, &simulation, &motion, &wet));
+    CHECK_OK(es_release(stereo));
+    CHECK_OK(es_release(dry));
+    CHECK_OK(es_release(scene));
+}
+
 void test_sounds(void) {
     test_files();
     test_auralization();
+    test_motion();
 }
