@@ -173,6 +173,13 @@ private:
                    min_level_db_,
                    {-1000.0, 1000.0},
                    "minimum level of a path in its loudest band, decibels re the source at 1 m");
+        add_number(app(),
+                   "--min-diffraction-level",
+                   min_diffraction_level_db_,
+                   {-1000.0, 1000.0},
+                   "minimum level of a path round an edge in its loudest band, decibels re the "
+                   "direct sound if nothing were in the way")
+            ->capture_default_str();
     }
 
     void add_visibility_options() {
@@ -231,6 +238,7 @@ private:
         options.max_length =
             max_length_ > 0.0 ? max_length_ : std::numeric_limits<double>::infinity();
         options.min_level_db = min_level_db_;
+        options.min_diffraction_level_db = min_diffraction_level_db_;
         options.late_length = length_;
         options.late_directions = !format_.is_mono();
         options.report_materials = writes_sensitivity_ || writes_report_;
@@ -323,6 +331,7 @@ private:
     bool checks_visibility_ = false;
     double max_length_ = 0.0;
     double min_level_db_ = -std::numeric_limits<double>::infinity();
+    double min_diffraction_level_db_ = propagation::Options{}.min_diffraction_level_db;
     bool no_metrics_ = false;
     SpeechOptions speech_;
     std::int64_t resolution_ = 0;

@@ -29,12 +29,6 @@ namespace {
 /// precision of either.
 constexpr double kPlaceSlacks = 64.0;
 
-/// In the plane of a fan: metres from the edge's line towards the source, and along the edge.
-struct FanPoint {
-    double r = 0.0;
-    double z = 0.0;
-};
-
 }  // namespace
 
 /// One leg of all ways over an edge.
@@ -42,13 +36,21 @@ struct EdgeIntervals::Fan {
     Vec3 source{0.0};               // the image that the leg comes from
     Vec3 begin{0.0}, end{0.0};      // the image of the edge that it goes to
     Vec3 along{0.0}, across{0.0};   // unit vectors: along the edge, and from its line to the source
+    Vec3 normal{0.0};               // of the fan's plane, along x across
     FanPoint apex;                  // the source
     double length = 0.0;            // of the edge
+    double slack = 0.0;             // metres: bounds the error of heights
     const FacetId* from = nullptr;  // the facets at the leg's ends, null: source, edge
     const FacetId* to = nullptr;
 
     FanPoint project(const Vec3& point) const noexcept {
         return {glm::dot(point - begin, across), glm::dot(point - begin, along)};
+    }
+    /// Above the fan's plane.
+    double height(const Vec3& point) const noexcept { return glm::dot(point - begin, normal); }
+    /// The same, with the sign of its exact value and small relative error.
+    double exact_height(const Vec3& point) const noexcept {
+        return -geometry::determinant3d(source, begin, end, point) / (length * apex.r);
     }
     /// The place on the edge behind a point as seen from the source.
     std::optional<double> place_behind(const FanPoint& point) const noexcept {
@@ -65,10 +67,20 @@ struct EdgeIntervals::Fan {
         }
     }
     /// Where an edge of a triangle or outline meets the plane of the fan, exact in whether it does.
+    /// `before`, `after`: heights of its ends.
     template <typename Visit>
-    void cross(const Vec3& a, const Vec3& b, Visit&& visit) const {
-        const double before = geometry::determinant3d(source, begin, end, a);
-        const double after = geometry::determinant3d(source, begin, end, b);
+    void cross(const Vec3& a, const Vec3& b, double before, double after, Visit&& visit) const {
+        if ((before > slack && after > slack) || (before < -slack && after < -slack)) {
+            return;
+        }
+        // Rounding moves the crossing by the slack over the slope.
+        constexpr double kMinSlope = 0x1p-12;
+        const double drop = before - after;
+        if (!(std::abs(before) > slack && std::abs(after) > slack) ||
+            drop * drop < kMinSlope * kMinSlope * glm::dot(b - a, b - a)) {
+            before = exact_height(a);
+            after = exact_height(b);
+        }
         if (before == 0.0) {
             visit(project(a));
         }
@@ -81,11 +93,17 @@ struct EdgeIntervals::Fan {
     }
 };
 
+/// Places on an edge.
+struct EdgeIntervals::Places {
+    std::vector<double> changes;    ///< at which what is reached may change
+    std::vector<Interval> shadows;  ///< that are certain not to be reached
+};
+
 // The sector is told by heights over the faces' planes where rounding counts.
-bool EdgeIntervals::may_reach(std::span<const FacetId> sequence,
+bool EdgeIntervals::may_reach(const FacetId* mirror,
                               const Vec3& image,
+                              const geometry::WedgePoint& point,
                               const Wedge& wedge) const {
-    const geometry::WedgePoint point = geometry::wedge_coordinates(wedge, image);
     const double slack = verifier_.rounding_slack(glm::distance(image, wedge.begin));
     const double grazing = kGrazingSlacks * slack;
     if (point.radius <= grazing) {
@@ -96,11 +114,11 @@ bool EdgeIntervals::may_reach(std::span<const FacetId> sequence,
         (wedge.open_angle - point.angle) * point.radius <= grazing) {
         return false;
     }
-    if (sequence.empty()) {
+    if (mirror == nullptr) {
         return true;
     }
     // A facet in whose plane the edge lies would reflect in the edge itself.
-    const Plane& last = scene_.facets.facets[sequence.back()].plane;
+    const Plane& last = scene_.facets.facets[*mirror].plane;
     const double flatness = scene_.facets.tolerance + slack;
     return std::abs(last.distance(wedge.begin)) > flatness ||
            std::abs(last.distance(wedge.end)) > flatness;
@@ -121,7 +139,11 @@ std::vector<EdgeIntervals::Fan> EdgeIntervals::fans(std::span<const FacetId> seq
         fan.along = (end - begin) / fan.length;
         const Vec3 offset = fan.source - begin;
         fan.across = geometry::normalized(offset - glm::dot(offset, fan.along) * fan.along);
+        fan.normal = glm::cross(fan.along, fan.across);
         fan.apex = fan.project(fan.source);
+        // The plane is the less certain the closer the source is to the edge's line.
+        const double distance = glm::length(offset);
+        fan.slack = verifier_.rounding_slack(distance + fan.length) * (1.0 + distance / fan.apex.r);
         fan.from = leg > 0 ? &sequence[leg - 1] : nullptr;
         fan.to = leg < sequence.size() ? &sequence[leg] : nullptr;
         if (leg > 0) {
@@ -134,12 +156,16 @@ std::vector<EdgeIntervals::Fan> EdgeIntervals::fans(std::span<const FacetId> seq
 }
 
 // Through which part of the fan's plane the facet lets sound pass.
-void EdgeIntervals::add_window(const Fan& fan, FacetId facet, std::vector<double>& places) const {
+void EdgeIntervals::add_outline(const Fan& fan, FacetId facet, std::vector<double>& places) const {
     for (const geometry::Loop& loop : scene_.facets.facets[facet].loops) {
+        double before = fan.height(loop.back());
         for (std::size_t i = 0; i < loop.size(); ++i) {
-            fan.cross(loop[i], loop[(i + 1) % loop.size()], [&](const FanPoint& point) {
+            const double after = fan.height(loop[i]);
+            const Vec3& last = i > 0 ? loop[i - 1] : loop.back();
+            fan.cross(last, loop[i], before, after, [&](const FanPoint& point) {
                 fan.add(point, places);
             });
+            before = after;
         }
     }
 }
@@ -169,21 +195,29 @@ void EdgeIntervals::add_plane(const Fan& fan, FacetId facet, std::vector<double>
 
 // The segment in which the triangle cuts the fan's plane: its ends, and where it passes the edge or
 // the planes in which the leg begins and ends.
-void EdgeIntervals::add_obstacle(const Fan& fan,
-                                 TriangleId triangle,
-                                 std::vector<double>& places) const {
+void EdgeIntervals::add_obstacle(const Fan& fan, TriangleId triangle, Places& places) const {
     const auto corner = scene_.bvh.corners(triangle);
+    const std::array<double, 3> heights{
+        fan.height(corner[0]), fan.height(corner[1]), fan.height(corner[2])};
+    const auto [lowest, highest] = std::minmax({heights[0], heights[1], heights[2]});
+    if (lowest > fan.slack || highest < -fan.slack) {
+        return;
+    }
     std::array<FanPoint, 9> cut;
     std::size_t count = 0;
+    double size = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
-        fan.cross(
-            corner[k], corner[(k + 1) % 3], [&](const FanPoint& point) { cut[count++] = point; });
+        const std::size_t next = (k + 1) % 3;
+        size = std::max(size, glm::distance(corner[k], corner[next]));
+        fan.cross(corner[k], corner[next], heights[k], heights[next], [&](const FanPoint& point) {
+            cut[count++] = point;
+        });
     }
     const auto add_crossing = [&](double before, double after, std::size_t i, std::size_t j) {
         if ((before < 0.0) != (after < 0.0)) {
             const double t = before / (before - after);
             fan.add({cut[i].r + t * (cut[j].r - cut[i].r), cut[i].z + t * (cut[j].z - cut[i].z)},
-                    places);
+                    places.changes);
         }
     };
     const auto height = [&](const FacetId* facet, const FanPoint& point) {
@@ -191,7 +225,7 @@ void EdgeIntervals::add_obstacle(const Fan& fan,
                                                            point.z * fan.along);
     };
     for (std::size_t i = 0; i < count; ++i) {
-        fan.add(cut[i], places);
+        fan.add(cut[i], places.changes);
         for (std::size_t j = i + 1; j < count; ++j) {
             add_crossing(cut[i].r, cut[j].r, i, j);
             for (const FacetId* facet : {fan.from, fan.to}) {
@@ -201,16 +235,65 @@ void EdgeIntervals::add_obstacle(const Fan& fan,
             }
         }
     }
+    // Off the plane by the slack, as rays are, the segment moves by the slack over the slope.
+    constexpr double kMinSlope = 0x1p-8;
+    const bool is_clear =
+        std::min({std::abs(heights[0]), std::abs(heights[1]), std::abs(heights[2])}) >
+        kMinSlope * size;
+    if (count == 2 && is_clear) {
+        add_shadow(fan, {cut[0], cut[1]}, places);
+    }
+}
+
+// Between its ends the segment is in the way of every leg, if both lie within the leg by more than
+// the reach within which the surfaces at its ends do not block.
+void EdgeIntervals::add_shadow(const Fan& fan,
+                               const std::array<FanPoint, 2>& segment,
+                               Places& places) const {
+    const double reach = 2.0 * verifier_.contact_radius();
+    std::array<double, 2> behind{};
+    for (std::size_t i = 0; i < 2; ++i) {
+        const FanPoint& point = segment[i];
+        const Vec3 position = fan.begin + point.r * fan.across + point.z * fan.along;
+        for (const FacetId* facet : {fan.from, fan.to}) {
+            if (facet == nullptr) {
+                continue;
+            }
+            // Beyond the facet that the leg comes from, and before the one that it goes to.
+            const Plane& plane = scene_.facets.facets[*facet].plane;
+            const double side = plane.distance(fan.source) > 0.0 ? 1.0 : -1.0;
+            const double beyond = -side * plane.distance(position);
+            if (facet == fan.from ? beyond < reach : -beyond < reach) {
+                return;
+            }
+        }
+        const auto place = fan.place_behind(point);
+        if (!place || point.r < reach || fan.apex.r - point.r < reach) {
+            return;
+        }
+        behind[i] = *place;
+    }
+    constexpr double kSlacks = 0x1p12;
+    const double margin =
+        kSlacks * fan.slack * fan.apex.r / (fan.apex.r - std::max(segment[0].r, segment[1].r));
+    const Interval shadow{std::min(behind[0], behind[1]) + margin,
+                          std::max(behind[0], behind[1]) - margin};
+    if (!shadow.is_empty()) {
+        places.shadows.push_back(shadow);
+    }
 }
 
 void EdgeIntervals::add_obstacles(const Fan& fan,
                                   const Wedge& wedge,
-                                  std::vector<double>& places) const {
+                                  const Interval& within,
+                                  Places& places) const {
     // The part of space that contains the leg: the fan, grown by more than the rounding of what
     // bounds it, between the planes of the facets at its ends.
     const double slack =
         verifier_.rounding_slack(fan.apex.r + fan.length) + scene_.facets.tolerance;
-    const Vec3 normal = glm::cross(fan.along, fan.across);
+    const Vec3& normal = fan.normal;
+    const Vec3 first = fan.begin + within.min * fan.along;
+    const Vec3 last = fan.begin + within.max * fan.along;
     std::array<Plane, 7> planes;
     std::size_t count = 0;
     const auto add = [&](const Vec3& outward, const Vec3& point) {
@@ -219,8 +302,8 @@ void EdgeIntervals::add_obstacles(const Fan& fan,
     add(normal, fan.begin);
     add(-normal, fan.begin);
     add(-fan.across, fan.begin);
-    add(geometry::normalized(glm::cross(normal, fan.source - fan.begin)), fan.begin);
-    add(geometry::normalized(glm::cross(fan.source - fan.end, normal)), fan.end);
+    add(geometry::normalized(glm::cross(normal, fan.source - first)), first);
+    add(geometry::normalized(glm::cross(fan.source - last, normal)), last);
     if (fan.from != nullptr) {
         // The image behind the facet lies on its far side.
         const Plane& plane = scene_.facets.facets[*fan.from].plane;
@@ -260,47 +343,117 @@ void EdgeIntervals::add_obstacles(const Fan& fan,
         });
 }
 
-std::vector<Interval> EdgeIntervals::find(std::span<const FacetId> sequence,
-                                          std::span<const Vec3> images,
-                                          const Wedge& wedge) const {
-    if (!may_reach(sequence, images[sequence.size()], wedge)) {
-        return {};
+namespace {
+
+/// Calls visit(from, to) for the intervals between ascending places that are longer than `same`.
+template <typename Visit>
+void for_each_interval(std::vector<double>& places, double same, Visit&& visit) {
+    std::sort(places.begin(), places.end());
+    double from = places.front();
+    for (const double place : places) {
+        if (place - from > same) {
+            visit(from, place);
+            from = place;
+        }
     }
-    const double length = wedge.length();
-    std::vector<double> places{0.0, length};
-    for (const Fan& fan : fans(sequence, images, wedge)) {
+}
+
+/// Ascending intervals of which none overlap.
+void merge(std::vector<Interval>& intervals) {
+    std::sort(intervals.begin(), intervals.end(), [](const Interval& a, const Interval& b) {
+        return a.min < b.min;
+    });
+    std::size_t count = 0;
+    for (const Interval& interval : intervals) {
+        if (count > 0 && interval.min <= intervals[count - 1].max) {
+            intervals[count - 1].max = std::max(intervals[count - 1].max, interval.max);
+        } else {
+            intervals[count++] = interval;
+        }
+    }
+    intervals.resize(count);
+}
+
+}  // namespace
+
+// Where the ways pass borders of facets that reflect, or meet them in another order.
+std::vector<double> EdgeIntervals::mirror_places(std::span<const Fan> legs,
+                                                 const Wedge& wedge) const {
+    std::vector<double> places{0.0, wedge.length()};
+    for (const Fan& fan : legs) {
         for (const FacetId* facet : {fan.from, fan.to}) {
             if (facet != nullptr) {
                 add_plane(fan, *facet, places);
             }
         }
         if (fan.to != nullptr) {
-            add_window(fan, *fan.to, places);
+            add_outline(fan, *fan.to, places);
         }
-        add_obstacles(fan, wedge, places);
     }
-    std::sort(places.begin(), places.end());
-    const double same =
-        kPlaceSlacks * verifier_.rounding_slack(length + glm::distance(images.back(), wedge.begin));
+    return places;
+}
+
+double EdgeIntervals::min_part(std::span<const Vec3> images, const Wedge& wedge) const {
+    return kPlaceSlacks *
+           verifier_.rounding_slack(wedge.length() + glm::distance(images.back(), wedge.begin));
+}
+
+Interval EdgeIntervals::window(std::span<const FacetId> sequence,
+                               std::span<const Vec3> images,
+                               const Wedge& wedge) const {
+    const std::vector<Fan> legs = fans(sequence, images, wedge);
+    std::vector<double> places = mirror_places(legs, wedge);
+    Interval bounds{wedge.length(), 0.0};
+    for_each_interval(places, min_part(images, wedge), [&](double from, double to) {
+        if (verifier_.turns_in_facets(sequence, images, wedge.point_at(0.5 * (from + to)))) {
+            bounds = {std::min(bounds.min, from), std::max(bounds.max, to)};
+        }
+    });
+    return bounds;
+}
+
+std::vector<Interval> EdgeIntervals::find(std::span<const FacetId> sequence,
+                                          std::span<const Vec3> images,
+                                          const Wedge& wedge,
+                                          const Interval& window) const {
+    const std::vector<Fan> legs = fans(sequence, images, wedge);
+    Places places{.changes = mirror_places(legs, wedge), .shadows = {}};
+    for (const Fan& fan : legs) {
+        add_obstacles(fan, wedge, window, places);
+    }
+    merge(places.shadows);
     std::vector<Interval> found;
-    double from = 0.0;
-    bool was_reached = false;
-    for (const double place : places) {
-        if (place - from <= same && place != length) {
-            continue;
+    auto shadow = places.shadows.begin();
+    for_each_interval(places.changes, min_part(images, wedge), [&](double from, double to) {
+        const double middle = 0.5 * (from + to);
+        while (shadow != places.shadows.end() && shadow->max < middle) {
+            ++shadow;
         }
-        const bool is_reached =
-            place - from > same &&
-            verifier_.reaches_edge(sequence, images, wedge, wedge.point_at(0.5 * (from + place)));
-        if (is_reached && was_reached) {
-            found.back().max = place;
-        } else if (is_reached) {
-            found.push_back({from, place});
+        if (middle < window.min || middle > window.max ||
+            (shadow != places.shadows.end() && shadow->min <= middle) ||
+            !verifier_.reaches_edge(sequence, images, wedge, wedge.point_at(middle))) {
+            return;
         }
-        was_reached = is_reached;
-        from = place;
-    }
+        if (!found.empty() && found.back().max == from) {
+            found.back().max = to;
+        } else {
+            found.push_back({from, to});
+        }
+    });
     return found;
+}
+
+std::vector<Interval> EdgeIntervals::find(std::span<const FacetId> sequence,
+                                          std::span<const Vec3> images,
+                                          const Wedge& wedge) const {
+    const FacetId* mirror = sequence.empty() ? nullptr : &sequence.back();
+    const Vec3& image = images[sequence.size()];
+    if (!may_reach(mirror, image, geometry::wedge_coordinates(wedge, image), wedge)) {
+        return {};
+    }
+    const Interval within =
+        mirror == nullptr ? Interval{0.0, wedge.length()} : window(sequence, images, wedge);
+    return within.is_empty() ? std::vector<Interval>{} : find(sequence, images, wedge, within);
 }
 
 }  // namespace earshot::frustum

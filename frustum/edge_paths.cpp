@@ -2,7 +2,6 @@
 #include "earshot/frustum/edge_paths.h"
 
 #include "earshot/base/error.h"
-#include "earshot/frustum/internal/beam_tree.h"
 #include "earshot/frustum/internal/edge_sides.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/path_verifier.h"
@@ -11,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -34,68 +35,6 @@ void validate(const EdgePathOptions& options) {
     }
 }
 
-/// Per facet the wedges that it is a face of.
-std::vector<std::vector<std::uint32_t>> wedges_by_facet(std::span<const Wedge> wedges,
-                                                        std::size_t facets) {
-    std::vector<std::vector<std::uint32_t>> of_facet(facets);
-    for (std::size_t i = 0; i < wedges.size(); ++i) {
-        for (const geometry::WedgeFace& face : wedges[i].faces) {
-            std::vector<std::uint32_t>& list = of_facet[face.facet];
-            if (list.empty() || list.back() != i) {
-                list.push_back(static_cast<std::uint32_t>(i));
-            }
-        }
-    }
-    return of_facet;
-}
-
-/// A task of BeamTracer::trace that collects the wedges of the facets that are visible.
-class EdgeCollector {
-public:
-    explicit EdgeCollector(const std::vector<std::vector<std::uint32_t>>& of_facet)
-        : of_facet_(&of_facet) {}
-    void push(FacetId facet) { sequence_.push_back(facet); }
-    void pop() { sequence_.pop_back(); }
-    std::size_t order() const { return sequence_.size(); }
-    void visit(const VisibleFacets& search) {
-        ++frusta_;
-        for (const VisibleFacet& visible : search.found()) {
-            for (const std::uint32_t wedge : (*of_facet_)[visible.facet]) {
-                candidates_.push_back({wedge, sequence_});
-            }
-        }
-    }
-    std::vector<EdgeCandidate> take_candidates() { return std::move(candidates_); }
-    std::uint64_t frusta() const { return frusta_; }
-
-private:
-    const std::vector<std::vector<std::uint32_t>>* of_facet_;
-    std::vector<FacetId> sequence_;
-    std::vector<EdgeCandidate> candidates_;
-    std::uint64_t frusta_ = 0;
-};
-
-/// Both ends of a wedge's paths.
-class EdgeJoin {
-public:
-    EdgeJoin(std::span<const Wedge> wedges, const EdgePathOptions& options)
-        : wedges_(wedges), options_(options) {}
-
-    void join(std::span<const EdgeSide> sources,
-              std::span<const EdgeSide> listeners,
-              std::size_t listener,
-              std::vector<EdgePath>& paths) const;
-
-private:
-    void join(const EdgeSide& source,
-              const EdgeSide& listener,
-              std::size_t number,
-              std::vector<EdgePath>& paths) const;
-
-    std::span<const Wedge> wedges_;
-    const EdgePathOptions& options_;
-};
-
 /// The place on the edge where the way from one image to the other is shortest, within a part.
 double apex_of(const Wedge& wedge, const Vec3& source, const Vec3& listener, Interval part) {
     const geometry::WedgePoint s = geometry::wedge_coordinates(wedge, source);
@@ -104,49 +43,152 @@ double apex_of(const Wedge& wedge, const Vec3& source, const Vec3& listener, Int
         (s.z * r.radius + r.z * s.radius) / (s.radius + r.radius), part.min, part.max);
 }
 
-void EdgeJoin::join(const EdgeSide& source,
-                    const EdgeSide& listener,
-                    std::size_t number,
-                    std::vector<EdgePath>& paths) const {
-    const Wedge& wedge = wedges_[source.wedge];
-    std::size_t i = 0, j = 0;
-    while (i < source.parts.size() && j < listener.parts.size()) {
-        const Interval& a = source.parts[i];
-        const Interval& b = listener.parts[j];
-        const Interval part{std::max(a.min, b.min), std::min(a.max, b.max)};
-        if (part.min < part.max) {
-            const Vec3 apex = wedge.point_at(apex_of(wedge, source.image, listener.image, part));
-            const double length =
-                glm::distance(source.image, apex) + glm::distance(apex, listener.image);
-            if (length <= options_.max_length) {
-                paths.push_back({.listener = number,
-                                 .wedge = source.wedge,
-                                 .before = source.sequence,
-                                 .after = {listener.sequence.rbegin(), listener.sequence.rend()},
-                                 .source_image = source.image,
-                                 .listener_image = listener.image,
-                                 .part = part,
-                                 .length = length});
+/// Joins what a source and a listener reach.
+class EdgeJoin {
+public:
+    EdgeJoin(std::span<const Wedge> wedges,
+             const EdgePathOptions& options,
+             const EdgePathFilter* filter,
+             std::size_t listener)
+        : wedges_(wedges), options_(options), filter_(filter), listener_(listener) {}
+
+    /// Adds the paths over a wedge.
+    void join(std::size_t wedge, EdgeSides& source, EdgeSides& listener);
+
+    EdgePathResult take_result() { return std::move(result_); }
+
+private:
+    bool may_be_wanted(const Wedge& wedge, const EdgeEnd& source, const EdgeEnd& listener) const;
+    bool may_be_wanted(std::size_t wedge,
+                       EdgeSides& source,
+                       std::size_t i,
+                       EdgeSides& listener,
+                       std::size_t k) const;
+    void add(std::size_t wedge,
+             const EdgeSides& source,
+             const EdgeCandidate& from,
+             const EdgeSides& listener,
+             const EdgeCandidate& to,
+             Interval part);
+
+    std::span<const Wedge> wedges_;
+    const EdgePathOptions& options_;
+    const EdgePathFilter* filter_;
+    std::size_t listener_;
+    EdgePathResult result_;
+};
+
+// No way over the edge is shorter than that over its line.
+bool EdgeJoin::may_be_wanted(const Wedge& wedge,
+                             const EdgeEnd& source,
+                             const EdgeEnd& listener) const {
+    constexpr double kRoundedDown = 1.0 - 0x1p-30;
+    if (source.reflections + listener.reflections >
+        static_cast<std::uint32_t>(options_.max_reflections)) {
+        return false;
+    }
+    const double radii = source.image.radius + listener.image.radius;
+    const double rise = source.image.z - listener.image.z;
+    if (kRoundedDown * std::sqrt(radii * radii + rise * rise) > options_.max_length) {
+        return false;
+    }
+    return filter_ == nullptr ||
+           filter_->may_be_wanted(wedge, {0.0, wedge.length()}, source, listener, listener_);
+}
+
+// With what the facets of both sides reflect to.
+bool EdgeJoin::may_be_wanted(
+    std::size_t wedge, EdgeSides& source, std::size_t i, EdgeSides& listener, std::size_t k) const {
+    const EdgeEnd& from = source.of(wedge)[i].end;
+    const EdgeEnd& to = listener.of(wedge)[k].end;
+    Interval part = source.window(wedge, i);
+    if (!part.is_empty()) {
+        const Interval other = listener.window(wedge, k);
+        part = {std::max(part.min, other.min), std::min(part.max, other.max)};
+    }
+    return !part.is_empty() && (filter_ == nullptr || from.reflections + to.reflections == 0 ||
+                                filter_->may_be_wanted(wedges_[wedge], part, from, to, listener_));
+}
+
+void EdgeJoin::add(std::size_t wedge,
+                   const EdgeSides& source,
+                   const EdgeCandidate& from,
+                   const EdgeSides& listener,
+                   const EdgeCandidate& to,
+                   Interval part) {
+    const Vec3 source_image = source.images()[from.image].position;
+    const Vec3 listener_image = listener.images()[to.image].position;
+    const Vec3 apex =
+        wedges_[wedge].point_at(apex_of(wedges_[wedge], source_image, listener_image, part));
+    const double length = glm::distance(source_image, apex) + glm::distance(apex, listener_image);
+    if (length > options_.max_length) {
+        return;
+    }
+    std::vector<FacetId> after = listener.images().sequence(to.image);
+    std::reverse(after.begin(), after.end());
+    result_.paths.push_back({.listener = listener_,
+                             .wedge = wedge,
+                             .before = source.images().sequence(from.image),
+                             .after = std::move(after),
+                             .source_image = source_image,
+                             .listener_image = listener_image,
+                             .part = part,
+                             .length = length});
+}
+
+void EdgeJoin::join(std::size_t wedge, EdgeSides& source, EdgeSides& listener) {
+    const auto from = source.of(wedge);
+    const auto to = listener.of(wedge);
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        for (std::size_t k = 0; k < to.size(); ++k) {
+            if (!may_be_wanted(wedges_[wedge], from[i].end, to[k].end) ||
+                !may_be_wanted(wedge, source, i, listener, k)) {
+                continue;
+            }
+            ++result_.statistics.pairs;
+            // The side with fewer reflections costs less to decide.
+            const bool source_first = from[i].end.reflections <= to[k].end.reflections;
+            if ((source_first ? source.parts(wedge, i) : listener.parts(wedge, k)).empty()) {
+                continue;
+            }
+            const std::span<const Interval> of_source = source.parts(wedge, i);
+            const std::span<const Interval> of_listener = listener.parts(wedge, k);
+            std::size_t a = 0, b = 0;
+            while (a < of_source.size() && b < of_listener.size()) {
+                const Interval part{std::max(of_source[a].min, of_listener[b].min),
+                                    std::min(of_source[a].max, of_listener[b].max)};
+                if (part.min < part.max) {
+                    add(wedge, source, from[i], listener, to[k], part);
+                }
+                ++(of_source[a].max < of_listener[b].max ? a : b);
             }
         }
-        ++(a.max < b.max ? i : j);
     }
 }
 
-void EdgeJoin::join(std::span<const EdgeSide> sources,
-                    std::span<const EdgeSide> listeners,
-                    std::size_t listener,
-                    std::vector<EdgePath>& paths) const {
-    const auto by_wedge = [](const EdgeSide& a, const EdgeSide& b) { return a.wedge < b.wedge; };
-    for (const EdgeSide& source : sources) {
-        const auto [first, last] =
-            std::equal_range(listeners.begin(), listeners.end(), source, by_wedge);
-        for (auto side = first; side != last; ++side) {
-            if (source.sequence.size() + side->sequence.size() <=
-                static_cast<std::size_t>(options_.max_reflections)) {
-                join(source, *side, listener, paths);
-            }
+/// Adds the paths between a source and a listener.
+void join_all(std::span<const Wedge> wedges,
+              const EdgePathOptions& options,
+              const EdgePathFilter* filter,
+              EdgeSides& source,
+              EdgeSides& listener,
+              std::size_t number,
+              EdgePathResult& result,
+              Executor& executor) {
+    constexpr std::size_t kGrain = 32;
+    std::vector<EdgePathResult> of_chunk(chunk_count(wedges.size(), kGrain));
+    executor.for_each(wedges.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        EdgeJoin join(wedges, options, filter, number);
+        for (std::size_t wedge = begin; wedge < end; ++wedge) {
+            join.join(wedge, source, listener);
         }
+        of_chunk[begin / kGrain] = join.take_result();
+    });
+    for (EdgePathResult& some : of_chunk) {
+        result.paths.insert(result.paths.end(),
+                            std::make_move_iterator(some.paths.begin()),
+                            std::make_move_iterator(some.paths.end()));
+        result.statistics.pairs += some.statistics.pairs;
     }
 }
 
@@ -162,24 +204,74 @@ void sort_paths(std::vector<EdgePath>& paths) {
     });
 }
 
-/// Joins the sides of the source with those of every listener.
-template <typename FindSides>
-EdgePathResult join_all(std::span<const Wedge> wedges,
-                        const Vec3& source,
-                        std::span<const Vec3> listeners,
-                        const EdgePathOptions& options,
-                        const FindSides& find_sides_of) {
+}  // namespace
+
+/// What is kept from source to source.
+struct EdgePathFinder::State {
+    State(const SceneView& the_scene,
+          std::span<const Wedge> the_wedges,
+          const EdgePathOptions& the_options,
+          Executor& executor)
+        : options(the_options),
+          wedges(the_wedges),
+          index(the_scene, executor),
+          verifier(the_scene),
+          tracer(the_scene,
+                 index,
+                 verifier,
+                 the_wedges,
+                 {.max_order = the_options.max_reflections,
+                  .max_length = the_options.max_length,
+                  .min_pressure = the_options.min_pressure}) {}
+
+    EdgePathOptions options;
+    std::span<const Wedge> wedges;
+    FacetIndex index;
+    PathVerifier verifier;
+    EdgeTracer tracer;
+    std::vector<std::unique_ptr<EdgeSides>> listeners;  // of the last source
+};
+
+EdgePathFinder::EdgePathFinder(const SceneView& scene,
+                               std::span<const Wedge> wedges,
+                               const EdgePathOptions& options,
+                               Executor& executor) {
+    validate(options);
+    state_ = std::make_unique<State>(scene, wedges, options, executor);
+}
+
+EdgePathFinder::EdgePathFinder(EdgePathFinder&&) noexcept = default;
+EdgePathFinder& EdgePathFinder::operator=(EdgePathFinder&&) noexcept = default;
+EdgePathFinder::~EdgePathFinder() = default;
+
+EdgePathResult EdgePathFinder::find(const Vec3& source,
+                                    std::span<const Vec3> listeners,
+                                    const EdgePathFilter* filter,
+                                    Executor& executor) {
+    constexpr std::size_t kMaxKeptBytes = std::size_t{1} << 30;
+    State& state = *state_;
     EdgePathResult result;
-    const std::vector<EdgeSide> from_source = find_sides_of(source, result.statistics);
-    const EdgeJoin join(wedges, options);
+    EdgeSides from_source = state.tracer.trace(source, result.statistics, executor);
+    std::vector<std::unique_ptr<EdgeSides>> before = std::move(state.listeners);
+    state.listeners.clear();
+    std::size_t kept_bytes = 0;
     for (std::size_t i = 0; i < listeners.size(); ++i) {
-        join.join(from_source, find_sides_of(listeners[i], result.statistics), i, result.paths);
+        const auto known = std::find_if(before.begin(), before.end(), [&](const auto& sides) {
+            return sides != nullptr && sides->point() == listeners[i];
+        });
+        std::unique_ptr<EdgeSides> sides = known != before.end()
+                                               ? std::move(*known)
+                                               : std::make_unique<EdgeSides>(state.tracer.trace(
+                                                     listeners[i], result.statistics, executor));
+        join_all(state.wedges, state.options, filter, from_source, *sides, i, result, executor);
+        kept_bytes += sides->bytes();
+        if (kept_bytes <= kMaxKeptBytes) {
+            state.listeners.push_back(std::move(sides));
+        }
     }
     sort_paths(result.paths);
     return result;
 }
-
-}  // namespace
 
 EdgePathResult find_edge_paths(const SceneView& scene,
                                std::span<const Wedge> wedges,
@@ -187,40 +279,8 @@ EdgePathResult find_edge_paths(const SceneView& scene,
                                std::span<const Vec3> listeners,
                                const EdgePathOptions& options,
                                Executor& executor) {
-    validate(options);
-    const FacetIndex index(scene, executor);
-    const PathVerifier verifier(scene);
-    const auto of_facet = wedges_by_facet(wedges, index.size());
-    double max_radius = glm::length(source);
-    for (const Vec3& listener : listeners) {
-        max_radius = std::max(max_radius, glm::length(listener));
-    }
-    TraceOptions trace;
-    trace.max_order = options.max_reflections;
-    trace.max_length = options.max_length;
-    // An edge lies on the border of a facet that faces the sound, or the sound runs in the planes
-    // of both faces: such facets are kept.
-    const BeamTracer tracer(index,
-                            trace,
-                            verifier.contact_radius(),
-                            max_radius,
-                            options.max_reflections + 1,
-                            GrazingFacets::keep);
-    return join_all(
-        wedges, source, listeners, options, [&](const Vec3& point, EdgeStatistics& statistics) {
-            std::vector<EdgeCandidate> candidates;
-            for (EdgeCollector& task : tracer.trace<EdgeCollector>(
-                     point, {}, [&] { return EdgeCollector(of_facet); }, executor, nullptr)) {
-                statistics.frusta += task.frusta();
-                auto found = task.take_candidates();
-                candidates.insert(candidates.end(),
-                                  std::make_move_iterator(found.begin()),
-                                  std::make_move_iterator(found.end()));
-            }
-            sort_and_deduplicate(candidates);
-            statistics.candidates += candidates.size();
-            return find_sides(scene, verifier, wedges, point, std::move(candidates), executor);
-        });
+    return EdgePathFinder(scene, wedges, options, executor)
+        .find(source, listeners, nullptr, executor);
 }
 
 EdgePathResult find_edge_paths_brute_force(const SceneView& scene,
@@ -230,30 +290,51 @@ EdgePathResult find_edge_paths_brute_force(const SceneView& scene,
                                            const EdgePathOptions& options) {
     validate(options);
     const PathVerifier verifier(scene);
-    const auto facets = static_cast<FacetId>(scene.facets.facets.size());
-    std::vector<EdgeCandidate> all;
-    std::vector<std::vector<FacetId>> sequences{{}};
-    for (std::size_t i = 0; i < sequences.size(); ++i) {
-        const std::vector<FacetId> sequence = sequences[i];
-        for (std::size_t wedge = 0; wedge < wedges.size(); ++wedge) {
-            all.push_back({static_cast<std::uint32_t>(wedge), sequence});
-        }
-        if (sequence.size() == static_cast<std::size_t>(options.max_reflections)) {
-            continue;
-        }
-        for (FacetId facet = 0; facet < facets; ++facet) {
-            if (sequence.empty() || sequence.back() != facet) {
-                sequences.push_back(sequence);
-                sequences.back().push_back(facet);
-            }
-        }
+    const auto sides_of = [&](const Vec3& point) {
+        return all_edge_sides(scene, verifier, wedges, point, options.max_reflections);
+    };
+    EdgePathResult result;
+    EdgeSides from_source = sides_of(source);
+    for (std::size_t i = 0; i < listeners.size(); ++i) {
+        EdgeSides to_listener = sides_of(listeners[i]);
+        join_all(wedges, options, nullptr, from_source, to_listener, i, result, Executor::serial());
     }
-    sort_and_deduplicate(all);
-    return join_all(
-        wedges, source, listeners, options, [&](const Vec3& point, EdgeStatistics& statistics) {
-            statistics.candidates += all.size();
-            return find_sides(scene, verifier, wedges, point, all, Executor::serial());
-        });
+    sort_paths(result.paths);
+    return result;
+}
+
+// From the apex, each side is a path to a listener at the apex, as the verifier constructs it.
+std::vector<Vec3> points_of(const EdgePath& path,
+                            const SceneView& scene,
+                            std::span<const Wedge> wedges,
+                            const Vec3& source,
+                            const Vec3& listener) {
+    const Wedge& wedge = wedges[path.wedge];
+    const geometry::WedgePoint s = geometry::wedge_coordinates(wedge, path.source_image);
+    const geometry::WedgePoint r = geometry::wedge_coordinates(wedge, path.listener_image);
+    const double apex = std::clamp(
+        (s.z * r.radius + r.z * s.radius) / (s.radius + r.radius), path.part.min, path.part.max);
+    const auto side = [&](const Vec3& end, std::vector<FacetId> sequence) {
+        std::vector<Vec3> images{end};
+        for (const FacetId facet : sequence) {
+            images.push_back(scene.facets.facets[facet].plane.mirror(images.back()));
+        }
+        std::vector<Vec3> points{wedge.point_at(apex)};
+        for (std::size_t i = sequence.size(); i > 0; --i) {
+            const geometry::Plane& plane = scene.facets.facets[sequence[i - 1]].plane;
+            const Vec3 target = points.back();
+            const double before = plane.distance(target);
+            const double behind = plane.distance(images[i]);
+            points.push_back(target + before / (before - behind) * (images[i] - target));
+        }
+        points.push_back(end);
+        return points;
+    };
+    std::vector<Vec3> points = side(source, path.before);
+    std::reverse(points.begin(), points.end());
+    const std::vector<Vec3> rest = side(listener, {path.after.rbegin(), path.after.rend()});
+    points.insert(points.end(), rest.begin() + 1, rest.end());
+    return points;
 }
 
 }  // namespace earshot::frustum

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -28,16 +29,43 @@ struct EdgePath {
     double length = 0.0;  ///< of the shortest way over the part, metres
 };
 
+/// One end of possible paths over an edge: the source or a listener, mirrored in some facets. What
+/// of the edge it reaches is not known yet.
+struct EdgeEnd {
+    geometry::WedgePoint image{};      ///< about the wedge
+    double max_pressure_factor = 1.0;  ///< of the reflections
+    std::uint32_t reflections = 0;
+};
+
+/// Tells what need not be looked for. Where it answers false nothing is reported; where it answers
+/// true everything is, and the same whatever it answers elsewhere.
+class EdgePathFilter {
+public:
+    virtual ~EdgePathFilter() = default;
+    /// False if no path over any part of the wedge within `part` (metres from its beginning)
+    /// between the two ends is wanted. `listener_index`: into the listeners asked for. Called from
+    /// several threads.
+    virtual bool may_be_wanted(const geometry::Wedge& wedge,
+                               const geometry::Interval& part,
+                               const EdgeEnd& source,
+                               const EdgeEnd& listener,
+                               std::size_t listener_index) const = 0;
+};
+
 struct EdgePathOptions {
     int max_reflections = 0;  ///< before and after the edge together, 0 ... 16
     /// Longer ways are left out, metres.
     double max_length = std::numeric_limits<double>::infinity();
+    /// Ways are left out whose reflections multiply the pressure by less than this times the length
+    /// in metres. 0: none.
+    double min_pressure = 0.0;
 };
 
 /// Counts of work.
 struct EdgeStatistics {
     std::uint64_t frusta = 0;      ///< traced from both sides
-    std::uint64_t candidates = 0;  ///< wedges with a sequence, of one side, whose parts were found
+    std::uint64_t candidates = 0;  ///< wedges with a sequence of one side that may be reached
+    std::uint64_t pairs = 0;       ///< of candidates of both sides that passed the filter
 };
 
 struct EdgePathResult {
@@ -46,12 +74,37 @@ struct EdgePathResult {
     EdgeStatistics statistics;
 };
 
-/// Every way over one edge and up to max_reflections reflections. Parts of edges are decided
-/// exactly, by PathVerifier between places at which something changes; frusta from both sides only
-/// generate candidates, of which a wedge on the border of a facet that is visible to a frustum is
-/// one. Sound that passes transmissive facets on its way to an edge is left out, and so is an edge
-/// seen along a face that it borders. Throws Error if an option is out of range. Preconditions: the
-/// wedges are those of the scene's facets; no point lies on a surface (surface_points.h).
+/// Finds every way over one edge and up to max_reflections reflections in one scene at one instant.
+/// Parts of edges are decided exactly, by PathVerifier between places at which something changes;
+/// frusta from both sides only generate candidates, of which a wedge on the border of a facet that
+/// is visible to a frustum is one, if sound in the frustum may arrive at it. Only what pairs that
+/// pass the filter need is verified. Sound that passes transmissive facets on its way to an edge is
+/// left out, and so is an edge seen along a face that it borders.
+///
+/// What listeners reach is kept for the next source as far as memory allows.
+class EdgePathFinder {
+public:
+    /// Everything must outlive it. Throws Error if an option is out of range. Preconditions: the
+    /// wedges are those of the scene's facets; no point lies on a surface (surface_points.h).
+    EdgePathFinder(const SceneView& scene,
+                   std::span<const geometry::Wedge> wedges,
+                   const EdgePathOptions& options = {},
+                   Executor& executor = Executor::serial());
+    EdgePathFinder(EdgePathFinder&&) noexcept;
+    EdgePathFinder& operator=(EdgePathFinder&&) noexcept;
+    ~EdgePathFinder();
+
+    EdgePathResult find(const geometry::Vec3& source,
+                        std::span<const geometry::Vec3> listeners,
+                        const EdgePathFilter* filter = nullptr,
+                        Executor& executor = Executor::serial());
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// The same for one source.
 EdgePathResult find_edge_paths(const SceneView& scene,
                                std::span<const geometry::Wedge> wedges,
                                const geometry::Vec3& source,

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/edge_sides.h"
 
-#include "earshot/frustum/edge_paths.h"
-
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <iterator>
-#include <utility>
 
 namespace earshot::frustum {
 
@@ -16,21 +13,6 @@ using geometry::FacetId;
 using geometry::Interval;
 using geometry::Vec3;
 using geometry::Wedge;
-
-void sort_and_deduplicate(std::vector<EdgeCandidate>& candidates) {
-    std::sort(
-        candidates.begin(), candidates.end(), [](const EdgeCandidate& a, const EdgeCandidate& b) {
-            const std::pair first(a.wedge, a.sequence.size());
-            const std::pair second(b.wedge, b.sequence.size());
-            return first != second ? first < second : a.sequence < b.sequence;
-        });
-    candidates.erase(std::unique(candidates.begin(),
-                                 candidates.end(),
-                                 [](const EdgeCandidate& a, const EdgeCandidate& b) {
-                                     return a.wedge == b.wedge && a.sequence == b.sequence;
-                                 }),
-                     candidates.end());
-}
 
 namespace {
 
@@ -60,93 +42,132 @@ std::vector<Interval> without(const std::vector<Interval>& parts,
 /// for specular paths (path_order.cpp).
 constexpr double kLayerDistance = 16.0;
 
-/// Layers of one surface reflect once: of sequences with one image, the first has what both reach.
-void remove_repeated(std::vector<EdgeSide>& sides, double tolerance) {
-    const auto of_one_group = [](const EdgeSide& a, const EdgeSide& b) {
-        return a.wedge == b.wedge && a.sequence.size() == b.sequence.size();
-    };
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-        const double reach =
-            kLayerDistance * tolerance * static_cast<double>(sides[i].sequence.size());
-        for (std::size_t k = i; k-- > 0 && of_one_group(sides[k], sides[i]);) {
-            if (glm::distance(sides[k].image, sides[i].image) <= reach) {
-                sides[i].parts = without(sides[i].parts, sides[k].parts);
-            }
-        }
-    }
-    std::erase_if(sides, [](const EdgeSide& side) { return side.parts.empty(); });
+EdgeEnd end_of(const Wedge& wedge, const ImageSource& image) {
+    EdgeEnd end;
+    end.image = geometry::wedge_coordinates(wedge, image.position);
+    end.max_pressure_factor = image.max_pressure_factor;
+    end.reflections = image.order;
+    return end;
 }
 
 }  // namespace
 
-std::vector<EdgeSide> find_sides(const SceneView& scene,
-                                 const PathVerifier& verifier,
-                                 std::span<const Wedge> wedges,
-                                 const Vec3& point,
-                                 std::vector<EdgeCandidate> candidates,
-                                 Executor& executor) {
-    constexpr std::size_t kGrain = 16;
-    const EdgeIntervals intervals(scene, verifier);
-    std::vector<std::vector<EdgeSide>> of_chunk(chunk_count(candidates.size(), kGrain));
-    executor.for_each(candidates.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        std::vector<Vec3> images;
-        for (std::size_t i = begin; i < end; ++i) {
-            EdgeCandidate& candidate = candidates[i];
-            images.assign(1, point);
-            for (const FacetId facet : candidate.sequence) {
-                images.push_back(scene.facets.facets[facet].plane.mirror(images.back()));
+EdgeSides::EdgeSides(const SceneView& scene,
+                     const PathVerifier& verifier,
+                     std::span<const Wedge> wedges,
+                     ImageTree images,
+                     std::span<const std::vector<Pair>> pairs,
+                     Executor& executor)
+    : scene_(scene),
+      intervals_(scene, verifier),
+      wedges_(wedges),
+      images_(std::move(images)),
+      first_(wedges.size() + 1, 0),
+      parts_of_wedge_(wedges.size()),
+      windows_of_wedge_(wedges.size()) {
+    const std::vector<std::uint32_t> rank = images_.sort();
+    // The images of each wedge, by counting.
+    std::vector<std::size_t> begin(wedges.size() + 1, 0);
+    for (const std::vector<Pair>& some : pairs) {
+        for (const auto& [wedge, image] : some) {
+            ++begin[wedge + 1];
+        }
+    }
+    for (std::size_t i = 0; i < wedges.size(); ++i) {
+        begin[i + 1] += begin[i];
+    }
+    std::vector<std::uint32_t> of_wedge(begin.back());
+    std::vector<std::size_t> next(begin.begin(), begin.end() - 1);
+    for (const std::vector<Pair>& some : pairs) {
+        for (const auto& [wedge, image] : some) {
+            of_wedge[next[wedge]++] = rank[image];
+        }
+    }
+    // Each once, and only those that are seen from the air of the wedge.
+    constexpr std::size_t kGrain = 64;
+    std::vector<std::vector<EdgeCandidate>> of_chunk(chunk_count(wedges.size(), kGrain));
+    executor.for_each(wedges.size(), kGrain, [&](std::size_t from, std::size_t to) {
+        std::vector<EdgeCandidate>& found = of_chunk[from / kGrain];
+        for (std::size_t w = from; w < to; ++w) {
+            const auto first = of_wedge.begin() + static_cast<std::ptrdiff_t>(begin[w]);
+            const auto last = of_wedge.begin() + static_cast<std::ptrdiff_t>(begin[w + 1]);
+            std::sort(first, last);
+            const std::size_t before = found.size();
+            for (auto image = first; image != last; ++image) {
+                if (image != first && image[0] == image[-1]) {
+                    continue;
+                }
+                const ImageSource& source = images_[*image];
+                const EdgeEnd end = end_of(wedges[w], source);
+                const FacetId* mirror = source.order > 0 ? &source.facet : nullptr;
+                if (intervals_.may_reach(mirror, source.position, end.image, wedges[w])) {
+                    found.push_back({.end = end, .image = *image});
+                }
             }
-            auto parts = intervals.find(candidate.sequence, images, wedges[candidate.wedge]);
-            if (!parts.empty()) {
-                of_chunk[begin / kGrain].push_back({candidate.wedge,
-                                                    std::move(candidate.sequence),
-                                                    images.back(),
-                                                    std::move(parts)});
-            }
+            first_[w + 1] = found.size() - before;
         }
     });
-    std::vector<EdgeSide> sides;
-    for (std::vector<EdgeSide>& some : of_chunk) {
-        sides.insert(sides.end(),
-                     std::make_move_iterator(some.begin()),
-                     std::make_move_iterator(some.end()));
+    for (std::size_t i = 0; i < wedges.size(); ++i) {
+        first_[i + 1] += first_[i];
     }
-    remove_repeated(sides, scene.facets.tolerance);
-    return sides;
+    candidates_.reserve(first_.back());
+    for (const std::vector<EdgeCandidate>& some : of_chunk) {
+        candidates_.insert(candidates_.end(), some.begin(), some.end());
+    }
 }
 
-// From the apex, each side is a path to a listener at the apex, as the verifier constructs it.
-std::vector<Vec3> points_of(const EdgePath& path,
-                            const SceneView& scene,
-                            std::span<const Wedge> wedges,
-                            const Vec3& source,
-                            const Vec3& listener) {
-    const Wedge& wedge = wedges[path.wedge];
-    const geometry::WedgePoint s = geometry::wedge_coordinates(wedge, path.source_image);
-    const geometry::WedgePoint r = geometry::wedge_coordinates(wedge, path.listener_image);
-    const double apex = std::clamp(
-        (s.z * r.radius + r.z * s.radius) / (s.radius + r.radius), path.part.min, path.part.max);
-    const auto side = [&](const Vec3& end, std::vector<FacetId> sequence) {
-        std::vector<Vec3> images{end};
-        for (const FacetId facet : sequence) {
-            images.push_back(scene.facets.facets[facet].plane.mirror(images.back()));
+std::size_t EdgeSides::bytes() const noexcept {
+    constexpr std::size_t kPerImage = 64;  // of the index
+    return candidates_.size() * sizeof(EdgeCandidate) +
+           images_.size() * (sizeof(ImageSource) + kPerImage) +
+           wedges_.size() * (sizeof(parts_of_wedge_[0]) + sizeof(windows_of_wedge_[0]));
+}
+
+std::span<const Interval> EdgeSides::parts(std::size_t wedge, std::size_t i) {
+    decide(wedge, i);
+    return parts_of_wedge_[wedge][candidates_[first_[wedge] + i].parts - 1];
+}
+
+Interval EdgeSides::window(std::size_t wedge, std::size_t i) {
+    EdgeCandidate& candidate = candidates_[first_[wedge] + i];
+    if (candidate.end.reflections == 0) {
+        return {0.0, wedges_[wedge].length()};
+    }
+    std::vector<Interval>& windows = windows_of_wedge_[wedge];
+    if (candidate.window == 0) {
+        windows.push_back(intervals_.window(
+            images_.sequence(candidate.image), images_.positions(candidate.image), wedges_[wedge]));
+        candidate.window = static_cast<std::uint32_t>(windows.size());
+    }
+    return windows[candidate.window - 1];
+}
+
+void EdgeSides::decide(std::size_t wedge, std::size_t i) {
+    EdgeCandidate& candidate = candidates_[first_[wedge] + i];
+    if (candidate.parts != 0) {
+        return;
+    }
+    const std::vector<FacetId> sequence = images_.sequence(candidate.image);
+    const std::vector<Vec3> positions = images_.positions(candidate.image);
+    const Interval within = window(wedge, i);
+    std::vector<Interval> found;
+    if (!within.is_empty()) {
+        found = intervals_.find(sequence, positions, wedges_[wedge], within);
+    }
+    const double reach =
+        kLayerDistance * scene_.facets.tolerance * static_cast<double>(sequence.size());
+    for (std::size_t k = i; k-- > 0 && !found.empty();) {
+        const EdgeCandidate& other = candidates_[first_[wedge] + k];
+        if (other.end.reflections != candidate.end.reflections) {
+            break;
         }
-        std::vector<Vec3> points{wedge.point_at(apex)};
-        for (std::size_t i = sequence.size(); i > 0; --i) {
-            const geometry::Plane& plane = scene.facets.facets[sequence[i - 1]].plane;
-            const Vec3 target = points.back();
-            const double before = plane.distance(target);
-            const double behind = plane.distance(images[i]);
-            points.push_back(target + before / (before - behind) * (images[i] - target));
+        if (glm::distance(images_[other.image].position, positions.back()) <= reach) {
+            decide(wedge, k);
+            found = without(found, parts_of_wedge_[wedge][other.parts - 1]);
         }
-        points.push_back(end);
-        return points;
-    };
-    std::vector<Vec3> points = side(source, path.before);
-    std::reverse(points.begin(), points.end());
-    const std::vector<Vec3> rest = side(listener, {path.after.rbegin(), path.after.rend()});
-    points.insert(points.end(), rest.begin() + 1, rest.end());
-    return points;
+    }
+    parts_of_wedge_[wedge].push_back(std::move(found));
+    candidate.parts = static_cast<std::uint32_t>(parts_of_wedge_[wedge].size());
 }
 
 }  // namespace earshot::frustum

@@ -46,9 +46,9 @@ double PathVerifier::contact_radius() const noexcept {
 }
 
 // From the listener back to the source: the leg towards image i meets facet i.
-std::optional<SpecularPath> PathVerifier::construct(std::span<const FacetId> sequence,
-                                                    std::span<const Vec3> images,
-                                                    const Vec3& listener) const {
+std::optional<SpecularPath> PathVerifier::reflect(std::span<const FacetId> sequence,
+                                                  std::span<const Vec3> images,
+                                                  const Vec3& listener) const {
     const std::size_t order = sequence.size();
     SpecularPath path;
     path.length = glm::distance(images[order], listener);
@@ -74,11 +74,25 @@ std::optional<SpecularPath> PathVerifier::construct(std::span<const FacetId> seq
         path.triangles[i - 1] = *triangle;
     }
     path.points[0] = images[0];
-    if (runs_between_layers(sequence, path) ||
-        turns_at_outer_edge(sequence, images, path.points, slack)) {
-        return std::nullopt;
+    return path;
+}
+
+std::optional<SpecularPath> PathVerifier::construct(std::span<const FacetId> sequence,
+                                                    std::span<const Vec3> images,
+                                                    const Vec3& listener) const {
+    auto path = reflect(sequence, images, listener);
+    if (path &&
+        (runs_between_layers(sequence, *path) ||
+         turns_at_outer_edge(sequence, images, path->points, rounding_slack(path->length)))) {
+        path.reset();
     }
     return path;
+}
+
+bool PathVerifier::turns_in_facets(std::span<const FacetId> sequence,
+                                   std::span<const Vec3> images,
+                                   const Vec3& point) const {
+    return reflect(sequence, images, point).has_value();
 }
 
 std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,

@@ -42,6 +42,13 @@ public:
                       const geometry::Wedge& wedge,
                       const geometry::Vec3& point) const;
 
+    /// Whether the way over the sequence to a point has its reflection points in the facets,
+    /// without regard to what lies between: if not, reaches_edge() is false. Preconditions as for
+    /// verify().
+    bool turns_in_facets(std::span<const geometry::FacetId> sequence,
+                         std::span<const geometry::Vec3> images,
+                         const geometry::Vec3& point) const;
+
     /// Metres: a point this close to a plane counts as in it, on a path of length `distance`.
     /// Sources and images within eight times as much of a facet's plane are not reflected there
     /// (the sound would graze the facet).
@@ -92,6 +99,9 @@ private:
         geometry::TriangleId triangle = 0;
     };
 
+    std::optional<SpecularPath> reflect(std::span<const geometry::FacetId> sequence,
+                                        std::span<const geometry::Vec3> images,
+                                        const geometry::Vec3& listener) const;
     std::optional<SpecularPath> construct(std::span<const geometry::FacetId> sequence,
                                           std::span<const geometry::Vec3> images,
                                           const geometry::Vec3& listener) const;

@@ -4,9 +4,14 @@
 #include "earshot/frustum/edge_paths.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/geometry/wedges.h"
+#include "earshot/propagation/internal/edge_level.h"
+
+#include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -16,6 +21,24 @@ using audio::Spectrum;
 using geometry::FacetId;
 using geometry::TriangleId;
 using geometry::Vec3;
+
+namespace {
+
+double loudest_source(const Scene& scene) {
+    double loudest = 1.0;
+    for (const Emitter& source : scene.sources) {
+        loudest = std::max(loudest, source.directivity.loudest());
+    }
+    return loudest;
+}
+
+bool is_as_loud(const Path& path, const audio::Bands& bands, double min_pressure) {
+    return std::any_of(path.pressure.begin(),
+                       path.pressure.begin() + static_cast<std::ptrdiff_t>(bands.count()),
+                       [&](double p) { return std::abs(p) >= min_pressure; });
+}
+
+}  // namespace
 
 DiffractedPaths::DiffractedPaths(const Scene& scene,
                                  const SceneGeometry& geometry,
@@ -27,13 +50,21 @@ DiffractedPaths::DiffractedPaths(const Scene& scene,
       view_(geometry.scene_view(executor)),
       wedges_(geometry::find_wedges(
           view_.facets, {.one_sided = view_.one_sided, .transmissive = view_.transmissive})),
-      facet_of_triangle_(scene.mesh.triangles().size(), 0) {
+      facet_of_triangle_(scene.mesh.triangles().size(), 0),
+      finder_(view_,
+              wedges_,
+              {.max_reflections = settings.max_order,
+               .max_length = settings.max_length,
+               .min_pressure = 0.5 * settings.min_pressure / loudest_source(scene)},
+              executor) {
     for (std::size_t i = 0; i < geometry.kept().size(); ++i) {
         facet_of_triangle_[geometry.kept()[i]] = view_.facets.of_triangle[i];
     }
     for (const geometry::Facet& facet : view_.facets.facets) {
         const TriangleId in_file = geometry.kept()[facet.triangles.front()];
-        reflection_of_facet_.push_back(settings.reflection[scene.material_of_triangle[in_file]]);
+        const Spectrum& reflection = settings.reflection[scene.material_of_triangle[in_file]];
+        reflection_of_facet_.push_back(reflection);
+        max_reflection_of_facet_.push_back(*std::max_element(reflection.begin(), reflection.end()));
     }
 }
 
@@ -55,15 +86,15 @@ void DiffractedPaths::add(const RaySource& source,
                           const frustum::PlacedPairs& placed,
                           std::span<const Vec3> listeners,
                           std::span<PairResult> pairs,
-                          Executor& executor) const {
+                          Executor& executor) {
     for (const frustum::PlacedListeners& group : placed.groups) {
-        frustum::EdgePathResult found = frustum::find_edge_paths(
-            view_,
-            wedges_,
-            group.source,
-            group.positions,
-            {.max_reflections = settings_.max_order, .max_length = settings_.max_length},
-            executor);
+        EdgeLevelFilter filter(
+            max_reflection_of_facet_, settings_.max_order, source.directivity.loudest());
+        for (const std::size_t number : group.numbers) {
+            filter.add_listener(min_pressure(source.pose.position, listeners[number]));
+        }
+        frustum::EdgePathResult found =
+            finder_.find(group.source, group.positions, &filter, executor);
         executor.for_each(group.numbers.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const auto [first, last] = std::equal_range(
@@ -73,7 +104,12 @@ void DiffractedPaths::add(const RaySource& source,
                     [](const auto& a, const auto& b) { return a.listener < b.listener; });
                 PairResult& pair = pairs[group.numbers[i]];
                 const std::size_t specular = pair.paths.size();
-                add_to_pair(source, group.source, group.positions[i], {first, last}, pair);
+                add_to_pair(source,
+                            group.source,
+                            group.positions[i],
+                            min_pressure(source.pose.position, listeners[group.numbers[i]]),
+                            {first, last},
+                            pair);
                 // Points on surfaces were moved off them for the search.
                 for (std::size_t k = specular; k < pair.paths.size(); ++k) {
                     pair.paths[k].points.front() = source.pose.position;
@@ -88,23 +124,15 @@ void DiffractedPaths::add(const RaySource& source,
     }
 }
 
-// No edge diffracts more than twice the free field at the distance of the shortest way, with
-// factors of at most 1 beside it.
-bool DiffractedPaths::may_be_wanted(const frustum::EdgePath& way, double loudest) const {
-    double factor = 2.0 * loudest;
-    for (const FacetSequence* sequence : {&way.before, &way.after}) {
-        for (const FacetId facet : *sequence) {
-            const Spectrum& of_facet = reflection_of_facet_[facet];
-            factor *= *std::max_element(of_facet.begin(), of_facet.end());
-        }
-    }
-    constexpr double kRoundedUp = 1.0 + 0x1p-10;
-    return !(kRoundedUp * factor < settings_.min_pressure * way.length);
+double DiffractedPaths::min_pressure(const Vec3& source, const Vec3& listener) const {
+    const double distance = std::max(1.0, glm::distance(source, listener));
+    return std::max(settings_.min_pressure, settings_.min_pressure_ratio / distance);
 }
 
 void DiffractedPaths::add_to_pair(const RaySource& source,
                                   const Vec3& from,
                                   const Vec3& to,
+                                  double min_pressure,
                                   std::span<frustum::EdgePath> ways,
                                   PairResult& pair) const {
     const DiffractionModel model{.bands = settings_.bands,
@@ -114,13 +142,16 @@ void DiffractedPaths::add_to_pair(const RaySource& source,
                                  .reflection = reflection_of_facet_,
                                  .max_order = settings_.max_order};
     const SpecularPaths specular = specular_paths(pair);
+    const double certain_pressure = min_pressure / source.directivity.loudest();
     std::vector<DiffractedSound> sounds;
     std::vector<Path> paths;
     for (frustum::EdgePath& way : ways) {
-        if (!may_be_wanted(way, source.directivity.loudest())) {
+        std::optional<DiffractedSound> possible =
+            diffracted_sound(std::move(way), view_, wedges_, specular, model, certain_pressure);
+        if (!possible) {
             continue;
         }
-        DiffractedSound sound = diffracted_sound(std::move(way), view_, wedges_, specular, model);
+        DiffractedSound& sound = *possible;
         const std::vector<Vec3> points = frustum::points_of(sound.way, view_, wedges_, from, to);
         if (!source.directivity.is_omnidirectional()) {
             const Vec3 departure = geometry::direction_between(points[0], points[1]);
@@ -128,7 +159,7 @@ void DiffractedPaths::add_to_pair(const RaySource& source,
                     sound);
         }
         Path path = describe(sound, view_, wedges_, from, to, model);
-        if (!settings_.is_wanted(path)) {
+        if (!is_as_loud(path, settings_.bands, min_pressure)) {
             continue;
         }
         for (TriangleId& triangle : path.triangles) {

@@ -85,19 +85,97 @@ TriangleId triangle_at(const frustum::SceneView& scene,
 
 }  // namespace
 
-DiffractedSound diffracted_sound(frustum::EdgePath way,
-                                 const frustum::SceneView& scene,
-                                 std::span<const Wedge> wedges,
-                                 const SpecularPaths& specular,
-                                 const DiffractionModel& model) {
+namespace {
+
+/// A sound before its bands are evaluated.
+struct SoundBuilder {
+    const Wedge& wedge;
+    const DiffractionModel& model;
+    Spectrum factors{};  // beside the edge
+    EdgeDiffraction edge{};
+    DiffractedSound sound{};
+    std::optional<EdgeSpectrum> spectrum{};
+
+    double face_factor(std::size_t kind, std::size_t band) const {
+        return kind == 0 ? 1.0 : model.reflection[wedge.faces[kind - 1].facet][band];
+    }
+    bool may_reach(double min_pressure) const;
+    double evaluate(std::size_t band);
+    bool evaluate(double min_pressure);
+};
+
+// A bound that holds for every band, with the loudest factor of each kind.
+bool SoundBuilder::may_reach(double min_pressure) const {
+    EdgeDiffraction loudest = edge;
+    double factor = 0.0;
+    for (std::size_t band = 0; band < model.bands.count(); ++band) {
+        factor = std::max(factor, factors[band]);
+    }
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+        double of_face = 0.0;
+        for (std::size_t band = 0; sound.is_counted[kind] && band < model.bands.count(); ++band) {
+            of_face = std::max(of_face, face_factor(kind, band));
+        }
+        loudest.pressure_factors[kind] = of_face;
+    }
+    return factor * max_diffracted_pressure(loudest) >= min_pressure;
+}
+
+/// Returns the absolute value of the sum.
+double SoundBuilder::evaluate(std::size_t band) {
+    const DiffractedPressure found = spectrum->pressure(wave_number(model, band));
+    Complex upright{0.0}, inverted{0.0}, net{0.0};
+    for (std::size_t kind = 0; kind < kKinds; ++kind) {
+        if (!sound.is_counted[kind]) {
+            continue;
+        }
+        const double factor = factors[band] * face_factor(kind, band);
+        sound.pressure[kind][band] = factor * (found.upright[kind] + found.inverted[kind]);
+        upright += factor * found.upright[kind];
+        inverted += factor * found.inverted[kind];
+        net += sound.pressure[kind][band];
+    }
+    sound.upright[band] = std::sqrt(std::norm(upright));
+    sound.inverted[band] = std::sqrt(std::norm(inverted));
+    return std::sqrt(std::norm(net));
+}
+
+// Most sounds that are too faint are told by their bound, most others by one of the low bands.
+bool SoundBuilder::evaluate(double min_pressure) {
+    constexpr double kRoundedDown = 1.0 - 0x1p-10;  // for what is still to be multiplied
+    if (!may_reach(kRoundedDown * min_pressure)) {
+        return false;
+    }
+    spectrum.emplace(edge);
+    bool is_loud = min_pressure <= 0.0;
+    std::size_t band = 0;
+    for (; band < model.bands.count() && !is_loud; ++band) {
+        is_loud = evaluate(band) >= kRoundedDown * min_pressure;
+    }
+    for (; band < model.bands.count(); ++band) {
+        evaluate(band);
+    }
+    return is_loud;
+}
+
+}  // namespace
+
+std::optional<DiffractedSound> diffracted_sound(frustum::EdgePath way,
+                                                const frustum::SceneView& scene,
+                                                std::span<const Wedge> wedges,
+                                                const SpecularPaths& specular,
+                                                const DiffractionModel& model,
+                                                double min_pressure) {
     const Wedge& wedge = wedges[way.wedge];
-    EdgeDiffraction edge;
+    SoundBuilder builder{.wedge = wedge, .model = model};
+    builder.factors = factors_beside_edge(way, model);
+    EdgeDiffraction& edge = builder.edge;
     edge.open_angle = wedge.open_angle;
     edge.source = geometry::wedge_coordinates(wedge, way.source_image);
     edge.listener = geometry::wedge_coordinates(wedge, way.listener_image);
     edge.z_begin = way.part.min;
     edge.z_end = way.part.max;
-    DiffractedSound sound;
+    DiffractedSound& sound = builder.sound;
     const std::size_t reflections = way.before.size() + way.after.size();
     for (std::size_t kind = 0; kind < kKinds; ++kind) {
         sound.mended[kind] = mended_sequence(way, wedge, kind);
@@ -113,26 +191,11 @@ DiffractedSound diffracted_sound(frustum::EdgePath way,
         sound.mended_length[kind] = glm::distance(image, way.listener_image);
         sound.pressure[kind].resize(model.bands.count());
     }
-    const Spectrum factors = factors_beside_edge(way, model);
-    for (std::size_t band = 0; band < model.bands.count(); ++band) {
-        const DiffractedPressure found = diffracted_pressure(edge, wave_number(model, band));
-        Complex upright{0.0}, inverted{0.0};
-        for (std::size_t kind = 0; kind < kKinds; ++kind) {
-            if (!sound.is_counted[kind]) {
-                continue;
-            }
-            const double factor =
-                factors[band] *
-                (kind == 0 ? 1.0 : model.reflection[wedge.faces[kind - 1].facet][band]);
-            sound.pressure[kind][band] = factor * (found.upright[kind] + found.inverted[kind]);
-            upright += factor * found.upright[kind];
-            inverted += factor * found.inverted[kind];
-        }
-        sound.upright[band] = std::sqrt(std::norm(upright));
-        sound.inverted[band] = std::sqrt(std::norm(inverted));
+    if (!builder.evaluate(min_pressure)) {
+        return std::nullopt;
     }
     sound.way = std::move(way);
-    return sound;
+    return std::move(sound);
 }
 
 void radiate(const Spectrum& sent, DiffractedSound& sound) {

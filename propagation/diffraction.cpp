@@ -8,6 +8,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace earshot::propagation {
 namespace {
@@ -107,11 +110,22 @@ public:
         return sum;
     }
 
-    /// int |B| e^{-jk(L - R0)} / L d eta over a side, by kind and sign.
-    Sums<Complex> integral(const Side& side, double wave_number) const noexcept;
+    /// A node of a quadrature over |eta|.
+    struct Node {
+        double excess_length = 0.0;
+        Sums<double> weight{};  // times the integrand
+    };
+
+    /// Nodes for low to high, in panels graded towards the apex.
+    std::vector<Node> near_nodes(double low, double high) const;
+
+    /// int |B| e^{-jk(L - R0)} / L d eta over a side, by kind and sign. `whole`: the nodes of the
+    /// side, made when they are needed.
+    Sums<Complex> integral(const Side& side, double wave_number, std::vector<Node>& whole) const;
 
     /// See max_diffracted_pressure().
     double bound(const Side& side, double wave_number) const noexcept;
+    double bound(const Side& side) const noexcept;
 
     const std::array<EdgeTerm, 4>& terms() const noexcept { return terms_; }
     /// A term with a > 0 subtracts from the pressure.
@@ -120,7 +134,10 @@ public:
     }
 
 private:
-    Sums<Complex> near_part(double low, double high, double size, double k) const noexcept;
+    Sums<Complex> near_part(double low,
+                            double high,
+                            std::span<const Node> nodes,
+                            double k) const noexcept;
     Sums<Complex> tail(double eta, double wave_number) const noexcept;
     double slope(const EdgeTerm& term, double eta) const noexcept;
 
@@ -131,30 +148,17 @@ private:
     std::array<EdgeTerm, 4> terms_;
 };
 
-// The value at the apex is subtracted and integrated in closed form: what remains vanishes at a
-// zone boundary, where the integrand alone would be singular. Panels are graded towards the apex;
-// `size` is the end of the last one.
-Sums<Complex> EdgeIntegral::near_part(double low,
-                                      double high,
-                                      double size,
-                                      double k) const noexcept {
-    const double at_apex = 1.0 / apex_length_;
-    Sums<Complex> sum{};
-    const Sums<double> closed = antiderivative(low, high);
-    for (std::size_t i = 0; i < kSums; ++i) {
-        sum[i] = at_apex * closed[i];
-    }
+std::vector<EdgeIntegral::Node> EdgeIntegral::near_nodes(double low, double high) const {
+    std::vector<Node> nodes;
     const auto add = [&](double eta, double weight) {
-        const double excess = excess_length(eta);
-        const Complex rest = unit(-k * excess) / (apex_length_ + excess) - at_apex;
-        const Sums<double> b = integrand(eta);
-        for (std::size_t i = 0; i < kSums; ++i) {
-            sum[i] += (weight * b[i]) * rest;
+        Node& node = nodes.emplace_back(Node{excess_length(eta), integrand(eta)});
+        for (double& of_sum : node.weight) {
+            of_sum *= weight;
         }
     };
     double panel_begin = 0.0;
     for (int panel = 0; panel < kPanels; ++panel) {
-        const double panel_end = std::ldexp(size, panel + 1 - kPanels);
+        const double panel_end = std::ldexp(high, panel + 1 - kPanels);
         const double from = std::max(panel_begin, low);
         const double to = std::min(panel_end, high);
         if (to > from) {
@@ -166,6 +170,28 @@ Sums<Complex> EdgeIntegral::near_part(double low,
             }
         }
         panel_begin = panel_end;
+    }
+    return nodes;
+}
+
+// The value at the apex is subtracted and integrated in closed form: what remains vanishes at a
+// zone boundary, where the integrand alone would be singular.
+Sums<Complex> EdgeIntegral::near_part(double low,
+                                      double high,
+                                      std::span<const Node> nodes,
+                                      double k) const noexcept {
+    const double at_apex = 1.0 / apex_length_;
+    Sums<Complex> sum{};
+    const Sums<double> closed = antiderivative(low, high);
+    for (std::size_t i = 0; i < kSums; ++i) {
+        sum[i] = at_apex * closed[i];
+    }
+    for (const Node& node : nodes) {
+        const double excess = node.excess_length;
+        const Complex rest = unit(-k * excess) / (apex_length_ + excess) - at_apex;
+        for (std::size_t i = 0; i < kSums; ++i) {
+            sum[i] += node.weight[i] * rest;
+        }
     }
     return sum;
 }
@@ -199,15 +225,21 @@ Sums<Complex> EdgeIntegral::tail(double eta, double wave_number) const noexcept 
     return sum;
 }
 
-Sums<Complex> EdgeIntegral::integral(const Side& side, double wave_number) const noexcept {
+Sums<Complex> EdgeIntegral::integral(const Side& side,
+                                     double wave_number,
+                                     std::vector<Node>& whole) const {
     Sums<Complex> sum{};
     if (!(side.high > side.low)) {
         return sum;
     }
     const double near_end = eta_of_excess(kNearPhase / wave_number);
-    if (side.low < near_end) {
-        const double high = std::min(side.high, near_end);
-        sum = near_part(side.low, high, high, wave_number);
+    if (side.low < near_end && side.high <= near_end) {
+        if (whole.empty()) {
+            whole = near_nodes(side.low, side.high);
+        }
+        sum = near_part(side.low, side.high, whole, wave_number);
+    } else if (side.low < near_end) {
+        sum = near_part(side.low, near_end, near_nodes(side.low, near_end), wave_number);
     }
     if (side.high > near_end) {
         const Sums<Complex> from = tail(std::max(side.low, near_end), wave_number);
@@ -255,6 +287,24 @@ double EdgeIntegral::bound(const Side& side, double wave_number) const noexcept 
     return smallest;
 }
 
+// Terms of one sign are at most their sum at the near end times the width, and the terms of both
+// together at most the larger of the two; apart, each is at most its integral.
+double EdgeIntegral::bound(const Side& side) const noexcept {
+    if (!(side.high > side.low)) {
+        return 0.0;
+    }
+    const double length = apex_length_ + excess_length(side.low);
+    double apart = 0.0;
+    for (const double of_sum : antiderivative(side.low, side.high)) {
+        apart += of_sum;
+    }
+    // Rounding tells the sign of a term on its boundary, where the integrand is steep.
+    Sums<double> near = integrand(side.low);
+    const double upright = near[0] + near[1] + near[2];
+    const double inverted = near[3] + near[4] + near[5];
+    return std::min(apart, (side.high - side.low) * std::max(upright, inverted)) / length;
+}
+
 }  // namespace
 
 double shortest_length(const EdgeDiffraction& edge) noexcept {
@@ -263,12 +313,24 @@ double shortest_length(const EdgeDiffraction& edge) noexcept {
     return integral.apex_length() + integral.excess_length(first.low);
 }
 
-DiffractedPressure diffracted_pressure(const EdgeDiffraction& edge, double wave_number) noexcept {
+struct EdgeSpectrum::State {
+    EdgeIntegral integral;
+    std::array<std::vector<EdgeIntegral::Node>, 2> nodes;  // per side
+};
+
+EdgeSpectrum::EdgeSpectrum(const EdgeDiffraction& edge)
+    : state_(std::make_unique<State>(State{EdgeIntegral(edge), {}})) {}
+
+EdgeSpectrum::EdgeSpectrum(EdgeSpectrum&&) noexcept = default;
+EdgeSpectrum& EdgeSpectrum::operator=(EdgeSpectrum&&) noexcept = default;
+EdgeSpectrum::~EdgeSpectrum() = default;
+
+DiffractedPressure EdgeSpectrum::pressure(double wave_number) {
     EARSHOT_ASSERT(wave_number > 0.0);
-    const EdgeIntegral integral(edge);
+    const EdgeIntegral& integral = state_->integral;
     const auto sides = integral.sides();
-    const Sums<Complex> first = integral.integral(sides[0], wave_number);
-    const Sums<Complex> second = integral.integral(sides[1], wave_number);
+    const Sums<Complex> first = integral.integral(sides[0], wave_number, state_->nodes[0]);
+    const Sums<Complex> second = integral.integral(sides[1], wave_number, state_->nodes[1]);
     const Complex phase = unit(-wave_number * integral.apex_length()) / (4.0 * math::kPi);
     DiffractedPressure pressure;
     for (std::size_t kind = 0; kind < 3; ++kind) {
@@ -278,12 +340,24 @@ DiffractedPressure diffracted_pressure(const EdgeDiffraction& edge, double wave_
     return pressure;
 }
 
+DiffractedPressure diffracted_pressure(const EdgeDiffraction& edge, double wave_number) {
+    return EdgeSpectrum(edge).pressure(wave_number);
+}
+
 double max_diffracted_pressure(const EdgeDiffraction& edge, double wave_number) noexcept {
     EARSHOT_ASSERT(wave_number > 0.0);
     const EdgeIntegral integral(edge);
     const auto sides = integral.sides();
     return (integral.bound(sides[0], wave_number) + integral.bound(sides[1], wave_number)) /
            (4.0 * math::kPi);
+}
+
+double max_diffracted_pressure(const EdgeDiffraction& edge) noexcept {
+    const EdgeIntegral integral(edge);
+    const auto sides = integral.sides();
+    constexpr double kQuadratureError = 1e-4;
+    return (integral.bound(sides[0]) + integral.bound(sides[1])) / (4.0 * math::kPi) +
+           kQuadratureError / integral.apex_length();
 }
 
 EdgeResponse diffraction_response(const EdgeDiffraction& edge,

@@ -7,6 +7,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace earshot::propagation {
@@ -60,11 +61,32 @@ struct DiffractedPressure {
 double shortest_length(const EdgeDiffraction& edge) noexcept;
 
 /// Within 6e-5 / shortest way over the edge's line, and 0.002 dB. Precondition: wave_number > 0.
-DiffractedPressure diffracted_pressure(const EdgeDiffraction& edge, double wave_number) noexcept;
+DiffractedPressure diffracted_pressure(const EdgeDiffraction& edge, double wave_number);
+
+/// The pressure of one edge at several frequencies, which share most of the work. The bits are
+/// those of diffracted_pressure().
+class EdgeSpectrum {
+public:
+    explicit EdgeSpectrum(const EdgeDiffraction& edge);
+    EdgeSpectrum(EdgeSpectrum&&) noexcept;
+    EdgeSpectrum& operator=(EdgeSpectrum&&) noexcept;
+    ~EdgeSpectrum();
+
+    /// Precondition: wave_number > 0.
+    DiffractedPressure pressure(double wave_number);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 /// A bound on the absolute value of each of diffracted_pressure()'s sums of terms, cheaper than the
 /// pressure itself: typically 10 dB above it.
 double max_diffracted_pressure(const EdgeDiffraction& edge, double wave_number) noexcept;
+
+/// A bound on the absolute value of the total at every frequency, cheaper still: what would arrive
+/// if the ways over all points of the edge were of one length.
+double max_diffracted_pressure(const EdgeDiffraction& edge) noexcept;
 
 /// An impulse response.
 struct EdgeResponse {

@@ -389,7 +389,7 @@ void Simulator::State::add_diffracted_paths(const RaySource& sender,
             .max_order = options.specular_order,
             .max_length = options.max_length,
             .min_pressure = min_pressure,
-            .is_wanted = [this](const Path& path) { return is_wanted(path); }};
+            .min_pressure_ratio = math::pow10(options.min_diffraction_level_db / 20.0)};
         diffracted.emplace(scene, geometry, settings, executor);
     }
     diffracted->add(sender, placed, listeners->listeners(), pairs, executor);

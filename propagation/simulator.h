@@ -29,6 +29,9 @@ struct Options {
     /// it does not. A specular path and what edges make of it are found together (see
     /// docs/algorithms/diffraction.md). Late sound knows no edges.
     int diffraction = 0;
+    /// Diffracted paths are left out whose loudest band is fainter, in decibels re the source's
+    /// free field at the listener's distance, or at 1 m if it is closer. -inf: none are.
+    double min_diffraction_level_db = -40.0;
     frustum::Mode mode = frustum::Mode::complete;
     int resolution = 0;  ///< sub-frusta along a frustum's side; 0: the mode's default
     /// Off: PairResult::arrivals in place of paths, for responses that nobody asks the paths of. In

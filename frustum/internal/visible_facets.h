@@ -80,6 +80,9 @@ public:
     /// sub-frustum that may contain it is inactive or occluded in front of the point.
     bool may_arrive_at(const geometry::Vec3& point) const noexcept;
 
+    /// Whether may_arrive_at() some point of a straight line, conservatively.
+    bool may_arrive_on(const geometry::Vec3& begin, const geometry::Vec3& end) const noexcept;
+
     /// A test that passes a superset of the points for which may_pass() is true, once it is given
     /// the aperture of a visible facet.
     ApertureTest aperture_test() const noexcept;

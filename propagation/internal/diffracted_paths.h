@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/parallel.h"
+#include "earshot/frustum/edge_paths.h"
 #include "earshot/frustum/surface_points.h"
 #include "earshot/geometry/wedge.h"
 #include "earshot/propagation/air.h"
@@ -11,7 +12,6 @@
 #include "earshot/propagation/pair_result.h"
 #include "earshot/propagation/scene.h"
 
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -26,10 +26,10 @@ struct DiffractionSettings {
     bool air_absorption = true;
     int max_order = 0;  ///< of specular paths, and of reflections beside an edge
     double max_length = 0.0;
-    /// What is_wanted() asks of the loudest band at least: paths certain to be fainter need not be
-    /// evaluated. 0: nothing.
-    double min_pressure = 0.0;
-    std::function<bool(const Path&)> is_wanted{};
+    double min_pressure = 0.0;  ///< of the loudest band of a path
+    /// The loudest band of a path is at least this times the source's free field at the listener's
+    /// distance, or at 1 m if it is closer.
+    double min_pressure_ratio = 0.0;
 };
 
 /// The diffracted paths of a scene at one instant.
@@ -47,14 +47,16 @@ public:
              const frustum::PlacedPairs& placed,
              std::span<const geometry::Vec3> listeners,
              std::span<PairResult> pairs,
-             Executor& executor) const;
+             Executor& executor);
 
 private:
     SpecularPaths specular_paths(const PairResult& pair) const;
-    bool may_be_wanted(const frustum::EdgePath& way, double loudest) const;
+    /// Of the loudest band of paths from a source to a listener.
+    double min_pressure(const geometry::Vec3& source, const geometry::Vec3& listener) const;
     void add_to_pair(const RaySource& source,
                      const geometry::Vec3& from,
                      const geometry::Vec3& to,
+                     double min_pressure,
                      std::span<frustum::EdgePath> ways,
                      PairResult& pair) const;
 
@@ -65,6 +67,8 @@ private:
     std::vector<geometry::Wedge> wedges_;
     std::vector<geometry::FacetId> facet_of_triangle_;  // by the numbers of the scene
     std::vector<audio::Spectrum> reflection_of_facet_;
+    std::vector<double> max_reflection_of_facet_;
+    frustum::EdgePathFinder finder_;
 };
 
 }  // namespace earshot::propagation

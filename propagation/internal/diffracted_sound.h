@@ -13,6 +13,7 @@
 #include <complex>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,11 +48,13 @@ struct DiffractedSound {
     audio::Spectrum upright{}, inverted{};  ///< absolute values of the sums by sign
 };
 
-DiffractedSound diffracted_sound(frustum::EdgePath way,
-                                 const frustum::SceneView& scene,
-                                 std::span<const geometry::Wedge> wedges,
-                                 const SpecularPaths& specular,
-                                 const DiffractionModel& model);
+/// Nothing if every band is certain to be fainter than `min_pressure`.
+std::optional<DiffractedSound> diffracted_sound(frustum::EdgePath way,
+                                                const frustum::SceneView& scene,
+                                                std::span<const geometry::Wedge> wedges,
+                                                const SpecularPaths& specular,
+                                                const DiffractionModel& model,
+                                                double min_pressure = 0.0);
 
 /// Multiplies everything by what the source sends towards the edge.
 void radiate(const audio::Spectrum& sent, DiffractedSound& sound);

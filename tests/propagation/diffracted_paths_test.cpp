@@ -20,6 +20,7 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <vector>
 
 namespace earshot::propagation {
@@ -145,6 +146,40 @@ TEST(DiffractedPaths, LevelsAndLengthsLeaveOutThoseBeyond) {
     EXPECT_LT(count_loud, all.size());
 }
 
+// The level alone tells what is left out, whatever is decided before paths are evaluated.
+TEST(DiffractedPaths, OfALevelAreThoseOfAllThatAreAsLoud) {
+    const Scene scene = screen_scene();
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    const auto paths_above = [&](double level_db) {
+        return paths_of(
+            scene, {.specular_order = 2, .diffraction = 1, .min_diffraction_level_db = level_db});
+    };
+    const auto all = paths_above(kNone);
+    const double distance = glm::distance(scene.sources[0].position, scene.listeners[0].position);
+    std::size_t last = all.size();
+    for (const double level_db : {-200.0, -60.0, -50.0, -40.0, -30.0, -20.0, -10.0}) {
+        std::vector<Path> expected;
+        for (const Path& path : all) {
+            const auto [quietest, loudest] =
+                std::minmax_element(path.pressure.begin(), path.pressure.end());
+            const double pressure = std::max(*loudest, -*quietest);
+            if (path.kind != PathKind::diffracted ||
+                20.0 * std::log10(pressure * distance) >= level_db) {
+                expected.push_back(path);
+            }
+        }
+        const auto found = paths_above(level_db);
+        ASSERT_EQ(found.size(), expected.size()) << level_db << " dB";
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            EXPECT_EQ(found[i].points, expected[i].points);
+            EXPECT_EQ(found[i].pressure, expected[i].pressure);
+        }
+        EXPECT_LE(found.size(), last);
+        last = found.size();
+    }
+    EXPECT_LT(last, all.size() / 2);
+}
+
 TEST(DiffractedPaths, AreTheSameForAnyNumberOfThreads) {
     const Scene scene = screen_scene();
     const Options options{.specular_order = 2, .diffraction = 1};
@@ -231,7 +266,7 @@ public:
         for (frustum::EdgePath& way :
              frustum::find_edge_paths(view, wedges_, source, listeners, {.max_reflections = 1})
                  .paths) {
-            sounds.push_back(diffracted_sound(std::move(way), view, wedges_, specular, model));
+            sounds.push_back(*diffracted_sound(std::move(way), view, wedges_, specular, model));
             for (std::size_t band = 0; band < bands.count(); ++band) {
                 for (const auto& of_kind : sounds.back().pressure) {
                     field.pressure[band] += of_kind[band];
