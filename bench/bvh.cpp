@@ -4,7 +4,6 @@
 // configure time, with Embree, in one process, in turns, with the same rays.
 
 #include "earshot/base/error.h"
-#include "earshot/base/random.h"
 #include "earshot/base/simd.h"
 #include "earshot/bvh/builder_names.h"
 #include "earshot/io/scene_file.h"
@@ -14,6 +13,7 @@
 
 #include "bvh_contenders.h"
 #include "bvh_rays.h"
+#include "generated_city.h"
 #include "harness.h"
 #include <algorithm>
 #include <chrono>
@@ -36,6 +36,7 @@ struct Options {
     std::size_t rays = 1U << 20;
     bool from_inside = false;
     std::string builder = "binned_sah";
+    int max_leaf_size = 4;
     std::size_t generate = 0;
     std::vector<std::string> sets, only;
 };
@@ -71,7 +72,8 @@ std::vector<double> medians(const RunTimes& times) {
 
 std::vector<std::unique_ptr<Contender>> all_contenders(const Options& options) {
     auto contenders =
-        earshot_contenders({.builder = earshot::bvh::builder_named(options.builder)->builder});
+        earshot_contenders({.builder = earshot::bvh::builder_named(options.builder)->builder,
+                            .max_leaf_size = options.max_leaf_size});
     for (auto& contender : embree_contenders(options.threads, options.simd)) {
         contenders.push_back(std::move(contender));
     }
@@ -93,7 +95,13 @@ public:
         values_.push_back(values);
     }
 
-    /// The same of rates, with the runs that they are of.
+    /// Seconds, with the runs that they are of.
+    void add_times(const std::string& column, const RunTimes& times) {
+        add(column, medians(times));
+        runs_.push_back(times);
+    }
+
+    /// The same of rates.
     void add_rates(const std::string& column, std::size_t rays, const RunTimes& times) {
         std::vector<double> rates;
         for (const double seconds : medians(times)) {
@@ -140,7 +148,10 @@ public:
         }
         const auto at = static_cast<std::size_t>(row - rows_.begin());
         Table ratios = *this;
-        for (std::size_t column = 0; column < columns_.size(); ++column) {
+        // Only the first columns have runs.
+        ratios.columns_.resize(runs_.size());
+        ratios.values_.resize(runs_.size());
+        for (std::size_t column = 0; column < runs_.size(); ++column) {
             for (std::size_t i = 0; i < rows_.size(); ++i) {
                 std::vector<double> of_runs;
                 for (std::size_t run = 0; run < runs_[column][i].size(); ++run) {
@@ -155,7 +166,7 @@ public:
 private:
     std::vector<std::string> rows_, columns_;
     std::vector<std::vector<double>> values_;  // per column, per row
-    std::vector<RunTimes> runs_;               // per column of rates
+    std::vector<RunTimes> runs_;               // per column, of the first ones
 };
 
 /// Of one thread its processor time, which other programs disturb less.
@@ -180,10 +191,10 @@ Table measure_builds(const Options& options,
                      earshot::Executor& executor) {
     const std::size_t count = contenders.size();
     Table table(contenders);
-    table.add("build, s", medians(take_turns(count, options.repeats, [&](std::size_t i) {
-                  return seconds_of_run(options,
-                                        [&] { contenders[i]->build(mesh.view(), executor); });
-              })));
+    table.add_times("build, s", take_turns(count, options.repeats, [&](std::size_t i) {
+                        return seconds_of_run(options,
+                                              [&] { contenders[i]->build(mesh.view(), executor); });
+                    }));
     std::vector<double> bytes;
     for (const auto& contender : contenders) {
         bytes.push_back(static_cast<double>(contender->bytes()) /
@@ -243,35 +254,6 @@ Mesh loaded(const std::string& file) {
     return {mesh.positions_at(0.0), {mesh.triangles().begin(), mesh.triangles().end()}};
 }
 
-/// A city of `count` triangles or a few more: a grid of heights, level in blocks and rough on top.
-Mesh generated_city(std::size_t count) {
-    const auto side =
-        static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count) / 2.0)));
-    constexpr std::uint64_t kBlock = 24;
-    Mesh mesh;
-    mesh.positions.reserve((side + 1) * (side + 1));
-    mesh.triangles.reserve(2 * side * side);
-    for (std::size_t z = 0; z <= side; ++z) {
-        for (std::size_t x = 0; x <= side; ++x) {
-            const bool is_street = x % kBlock < 6 || z % kBlock < 6;
-            const double house = earshot::random(1, x / kBlock, z / kBlock);
-            const double rough = 0.2 * earshot::random(2, x, z);
-            mesh.positions.emplace_back(static_cast<double>(x),
-                                        (is_street ? 0.0 : 5.0 + 40.0 * house) + rough,
-                                        static_cast<double>(z));
-        }
-    }
-    for (std::size_t z = 0; z < side; ++z) {
-        for (std::size_t x = 0; x < side; ++x) {
-            const auto corner = static_cast<earshot::geometry::VertexId>(z * (side + 1) + x);
-            const auto below = static_cast<earshot::geometry::VertexId>(corner + side + 1);
-            mesh.triangles.push_back({corner, below, corner + 1});
-            mesh.triangles.push_back({corner + 1, below, below + 1});
-        }
-    }
-    return mesh;
-}
-
 /// The most memory that this process has had, GiB.
 double peak_memory() {
     rusage usage{};
@@ -293,6 +275,9 @@ void measure(const Options& options) {
                 options.repeats);
     const Table builds = measure_builds(options, mesh, contenders, executor);
     builds.print("Building");
+    for (const char* reference : {"embree medium", "embree low"}) {
+        builds.print_ratios(reference);
+    }
     std::printf("\nHits (and digests of answers)\n\n");
     const Table rays = measure_rays(options,
                                     make_ray_sets(mesh.view(), options.rays, options.from_inside),
@@ -334,6 +319,7 @@ int run(int argc, char** argv) {
     app.add_flag("--inside", options.from_inside, "the camera stands inside: the mesh is a room");
     app.add_option("--builder", options.builder, "earshot's builder; default: binned_sah")
         ->check(CLI::IsMember(builder_names()));
+    app.add_option("--leaf", options.max_leaf_size, "earshot's triangles in a leaf; default: 4");
     app.add_option("--sets", options.sets, "camera, diffuse, ao, random, los; default: all");
     app.add_option("--only", options.only, "contenders whose names contain one of these");
     app.add_option("--simd", options.simd, "instruction set; default: auto");

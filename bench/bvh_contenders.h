@@ -39,7 +39,8 @@ public:
     virtual std::uint64_t digest() const { return 0; }
 };
 
-/// earshot's: the binary tree, the wide tree ray by ray, the wide tree in batches.
+/// earshot's: the binary tree, the wide tree ray by ray, in batches and with quantised leaves, and
+/// the tree of the fastest build in batches.
 std::vector<std::unique_ptr<Contender>> earshot_contenders(
     const earshot::bvh::BuildOptions& options);
 

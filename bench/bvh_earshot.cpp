@@ -151,6 +151,15 @@ protected:
     }
 };
 
+/// The fastest build: leaves as large as a wide tree's.
+class Fast : public WideBatch {
+public:
+    Fast()
+        : WideBatch({.builder = earshot::bvh::Builder::fast,
+                     .max_leaf_size = static_cast<int>(earshot::bvh::kMaxLeafTriangles)}) {}
+    std::string name() const override { return "earshot fast"; }
+};
+
 class Quantised : public WideBatch {
 public:
     using WideBatch::WideBatch;
@@ -170,6 +179,7 @@ std::vector<std::unique_ptr<Contender>> earshot_contenders(const BuildOptions& o
     contenders.push_back(std::make_unique<Wide>(options));
     contenders.push_back(std::make_unique<WideBatch>(options));
     contenders.push_back(std::make_unique<Quantised>(options));
+    contenders.push_back(std::make_unique<Fast>());
     return contenders;
 }
 

@@ -36,4 +36,7 @@ public:
 /// FCL with boxes of its fastest kind; null where it is not there.
 std::unique_ptr<DiscreteContender> fcl_contender();
 
+/// The same of Coal, which grew out of FCL.
+std::unique_ptr<DiscreteContender> coal_contender();
+
 }  // namespace bench

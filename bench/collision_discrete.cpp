@@ -2,7 +2,8 @@
 //
 // bench_collision_discrete MESH_A MESH_B [POSES]: two meshes, scaled to a diagonal of 1, at random
 // poses of the second: building, whether they intersect, how far apart they are, all contacts.
-// Beside FCL, question by question in turns, where it was there at configure time. One thread.
+// Beside FCL and Coal, question by question in turns, where they were there at configure time. One
+// thread.
 
 #include "earshot/base/digest.h"
 #include "earshot/base/error.h"
@@ -157,11 +158,10 @@ void print(const std::vector<Run>& runs) {
                         t.at(0.5),
                         t.at(0.99),
                         t.at(0.0),
-                        (runs.back().*times).mean() / t.mean());
+                        t.mean() / (runs.front().*times).mean());
         }
     };
-    std::printf(
-        "| us | library | times | mean | median | 99 %% | minimum | last's mean / mean |\n");
+    std::printf("| us | library | times | mean | median | 99 %% | minimum | mean / earshot's |\n");
     std::printf("| --- | --- | ---: | ---: | ---: | ---: | ---: | ---: |\n");
     line("build both", &Run::build);
     line("intersect?", &Run::intersects);
@@ -229,6 +229,9 @@ int run(int argc, char** argv) {
     runs.push_back({"earshot", std::make_unique<Earshot>()});
     if (auto fcl = fcl_contender()) {
         runs.push_back({"FCL", std::move(fcl)});
+    }
+    if (auto coal = coal_contender()) {
+        runs.push_back({"Coal", std::move(coal)});
     }
     for (int repeat = 0; repeat < 5; ++repeat) {
         for (Run& each : runs) {

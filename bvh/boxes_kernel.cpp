@@ -3,6 +3,7 @@
 
 #include "earshot/bvh/tree.h"
 
+#include <algorithm>
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
@@ -27,7 +28,13 @@ void triangle_boxes_of(const geometry::MeshView& mesh,
                        std::size_t first,
                        std::span<geometry::Aabb> boxes) {
     const Double4 zero = Double4(0.0);
+    // Vertices lie in memory in another order than triangles: they are asked for ahead.
+    constexpr std::size_t kAhead = 16;
     for (std::size_t i = 0; i < boxes.size(); ++i) {
+        const std::size_t later = std::min(first + i + kAhead, mesh.triangles.size() - 1);
+        for (const geometry::VertexId vertex : mesh.triangles[later]) {
+            __builtin_prefetch(&mesh.positions[vertex]);
+        }
         const geometry::Triangle& triangle = mesh.triangles[first + i];
         const Double4 a = load_three(&mesh.positions[triangle[0]].x);
         const Double4 b = load_three(&mesh.positions[triangle[1]].x);

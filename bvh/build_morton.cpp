@@ -87,7 +87,7 @@ Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Exec
 }
 
 Tree build_fast(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
-    constexpr std::uint32_t kMaxClusterSize = 16;
+    constexpr std::uint32_t kMaxClusterSize = 64;
     return build_clustered(boxes, kMaxClusterSize, options, executor);
 }
 

@@ -273,10 +273,6 @@ WideTree WideTree::build(const Tree& tree,
     wide.nodes_.resize(collapse.slots.size());
     wide.words_.resize(wide.words_per_block_ * collapse.blocks() + kPaddingWords);
     std::fill_n(wide.words_.end() - kPaddingWords, kPaddingWords, 0U);
-    // A mesh that does not fit into the caches is asked for ahead.
-    constexpr std::size_t kMinLargeMesh = std::size_t{4} << 20;
-    const bool is_large =
-        mesh.positions.size_bytes() + mesh.triangles.size_bytes() >= kMinLargeMesh;
     const auto set_node = [&](std::size_t i) {
         WideNode& node = wide.nodes_[i];
         for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
@@ -294,9 +290,7 @@ WideTree WideTree::build(const Tree& tree,
             } else {
                 write_primitives(tree, slot.node, out);
             }
-            if (is_large) {
-                prefetch_triangles({out, in_leaf}, mesh);
-            }
+            prefetch_triangles({out, in_leaf}, mesh);
         }
         set_order(node);
     };
@@ -316,7 +310,7 @@ WideTree WideTree::build(const Tree& tree,
             for (std::size_t i = begin; i < end; ++i) {
                 set_node(i);
             }
-            for (std::size_t i = begin; i < end && is_large; ++i) {
+            for (std::size_t i = begin; i < end; ++i) {
                 for_each_leaf(i, [&](std::uint32_t leaf) {
                     prefetch_vertices(wide.leaf_triangles(leaf), mesh);
                 });

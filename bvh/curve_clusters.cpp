@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::size_t kGrain = 16384;
 
+/// Clusters whose nodes are built by one task.
+constexpr std::size_t kClustersPerChunk = 512;
+
 /// Ranges of the curve up to this size are divided into clusters by one task.
 constexpr std::uint32_t kTaskSize = 16384;
 
@@ -65,56 +68,51 @@ std::vector<MortonRange> find_clusters(std::span<const Aabb> boxes,
 }
 
 /// Splits at the curve down to this depth below a cluster's root, and in the middle below, so that
-/// no leaf of sixteen primitives lies deeper than kMaxClusterDepth.
-constexpr std::uint32_t kMaxCurveDepth = kMaxClusterDepth - 4;
+/// no leaf of 64 primitives lies deeper than kMaxClusterDepth.
+constexpr std::uint32_t kMaxCurveDepth = kMaxClusterDepth - 6;
 
-/// The nodes of a cluster.
+/// Appends the nodes of a cluster to others.
 class ClusterTree {
 public:
-    ClusterTree(std::span<const MortonPrimitive> sorted, std::uint32_t max_leaf_size)
-        : sorted_(sorted), max_leaf_size_(max_leaf_size) {}
-
-    /// How many nodes there are over a range.
-    std::uint32_t node_count(std::uint32_t begin, std::uint32_t count, std::uint32_t depth) const {
-        if (count <= max_leaf_size_) {
-            return 1;
-        }
-        const std::uint32_t left = left_count(begin, count, depth);
-        return 1 + node_count(begin, left, depth + 1) +
-               node_count(begin + left, count - left, depth + 1);
+    ClusterTree(std::span<const Aabb> boxes,
+                std::span<const MortonPrimitive> sorted,
+                std::uint32_t max_leaf_size,
+                std::vector<Node>& nodes)
+        : boxes_(boxes),
+          sorted_(sorted),
+          max_leaf_size_(max_leaf_size),
+          nodes_(nodes),
+          root_(nodes.size()) {
+        nodes.emplace_back();
     }
 
-    /// Sets nodes[target], the root over a range, and appends what is below it.
-    void write(std::span<const Aabb> boxes,
-               Node* nodes,
-               std::uint32_t target,
-               std::uint32_t begin,
-               std::uint32_t count,
-               std::uint32_t depth) {
-        Node& node = nodes[target];
+    /// Sets the node, counted from the cluster's root, over a range, and appends what is below it.
+    /// Returns its box.
+    Aabb write(std::size_t node, std::uint32_t begin, std::uint32_t count, std::uint32_t depth) {
+        const std::span<const MortonPrimitive> run = sorted_.subspan(begin, count);
         if (count <= max_leaf_size_) {
-            node = {united_box(boxes, sorted_.subspan(begin, count)), begin, count};
-            return;
+            return set(node, {united_box(boxes_, run), begin, count});
         }
-        const std::uint32_t left = next_;
-        const std::uint32_t in_left = left_count(begin, count, depth);
-        next_ += 2;
-        write(boxes, nodes, left, begin, in_left, depth + 1);
-        write(boxes, nodes, left + 1, begin + in_left, count - in_left, depth + 1);
-        node = {nodes[left].box, left, 0};
-        node.box.include(nodes[left + 1].box);
+        const auto in_left =
+            depth < kMaxCurveDepth ? static_cast<std::uint32_t>(curve_split(run)) : count / 2;
+        const std::size_t left = nodes_.size() - root_;
+        nodes_.resize(nodes_.size() + 2);
+        Aabb box = write(left, begin, in_left, depth + 1);
+        box.include(write(left + 1, begin + in_left, count - in_left, depth + 1));
+        return set(node, {box, static_cast<std::uint32_t>(left), 0});
     }
 
 private:
-    std::uint32_t left_count(std::uint32_t begin, std::uint32_t count, std::uint32_t depth) const {
-        return depth < kMaxCurveDepth
-                   ? static_cast<std::uint32_t>(curve_split(sorted_.subspan(begin, count)))
-                   : count / 2;
+    Aabb set(std::size_t node, const Node& value) {
+        nodes_[root_ + node] = value;
+        return value.box;
     }
 
+    std::span<const Aabb> boxes_;
     std::span<const MortonPrimitive> sorted_;
     std::uint32_t max_leaf_size_;
-    std::uint32_t next_ = 1;
+    std::vector<Node>& nodes_;
+    std::size_t root_;
 };
 
 void prefetch_boxes(std::span<const Aabb> boxes, std::span<const MortonPrimitive> run) {
@@ -144,26 +142,21 @@ CurveClusters::CurveClusters(std::span<const Aabb> boxes,
     boxes_.resize(clusters.size());
     first_node_.resize(clusters.size());
     node_counts_.resize(clusters.size());
-    std::uint32_t node_count = 0;
-    for (std::size_t i = 0; i < clusters.size(); ++i) {
-        first_node_[i] = node_count;
-        node_counts_[i] = ClusterTree(sorted_, options.max_leaf_size)
-                              .node_count(clusters[i].begin, clusters[i].size(), 0);
-        node_count += node_counts_[i];
-    }
-    nodes_.resize(node_count);
+    nodes_.resize(chunk_count(clusters.size(), kClustersPerChunk));
     // Boxes lie in memory in another order than on the curve: they are asked for ahead.
     constexpr std::size_t kAhead = 4;
-    executor.for_each(clusters.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    executor.for_each(clusters.size(), kClustersPerChunk, [&](std::size_t begin, std::size_t end) {
+        std::vector<Node>& nodes = nodes_[begin / kClustersPerChunk];
+        nodes.reserve(16 * (end - begin));
         for (std::size_t i = begin; i < end; ++i) {
             if (i + kAhead < end) {
                 const MortonRange& next = clusters[i + kAhead];
                 prefetch_boxes(boxes, std::span(sorted_).subspan(next.begin, next.size()));
             }
-            Node* const nodes = &nodes_[first_node_[i]];
-            ClusterTree(sorted_, options.max_leaf_size)
-                .write(boxes, nodes, 0, clusters[i].begin, clusters[i].size(), 0);
-            boxes_[i] = nodes[0].box;
+            first_node_[i] = static_cast<std::uint32_t>(nodes.size());
+            boxes_[i] = ClusterTree(boxes, sorted_, options.max_leaf_size, nodes)
+                            .write(0, clusters[i].begin, clusters[i].size(), 0);
+            node_counts_[i] = static_cast<std::uint32_t>(nodes.size()) - first_node_[i];
         }
     });
 }
@@ -179,7 +172,7 @@ Tree CurveClusters::tree_below(const Tree& top, Executor& executor) const {
         }
     });
     const auto node_of = [&](std::uint32_t cluster, std::uint32_t i) {
-        return nodes_[first_node_[cluster] + i];
+        return nodes_[cluster / kClustersPerChunk][first_node_[cluster] + i];
     };
     std::vector<Node> nodes =
         TreeAssembly(std::span<const TopNode>(upper), node_counts_, node_of).nodes(executor, 1024);

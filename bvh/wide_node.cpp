@@ -86,20 +86,4 @@ Aabb pack_leaf(LeafEncoding encoding,
                                             : pack_quantised_leaf(words, count, mesh);
 }
 
-void prefetch_triangles(std::span<const std::uint32_t> triangles,
-                        const geometry::MeshView& mesh) noexcept {
-    for (const std::uint32_t triangle : triangles) {
-        __builtin_prefetch(&mesh.triangles[triangle]);
-    }
-}
-
-void prefetch_vertices(std::span<const std::uint32_t> triangles,
-                       const geometry::MeshView& mesh) noexcept {
-    for (const std::uint32_t triangle : triangles) {
-        for (const geometry::VertexId vertex : mesh.triangles[triangle]) {
-            __builtin_prefetch(&mesh.positions[vertex]);
-        }
-    }
-}
-
 }  // namespace earshot::bvh

@@ -15,12 +15,12 @@ namespace earshot::bvh {
 std::vector<std::uint32_t> indices_of(std::span<const MortonPrimitive> sorted, Executor& executor);
 
 struct CurveClusterOptions {
-    std::uint32_t max_size = 16;      ///< primitives in a cluster, at most 16
+    std::uint32_t max_size = 64;      ///< primitives in a cluster, at most 64
     std::uint32_t max_leaf_size = 4;  ///< primitives in a leaf
 };
 
 /// No leaf lies deeper below a cluster's root.
-inline constexpr std::uint32_t kMaxClusterDepth = 7;
+inline constexpr std::uint32_t kMaxClusterDepth = 11;
 
 /// Runs of primitives along a Morton curve that are close to each other: the largest nodes of a
 /// hierarchy along the curve that have few primitives. Below each cluster's root, runs are halved
@@ -42,7 +42,8 @@ private:
     LargeArray<MortonPrimitive> sorted_;
     std::vector<geometry::Aabb> boxes_;
     std::vector<std::uint32_t> first_node_, node_counts_;  // per cluster
-    LargeArray<Node> nodes_;  // of all clusters: depth-first, child indices from a cluster's root
+    std::vector<std::vector<Node>> nodes_;  // of chunks of clusters: depth-first, child indices
+                                            // from a cluster's root
 };
 
 }  // namespace earshot::bvh

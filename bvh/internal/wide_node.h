@@ -20,12 +20,22 @@ geometry::Aabb box_of(const WideNode& node) noexcept;
 /// Sets the traversal orders from the boxes: the slots sorted along the eight diagonals.
 void set_order(WideNode& node) noexcept;
 
-/// Prefetch what pack_leaf() will read: first the triangles, and when these are in the cache, their
-/// vertices.
-void prefetch_triangles(std::span<const std::uint32_t> triangles,
-                        const geometry::MeshView& mesh) noexcept;
-void prefetch_vertices(std::span<const std::uint32_t> triangles,
-                       const geometry::MeshView& mesh) noexcept;
+// Prefetch what pack_leaf() will read: first the triangles, and when these are in the cache, their
+// vertices.
+inline void prefetch_triangles(std::span<const std::uint32_t> triangles,
+                               const geometry::MeshView& mesh) noexcept {
+    for (const std::uint32_t triangle : triangles) {
+        __builtin_prefetch(&mesh.triangles[triangle]);
+    }
+}
+inline void prefetch_vertices(std::span<const std::uint32_t> triangles,
+                              const geometry::MeshView& mesh) noexcept {
+    for (const std::uint32_t triangle : triangles) {
+        for (const geometry::VertexId vertex : mesh.triangles[triangle]) {
+            __builtin_prefetch(&mesh.positions[vertex]);
+        }
+    }
+}
 
 /// Words of the quantisation frame that a quantised leaf begins with.
 inline constexpr std::size_t kQuantisationFrameWords = 4;
