@@ -147,11 +147,11 @@ void measure_parts() {
     materials[0].scattering = earshot::propagation::EnergyCoefficient(0.2);
     const std::vector<std::uint32_t> material_of_triangle(mesh.triangles.size(), 0);
     count_parts("20,000 late rays, hall", [&] {
-        trace_late_rays({bvh.view(), material_of_triangle, materials},
-                        {.pose = {.position = source}},
-                        std::span(&listener, 1),
-                        {.rays = 20000},
-                        two);
+        earshot::propagation::trace_late_rays({bvh.view(), material_of_triangle, materials},
+                                              {.pose = {.position = source}},
+                                              std::span(&listener, 1),
+                                              {.rays = 20000},
+                                              two);
     });
 }
 
