@@ -77,6 +77,31 @@ inline Scene calibration_room() {
     return scene;
 }
 
+/// A room of 9 x 3 x 7 m with a floor and a ceiling that absorb and walls that do not: sound stays
+/// between the walls until they scatter it, so that decays tell how much they do. Three materials,
+/// a source, four listeners.
+inline Scene flutter_room() {
+    Scene scene = shoebox_room({9.0, 3.0, 7.0});
+    for (std::uint32_t& material : scene.material_of_triangle) {
+        material = std::min(material, 2U);
+    }
+    scene.materials.resize(3);
+    constexpr std::array<double, 3> kAbsorption = {0.5, 0.6, 0.08}, kScattering = {0.3, 0.3, 0.2};
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        scene.materials[i].absorption = EnergyCoefficient(kAbsorption[i]);
+        scene.materials[i].scattering = EnergyCoefficient(kScattering[i]);
+    }
+    scene.materials[2].name = "walls";
+    scene.sources = {{.name = "s", .position = {1.7, 1.2, 2.1}}};
+    const std::vector<geometry::Vec3> listeners = {
+        {5.3, 1.4, 3.2}, {7.6, 1.1, 5.7}, {3.1, 1.7, 5.9}, {6.9, 1.5, 1.4}};
+    for (const geometry::Vec3& position : listeners) {
+        scene.listeners.push_back(
+            {.name = "l" + std::to_string(scene.listeners.size() + 1), .position = position});
+    }
+    return scene;
+}
+
 /// The scene with absorption that is off as priors are, drawn by `seed`.
 inline Scene with_wrong_absorption(const Scene& truth, std::uint64_t seed) {
     Scene scene = truth;

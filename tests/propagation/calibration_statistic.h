@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace earshot::propagation {
@@ -56,7 +57,8 @@ struct StatisticOptions {
 /// priors drawn about the truth: all of them, and the rays, anew for each seed.
 class CalibrationCampaign {
 public:
-    explicit CalibrationCampaign(const StatisticOptions& options) : options_(options) {
+    explicit CalibrationCampaign(const StatisticOptions& options, Scene truth = calibration_room())
+        : options_(options), truth_(std::move(truth)) {
         // The seeds of the truth and of the errors are not among those of the calibrations.
         constexpr std::uint64_t kTruthSeed = 1000001, kNoiseSeed = 1000002;
         exact_ = expected_metrics(truth_, simulation(options.truth_rays, kTruthSeed));
@@ -112,7 +114,7 @@ private:
     }
 
     StatisticOptions options_;
-    Scene truth_ = calibration_room();
+    Scene truth_;
     std::vector<audio::RoomMetrics> exact_, noise_;
 };
 
