@@ -18,6 +18,9 @@ namespace {
 
 using Stretch = std::array<double, kMaxArrivalStretch>;
 
+// A way may lead through the listener, where the level would be infinite.
+constexpr double kMinDistance = 1e-3;  // metres
+
 /// Delays between two instants: the cubic of Hermite, by Horner's rule.
 class DelayCubic {
 public:
@@ -103,7 +106,7 @@ void add_moving_arrival(const MovingArrivalScale& scale,
     for (std::size_t n = 0; n < count; ++n) {
         const double delay = delays.at(n);
         positions[n] = now + static_cast<double>(n) - delay * scale.sample_rate;
-        levels[n] = 1.0 / (delay * scale.speed_of_sound);
+        levels[n] = 1.0 / std::max(delay * scale.speed_of_sound, kMinDistance);
     }
     read(signal, positions, count, values);
     for (std::size_t n = 0; n < count; ++n) {

@@ -20,7 +20,7 @@ namespace earshot::audio {
 
 /// An arrival at an instant at which it is received.
 struct MovingArrival {
-    double delay = 0.0;               ///< seconds since its emission, > 0
+    double delay = 0.0;               ///< seconds since its emission, >= 0
     double delay_rate = 0.0;          ///< change of the delay, seconds per second of reception, < 1
     std::span<const double> gains{};  ///< per bus, at 1 m
 };
@@ -32,7 +32,8 @@ struct MovingArrivalScale {
 
 /// Adds an arrival to the buses for `count` samples: row b of `buses`, `stride` apart, gets the
 /// signal as it is heard. Between `from` (the first sample) and `to` (the one after the last) the
-/// delay is the cubic with these values and rates, gains are linear. `now`: the place in `signal`
+/// delay is the cubic with these values and rates, gains are linear. Nearer than 1 mm the level is
+/// that of 1 mm. `now`: the place in `signal`
 /// of what is emitted at the instant of the first sample; before and after the signal there is
 /// silence. Where the delay is below kMovingArrivalLookahead samples, that many samples after `now`
 /// + n are read for sample n. Allocates nothing. Preconditions: both have a gain per bus, count <=

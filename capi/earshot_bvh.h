@@ -113,5 +113,22 @@ ES_API es_status es_bvh_visible_matrix(es_bvh bvh,
                                        size_t to_count,
                                        int32_t threads,
                                        uint8_t* visible);
+/// How much of a ball of `radius` metres (> 0, at most 1e6) about each point of `to`, (to_count,
+/// 3), each point of `from`, (from_count, 3), sees: the share of the ball's solid angle, 0 ... 1,
+/// into `shares`, (from_count, to_count), and what it may be off by into `errors`, likewise, which
+/// may be null. The error is 0 where nothing is between or one surface hides all of the ball;
+/// elsewhere rays, at most `max_rays` (8 ... 1048576) for a share, leave one of 2.7 over the root
+/// of their number or less. A point within a ball sees all of it. Takes time like finding the
+/// facets of the mesh besides. Reads `bvh`.
+ES_API es_status es_bvh_visible_shares(es_bvh bvh,
+                                       const double* from,
+                                       size_t from_count,
+                                       const double* to,
+                                       size_t to_count,
+                                       double radius,
+                                       size_t max_rays,
+                                       int32_t threads,
+                                       double* shares,
+                                       double* errors);
 
 #endif

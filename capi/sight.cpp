@@ -6,6 +6,7 @@
 #include "earshot/capi/internal/work.h"
 #include "earshot/visibility/line_of_sight.h"
 #include "earshot/visibility/visibility_matrix.h"
+#include "earshot/visibility/visible_share.h"
 
 #include <algorithm>
 #include <limits>
@@ -108,5 +109,41 @@ es_status es_bvh_visible_matrix(es_bvh bvh,
                                       [&](std::span<const std::uint8_t> row) {
                                           out = std::copy(row.begin(), row.end(), out);
                                       });
+    });
+}
+
+es_status es_bvh_visible_shares(es_bvh bvh,
+                                const double* from,
+                                size_t from_count,
+                                const double* to,
+                                size_t to_count,
+                                double radius,
+                                size_t max_rays,
+                                int32_t threads,
+                                double* shares,
+                                double* errors) {
+    return call(__func__, [&] {
+        const Reading<BvhObject> object(bvh, "bvh");
+        require_threads(threads, "threads");
+        constexpr std::size_t kMaxPairs = std::size_t{1} << 32U;
+        constexpr std::size_t kMinRays = 8, kMaxRays = std::size_t{1} << 20U;
+        constexpr double kMinRadius = std::numeric_limits<double>::min(), kMaxRadius = 1e6;
+        const auto eyes = require_points(from, from_count, "from");
+        const auto targets = require_points(to, to_count, "to");
+        if (to_count > 0 && from_count > kMaxPairs / to_count) {
+            fail_argument("to_count", "makes more than 2^32 pairs", "give fewer points at a time");
+        }
+        require_in(radius, kMinRadius, kMaxRadius, "radius");
+        require_count(max_rays, kMinRays, kMaxRays, "max_rays");
+        const auto out = require_array(shares, from_count * to_count, "shares");
+        Executor executor(threads);
+        const visibility::VisibleShareQuery query(object->tree.view(), object->excluded, executor);
+        const auto found = query.matrix(eyes, targets, radius, {.max_rays = max_rays}, executor);
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            out[i] = found[i].share;
+            if (errors != nullptr) {
+                errors[i] = found[i].error;
+            }
+        }
     });
 }

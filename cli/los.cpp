@@ -12,6 +12,7 @@
 #include "earshot/io/points.h"
 #include "earshot/io/whole_file.h"
 #include "earshot/visibility/coherent_line_of_sight.h"
+#include "earshot/visibility/visible_share.h"
 
 #include <nlohmann/json.hpp>
 
@@ -35,12 +36,18 @@ using visibility::PointSets;
 constexpr const char* kFooter =
     "POINTS is X,Y,Z or a CSV file of three columns. Two points see each other unless a triangle\n"
     "touches the segment between them, its ends and the triangle's edges included. The file has a\n"
-    "row per point of --from and a column per point of --to; JSON holds the points beside.\n\n"
+    "row per point of --from and a column per point of --to; JSON holds the points beside.\n"
+    "With --radius each cell is the share of the solid angle of a ball about the --to point that "
+    "is\n"
+    "seen, 0 to 1, and JSON tells the error beside it: 0 where one surface hides all of it or\n"
+    "nothing is between, else at most 2.7 over the root of --rays.\n\n"
     "Examples:\n"
     "  earshot los scenes/classroom.gltf --from 2,1.5,3 --to seats.csv -o sight.csv\n"
     "      the seats that are visible from a speaker\n"
     "  earshot los scenes/door.gltf --from 1,1.5,1 --to 8,1.2,2 --frames 0:2:0.1 -o sight.json\n"
-    "      when a door that opens lets through";
+    "      when a door that opens lets through\n"
+    "  earshot los scenes/classroom.gltf --from 2,1.5,3 --to seats.csv --radius 0.1 -o shares.csv\n"
+    "      how much of each listener's head is visible";
 
 constexpr std::size_t kMaxPairs = std::size_t{1} << 30U;
 
@@ -58,6 +65,17 @@ public:
         ignore_.add_to(app());
         app().add_flag(
             "--blockers", with_blockers_, "the triangle that blocks first instead of 1 and 0");
+        add_number(app(),
+                   "--radius",
+                   radius_,
+                   {0.0, 1e6},
+                   "of a ball about each point of --to, metres: tell how much of it is seen")
+            ->excludes("--blockers");
+        add_integer(app(),
+                    "--rays",
+                    rays_,
+                    {8, 1048576},
+                    "with --radius: maximum number of rays for a share");
         app().footer(kFooter);
     }
 
@@ -111,6 +129,9 @@ private:
                Progress& progress) {
         const bool is_json = output_.ends_with(".json");
         io::LineOfSightJson json(scene.name, points);
+        const io::SightRows rows = radius_ > 0.0    ? io::SightRows::shares
+                                   : with_blockers_ ? io::SightRows::blockers
+                                                    : io::SightRows::visible;
         const visibility::ExclusionMask excluded = ignore_.mask_for(scene);
         std::optional<bvh::DeformableBvh> tree;
         std::optional<visibility::CoherentLineOfSight> coherent;
@@ -125,12 +146,12 @@ private:
                     row.begin(), row.end(), [&](auto cell) { return is_free(cell); }));
                 is_json ? json.add_row(row) : csv.add_row(row);
             };
-            json.begin_frame(times[frame], with_blockers_);
+            json.begin_frame(times[frame], rows);
             const std::size_t pairs = points.from.size() * points.to.size();
             const bvh::UpdateOptions update = {.queries_per_update = static_cast<double>(pairs)};
             // Temporal coherence pays if there are enough pairs.
-            if (!with_blockers_ && times.size() > 1 && pairs >= mesh.triangles.size() &&
-                pairs <= kMaxCoherentPairs) {
+            if (rows == io::SightRows::visible && times.size() > 1 &&
+                pairs >= mesh.triangles.size() && pairs <= kMaxCoherentPairs) {
                 if (!coherent) {
                     coherent.emplace(mesh, excluded, update, executor);
                 }
@@ -144,7 +165,9 @@ private:
                 } else {
                     tree.emplace(mesh, update, executor);
                 }
-                if (with_blockers_) {
+                if (rows == io::SightRows::shares) {
+                    take_shares(tree->view(), points, excluded, executor, take);
+                } else if (with_blockers_) {
                     blocker_matrix(tree->view(), points, excluded, executor, take);
                 } else {
                     visibility_matrix(tree->view(), points, excluded, executor, take);
@@ -162,6 +185,26 @@ private:
         }
     }
 
+    template <class Take>
+    void take_shares(const bvh::MeshBvh& bvh,
+                     const PointSets& points,
+                     const visibility::ExclusionMask& excluded,
+                     Executor& executor,
+                     const Take& take) const {
+        const visibility::VisibleShareQuery query(bvh, excluded, executor);
+        for (const Vec3& from : points.from) {
+            const auto row = query.matrix({&from, 1},
+                                          points.to,
+                                          radius_,
+                                          {.max_rays = static_cast<std::size_t>(rays_)},
+                                          executor);
+            take(std::span(row));
+        }
+    }
+
+    static bool is_free(const visibility::VisibleShare& share) noexcept {
+        return share.share > 0.0;
+    }
     static bool is_free(std::uint8_t seen) noexcept { return seen != 0; }
     static bool is_free(TriangleId blocker) noexcept { return blocker == visibility::kNoBlocker; }
 
@@ -188,6 +231,8 @@ private:
     IgnoreOption ignore_;
     std::string from_option_, to_option_, output_;
     bool with_blockers_ = false;
+    double radius_ = 0.0;
+    std::int64_t rays_ = 2048;
     std::size_t free_ = 0;
     bvh::UpdateStatistics updates_;
     double seconds_ = 0.0;

@@ -27,6 +27,14 @@ void append_row(std::span<const TriangleId> blockers, std::string_view none, std
     }
 }
 
+void append_row(std::span<const visibility::VisibleShare> shares, bool errors, std::string& text) {
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        const std::string share = json_number(shares[i].share);
+        text += i == 0 ? "" : ",";
+        text += errors ? "[" + share + "," + json_number(shares[i].error) + "]" : share;
+    }
+}
+
 Json to_json(std::span<const Vec3> points) {
     Json json = Json::array();
     for (const Vec3& point : points) {
@@ -47,6 +55,11 @@ void LineOfSightCsv::add_row(std::span<const TriangleId> blockers) {
     text_ += '\n';
 }
 
+void LineOfSightCsv::add_row(std::span<const visibility::VisibleShare> shares) {
+    append_row(shares, false, text_);
+    text_ += '\n';
+}
+
 LineOfSightJson::LineOfSightJson(std::string_view scene, const visibility::PointSets& points)
     : lines_(std::make_unique<JsonLines>()) {
     lines_->begin_list("{\"version\":1,\"scene\":" + json_text(scene) +
@@ -57,9 +70,12 @@ LineOfSightJson::LineOfSightJson(std::string_view scene, const visibility::Point
 
 LineOfSightJson::~LineOfSightJson() = default;
 
-void LineOfSightJson::begin_frame(double time, bool with_blockers) {
+void LineOfSightJson::begin_frame(double time, SightRows rows) {
     lines_->add_record("{\"time\":" + json_number(time));
-    lines_->begin_list(with_blockers ? ",\"blockers\":" : ",\"visible\":", 2);
+    lines_->begin_list(rows == SightRows::visible    ? ",\"visible\":"
+                       : rows == SightRows::blockers ? ",\"blockers\":"
+                                                     : ",\"shares\":",
+                       2);
 }
 
 void LineOfSightJson::add_row(std::span<const std::uint8_t> seen) {
@@ -71,6 +87,12 @@ void LineOfSightJson::add_row(std::span<const std::uint8_t> seen) {
 void LineOfSightJson::add_row(std::span<const TriangleId> blockers) {
     std::string row = "[";
     append_row(blockers, "null", row);
+    lines_->add_record(row + "]");
+}
+
+void LineOfSightJson::add_row(std::span<const visibility::VisibleShare> shares) {
+    std::string row = "[";
+    append_row(shares, true, row);
     lines_->add_record(row + "]");
 }
 

@@ -242,6 +242,29 @@ class Sight(Bvh):
             integer(threads, "threads"), ffi.from_buffer("uint8_t[]", answers)))
         return answers
 
+    def shares(
+        self,
+        eyes: npt.ArrayLike,
+        targets: npt.ArrayLike,
+        radius: float,
+        *,
+        max_rays: int = 2048,
+        threads: int = 0,
+    ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """How much of a ball of ``radius`` metres about each of (m, 3) targets each of (n, 3) eyes
+        sees, the share of its solid angle, and what it may be off by: two arrays (n, m).
+
+        The error is 0 where nothing is between or one surface hides all of the ball; elsewhere rays
+        leave one of at most 2.7 over the root of ``max_rays``.
+        """
+        rows, columns = points(eyes, "eyes"), points(targets, "targets")
+        shares, errors = (np.empty((len(rows), len(columns))) for _ in range(2))
+        check(lib.es_bvh_visible_shares(
+            self._handle, doubles(rows), len(rows), doubles(columns), len(columns),
+            number(radius, "radius"), integer(max_rays, "max_rays", 0), integer(threads, "threads"),
+            doubles(shares), doubles(errors)))
+        return shares, errors
+
     def first_blockers(
         self, start: npt.ArrayLike, end: npt.ArrayLike, *, threads: int = 0
     ) -> Blockers:

@@ -150,6 +150,13 @@ TEST(MovingArrivals, AreSilentBeforeAndAfterTheSignal) {
     EXPECT_EQ(bus, std::vector<double>(64, 0.0));
 }
 
+TEST(MovingArrivals, PassThroughTheListenerWithFiniteLevels) {
+    const auto heard = rendered({10.0, 0.0, 0.1003}, tone(0.0, 9600), 64);
+    for (const double sample : heard) {
+        ASSERT_LE(std::abs(sample), 1001.0);
+    }
+}
+
 std::vector<double> noise(std::size_t size) {
     std::vector<double> samples;
     for (std::uint64_t n = 0; n < size; ++n) {

@@ -263,6 +263,20 @@ void test_sight(void) {
     uint8_t matrix[6];
     CHECK_OK(es_bvh_visible_matrix(bvh, from, 2, to, 3, 1, matrix));
     CHECK(matrix[0] == 0 && matrix[2] == 1 && matrix[4] == 1);
+    // Of balls that nothing covers all is seen, and nothing of one behind the second wall.
+    double shares[6], errors[6];
+    CHECK_OK(es_bvh_visible_shares(bvh, from, 2, to, 3, 0.01, 128, 1, shares, errors));
+    CHECK(shares[0] == 0.0 && errors[0] == 0.0 && shares[2] == 1.0 && errors[2] == 0.0);
+    CHECK_OK(es_bvh_visible_shares(bvh, from, 2, to, 3, 0.01, 128, 1, shares, NULL));
+    CHECK_FAILS(ES_ERROR_ARGUMENT,
+                "radius",
+                es_bvh_visible_shares(bvh, from, 2, to, 3, 0.0, 128, 1, shares, errors));
+    CHECK_FAILS(ES_ERROR_ARGUMENT,
+                "max_rays",
+                es_bvh_visible_shares(bvh, from, 2, to, 3, 0.1, 7, 1, shares, errors));
+    CHECK_FAILS(ES_ERROR_NULL,
+                "shares",
+                es_bvh_visible_shares(bvh, from, 2, to, 3, 0.1, 128, 1, NULL, errors));
     // Rays are not concerned.
     uint8_t occluded[3];
     CHECK_OK(es_bvh_occluded(bvh, from, to, 3, 1, occluded));

@@ -325,7 +325,7 @@ es_status play_moving(Caller& c) {
     for (int k = 0; place != nullptr && k < 3; ++k) {
         path[5 + k] = place[k];
     }
-    motion.source_path = path;
+    motion.source_path = place == nullptr ? nullptr : path;
     motion.source_path_count = 2;
     es_sound wet = 0;
     const es_scene scene = c.handle(ES_KIND_SCENE);
@@ -617,7 +617,7 @@ const std::vector<WeightedCall>& simulation_calls() {
                                                     {"mend", mend, 6},
                                                     {"make_sound", make_sound, 10},
                                                     {"use_sound", use_sound, 10},
-                                                    {"play_moving", play_moving, 3},
+                                                    {"play_moving", play_moving, 1},
                                                     {"read_sound", read_sound, 8},
                                                     {"read_files", read_files, 3},
                                                     {"criterion", criterion, 2}};

@@ -53,6 +53,23 @@ TEST_F(Los, WritesAMatrix) {
     EXPECT_EQ(text_of("sight.csv"), "1,1,1\n");
 }
 
+TEST_F(Los, WritesHowMuchOfABallIsSeen) {
+    // Behind the wall, with half of it over its upper edge, and in the open.
+    std::ofstream(path("to.csv")) << "2,1,0\n2,2.5,0\n0,9,0\n";
+    ASSERT_EQ(run({"--radius", "0.2", "--rays", "512"}, "shares.csv").status, 0);
+    const std::string text = text_of("shares.csv");
+    EXPECT_TRUE(text.starts_with("0,") && text.ends_with(",1\n")) << text;
+    ASSERT_EQ(run({"--radius", "0.2"}, "shares.json").status, 0);
+    const Json json = Json::parse(text_of("shares.json"));
+    const Json& row = json["frames"][0]["shares"][0];
+    EXPECT_EQ(row[0], Json::parse("[0.0,0.0]"));
+    EXPECT_GT(row[1][0], 0.3);
+    EXPECT_LT(row[1][0], 0.7);
+    EXPECT_LT(row[1][1], 0.03);
+    EXPECT_EQ(row[2], Json::parse("[1.0,0.0]"));
+    EXPECT_TRUE(failed_with(run({"--radius", "0.2", "--blockers"}, "shares.csv"), 2, "--radius"));
+}
+
 TEST_F(Los, WritesJsonWithThePoints) {
     ASSERT_EQ(run({"--json"}, "sight.json").status, 0);
     const Json json = Json::parse(text_of("sight.json"));

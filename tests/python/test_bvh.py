@@ -30,6 +30,26 @@ def test_sight_is_brute_force(soup):
     assert sight.visible(eyes[0], targets).shape == (40,)
 
 
+def test_shares_agree_with_rays(soup):
+    sight = es.Sight(*soup)
+    random = np.random.default_rng(5)
+    eye, target, radius = np.array([-0.5, 0.4, 0.5]), np.array([1.4, 0.5, 0.5]), 0.3
+    shares, errors = sight.shares([eye], [target, eye], radius)
+    assert shares.shape == errors.shape == (1, 2) and shares[0, 1] == 1.0 and errors[0, 1] == 0.0
+    # Points of the half that faces the eye, by solid angle: uniform in the cosine to the axis.
+    axis, distance = (target - eye) / np.linalg.norm(target - eye), np.linalg.norm(target - eye)
+    cosine = random.uniform(np.sqrt(1 - (radius / distance) ** 2), 1, 4000)
+    across = random.normal(size=(4000, 3))
+    across -= (across @ axis)[:, None] * axis
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    ways = cosine[:, None] * axis + np.sqrt(1 - cosine**2)[:, None] * across
+    near = distance * cosine - np.sqrt(radius**2 - distance**2 * (1 - cosine**2))
+    expected = sight.visible(eye, eye + near[:, None] * ways).mean()
+    assert 0 < expected < 1 and abs(shares[0, 0] - expected) < errors[0, 0] + 0.04
+    with pytest.raises(es.ArgumentError):
+        sight.shares([eye], [target], -1.0)
+
+
 def test_closest_hits_are_first_blockers(soup):
     vertices, triangles = soup
     random = np.random.default_rng(2)
