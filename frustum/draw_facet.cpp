@@ -79,7 +79,8 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
     }
     constexpr int kFewCells = 4;
     const glm::dvec2 size = (upper - lower) / cell;
-    if (std::popcount(near) <= kFewCells && (size.x < kAlmostACell || size.y < kAlmostACell)) {
+    if ((!centres_only || std::popcount(near) <= kFewCells) &&
+        (size.x < kAlmostACell || size.y < kAlmostACell)) {
         out.coverage = {.outer = near, .inner = 0, .centre_sampled = near};
         if (!centres_only) {
             return DrawResult::done;

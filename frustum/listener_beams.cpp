@@ -20,6 +20,18 @@ namespace {
 constexpr std::size_t kFrustaPerListener = 6;
 constexpr std::size_t kGrain = 16;
 
+/// A box around a point: floats are off by at most 2^-24 of their size.
+geometry::Aabb box_around(const Vec3& point) noexcept {
+    geometry::Aabb box;
+    for (int k = 0; k < 3; ++k) {
+        const auto coordinate = static_cast<float>(point[k]);
+        const float error = 0x1p-22F * std::abs(coordinate) + 0x1p-120F;
+        box.lower[static_cast<std::size_t>(k)] = coordinate - error;
+        box.upper[static_cast<std::size_t>(k)] = coordinate + error;
+    }
+    return box;
+}
+
 /// The distance of a point from a box.
 double distance_to(const geometry::Aabb& box, const Vec3& point) noexcept {
     const Vec3 lower = {box.lower[0], box.lower[1], box.lower[2]};
@@ -194,7 +206,7 @@ void ListenerBeams::place_images(std::span<const Vec3> listeners) {
             image = index_.plane(subpath.first.facet).mirror(image);
         }
         bounds[images_.size()].aperture = aperture_box(subpath);
-        bounds[images_.size()].image.include(image);
+        bounds[images_.size()].image = box_around(image);
         images_.push_back(image);
     }
     tree_ = SubpathTree(bounds);
@@ -204,7 +216,15 @@ void ListenerBeams::place_images(std::span<const Vec3> listeners) {
 // or, where the rays through the corners of the aperture meet the facet's plane, a smaller one.
 geometry::Aabb ListenerBeams::aperture_box(const ListenerSubpath& subpath) const {
     const geometry::Aabb& whole = index_.box(subpath.first.facet);
-    if (subpath.first.grazing) {
+    const auto is_large = [&](const geometry::Aabb& box) {
+        constexpr double kSmall = 1.0 / 32.0;  // of the scene: hardly worth a smaller box
+        double size = 0.0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            size = std::max(size, static_cast<double>(box.upper[k] - box.lower[k]));
+        }
+        return size > kSmall * index_.extent();
+    };
+    if (subpath.first.grazing || !is_large(whole)) {
         return whole;
     }
     const Frustum& frustum = frusta_[subpath.frustum];
@@ -231,9 +251,8 @@ geometry::Aabb ListenerBeams::aperture_box(const ListenerSubpath& subpath) const
             upper = glm::max(upper, point + slack);
         }
     }
-    geometry::Aabb box;
-    box.include(lower);
-    box.include(upper);
+    geometry::Aabb box = box_around(lower);
+    box.include(box_around(upper));
     for (std::size_t k = 0; k < 3; ++k) {
         box.lower[k] = std::max(box.lower[k], whole.lower[k]);
         box.upper[k] = std::min(box.upper[k], whole.upper[k]);

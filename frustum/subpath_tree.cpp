@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace earshot::frustum {
 
@@ -26,62 +27,78 @@ constexpr double kBoxRounding = 0x1p-17;
 /// In (u, v): a bound of the rounding of quotients near the aperture.
 constexpr double kQuotientRounding = 0x1p-20;
 
-/// Where a subpath lies for the hierarchy: images are about twice as far from an image source as
-/// the apertures before them, so that their distances count half.
-struct Place {
-    std::array<float, 6> coordinate;
-    std::uint32_t number;
-};
+/// The centres of a subpath's bounds.
+using Place = std::array<float, 6>;
 
-Place place_of(const SubpathBounds& bounds, std::size_t number) {
+Place place_of(const SubpathBounds& bounds) noexcept {
     Place place;
     for (std::size_t k = 0; k < 3; ++k) {
-        place.coordinate[k] = 0.5F * (bounds.aperture.lower[k] + bounds.aperture.upper[k]);
-        place.coordinate[3 + k] = 0.25F * (bounds.image.lower[k] + bounds.image.upper[k]);
+        place[k] = 0.5F * (bounds.aperture.lower[k] + bounds.aperture.upper[k]);
+        place[3 + k] = 0.5F * (bounds.image.lower[k] + bounds.image.upper[k]);
     }
-    place.number = static_cast<std::uint32_t>(number);
     return place;
 }
 
-std::size_t longest_axis(std::span<const Place> places) {
-    std::array<float, 6> lower = places.front().coordinate;
-    std::array<float, 6> upper = lower;
-    for (const Place& place : places) {
-        for (std::size_t k = 0; k < lower.size(); ++k) {
-            lower[k] = std::min(lower[k], place.coordinate[k]);
-            upper[k] = std::max(upper[k], place.coordinate[k]);
+/// Positions along a Morton curve through the places of subpaths, of ten bits per coordinate.
+class MortonCurve {
+public:
+    explicit MortonCurve(std::span<const SubpathBounds> subpaths) {
+        lower_ = place_of(subpaths.front());
+        Place upper = lower_;
+        for (const SubpathBounds& bounds : subpaths) {
+            const Place place = place_of(bounds);
+            for (std::size_t k = 0; k < place.size(); ++k) {
+                lower_[k] = std::min(lower_[k], place[k]);
+                upper[k] = std::max(upper[k], place[k]);
+            }
+        }
+        float size = 0.0F;
+        for (std::size_t k = 0; k < upper.size(); ++k) {
+            size = std::max(size, upper[k] - lower_[k]);
+        }
+        scale_ = size > 0.0F ? static_cast<float>(kSteps - 1) / size : 0.0F;
+        for (std::size_t step = 0; step < kSteps; ++step) {
+            for (unsigned bit = 0; bit < kBits; ++bit) {
+                spread_[step] |= ((std::uint64_t{step} >> bit) & 1U) << (lower_.size() * bit);
+            }
         }
     }
-    std::size_t longest = 0;
-    for (std::size_t k = 1; k < lower.size(); ++k) {
-        if (upper[k] - lower[k] > upper[longest] - lower[longest]) {
-            longest = k;
-        }
-    }
-    return longest;
-}
 
-/// Sorts subpaths so that every node of the complete tree over them has neighbours: at medians
-/// along the longest extent, at whole children of the node.
-void sort_by_medians(std::span<Place> places) {
-    if (places.size() <= kWidth) {
-        return;
+    std::uint64_t position(const SubpathBounds& bounds) const noexcept {
+        const Place place = place_of(bounds);
+        std::uint64_t code = 0;
+        for (std::size_t k = 0; k < place.size(); ++k) {
+            const auto step = static_cast<std::size_t>(scale_ * (place[k] - lower_[k]));
+            code |= spread_[std::min(step, kSteps - 1)] << k;
+        }
+        return code;
     }
-    std::size_t child = kWidth;
-    while (child * kWidth < places.size()) {
-        child *= kWidth;
+
+private:
+    static constexpr unsigned kBits = 10;
+    static constexpr std::size_t kSteps = std::size_t{1} << kBits;
+
+    Place lower_{};
+    float scale_ = 0.0F;
+    std::array<std::uint64_t, kSteps> spread_{};  // bits of a step, six places apart
+};
+
+/// The numbers of the subpaths along the curve, so that neighbours are close.
+std::vector<std::uint32_t> sorted_along_curve(std::span<const SubpathBounds> subpaths) {
+    const MortonCurve curve(subpaths);
+    std::vector<std::pair<std::uint64_t, std::uint32_t>> positions;
+    positions.reserve(subpaths.size());
+    for (const SubpathBounds& bounds : subpaths) {
+        positions.emplace_back(curve.position(bounds),
+                               static_cast<std::uint32_t>(positions.size()));
     }
-    const std::size_t left = child * ((chunk_count(places.size(), child) + 1) / 2);
-    const std::size_t axis = longest_axis(places);
-    std::nth_element(places.begin(),
-                     places.begin() + static_cast<std::ptrdiff_t>(left),
-                     places.end(),
-                     [axis](const Place& a, const Place& b) {
-                         return a.coordinate[axis] < b.coordinate[axis] ||
-                                (a.coordinate[axis] == b.coordinate[axis] && a.number < b.number);
-                     });
-    sort_by_medians(places.first(left));
-    sort_by_medians(places.subspan(left));
+    std::sort(positions.begin(), positions.end());
+    std::vector<std::uint32_t> numbers;
+    numbers.reserve(positions.size());
+    for (const auto& position : positions) {
+        numbers.push_back(position.second);
+    }
+    return numbers;
 }
 
 void set_box(SubpathBlock::Box& box, std::size_t lane, const Aabb& value) {
@@ -132,20 +149,15 @@ SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths) {
     if (subpaths.empty()) {
         return;
     }
-    std::vector<Place> places;
-    places.reserve(subpaths.size());
-    for (std::size_t i = 0; i < subpaths.size(); ++i) {
-        places.push_back(place_of(subpaths[i], i));
+    for (const SubpathBounds& bounds : subpaths) {
         max_coordinate_ =
-            std::max({max_coordinate_, max_abs(subpaths[i].aperture), max_abs(subpaths[i].image)});
+            std::max({max_coordinate_, max_abs(bounds.aperture), max_abs(bounds.image)});
     }
-    sort_by_medians(places);
+    numbers_ = sorted_along_curve(subpaths);
     std::vector<SubpathBounds> nodes;
     nodes.reserve(subpaths.size());
-    numbers_.reserve(subpaths.size());
-    for (const Place& place : places) {
-        numbers_.push_back(place.number);
-        nodes.push_back(subpaths[place.number]);
+    for (const std::uint32_t number : numbers_) {
+        nodes.push_back(subpaths[number]);
     }
     while (!nodes.empty()) {
         nodes = add_level(nodes);

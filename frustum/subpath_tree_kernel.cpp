@@ -15,78 +15,117 @@ namespace earshot::frustum::HWY_NAMESPACE {
 
 using namespace earshot::HWY_NAMESPACE;
 
+/// A vector for eight boxes. Members have names, as the compiler keeps no array in registers here.
+struct Triple {
+    Float8 x, y, z;
+};
+
+HWY_INLINE Triple repeated(const float (&vector)[3]) {
+    return {Float8(vector[0]), Float8(vector[1]), Float8(vector[2])};
+}
+HWY_INLINE Float8 dot(const Triple& a, const Triple& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+HWY_INLINE Triple abs_of(const Triple& a) {
+    return {abs(a.x), abs(a.y), abs(a.z)};
+}
+
+/// ConnectingLegs in every lane.
+struct WideLegs {
+    explicit WideLegs(const ConnectingLegs& legs)
+        : apex(repeated(legs.apex)),
+          right(repeated(legs.axes[0])),
+          up(repeated(legs.axes[1])),
+          forward(repeated(legs.axes[2])),
+          normal(repeated(legs.normal)),
+          height(Float8(legs.normal[0] * legs.apex[0] + legs.normal[1] * legs.apex[1] +
+                        legs.normal[2] * legs.apex[2] - legs.offset)),
+          lower_u(legs.lower[0]),
+          lower_v(legs.lower[1]),
+          upper_u(legs.upper[0]),
+          upper_v(legs.upper[1]),
+          margin(legs.margin),
+          min_depth(legs.min_depth),
+          max_length(legs.max_length) {}
+
+    Triple apex, right, up, forward, normal;
+    Float8 height;  // of the apex above the plane
+    Float8 lower_u, lower_v, upper_u, upper_v;
+    Float8 margin, min_depth, max_length;
+};
+
 /// Eight boxes in the axes of a frustum: bounds of (u, v) and of the depth.
 struct LocalBoxes {
-    Float8 lower[2], upper[2];
+    Float8 lower_u, upper_u, lower_v, upper_v;
     Float8 min_depth, max_depth;
     Float8::Mask is_behind;  // the plane of the frustum's start
 };
 
-HWY_INLINE LocalBoxes local_boxes(const ConnectingLegs& legs, const SubpathBlock::Box& box) {
-    Float8 centre[3], half[3];
-    const Float8 margin(legs.margin);
-    Float8 height = Float8(-legs.offset);
-    Float8 reach = margin;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Float8 low = Float8::load(box.lower[k]);
-        const Float8 high = Float8::load(box.upper[k]);
-        centre[k] = Float8(0.5F) * (low + high);
-        half[k] = Float8(0.5F) * (high - low);
-        height = height + Float8(legs.normal[k]) * centre[k];
-        reach = reach + abs(Float8(legs.normal[k])) * half[k];
-        centre[k] = centre[k] - Float8(legs.apex[k]);
-    }
-    Float8 local[3], extent[3];
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        local[axis] = Float8(0.0F);
-        extent[axis] = margin;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Float8 component(legs.axes[axis][k]);
-            local[axis] = local[axis] + component * centre[k];
-            extent[axis] = extent[axis] + abs(component) * half[k];
-        }
-    }
+HWY_INLINE Float8 quotient(Float8 value, Float8 if_negative, Float8 if_positive) {
+    return value * select(value < Float8(0.0F), if_negative, if_positive);
+}
+
+HWY_INLINE LocalBoxes local_boxes(const WideLegs& legs, const SubpathBlock::Box& box) {
+    const Float8 one_half(0.5F);
+    const Triple low = {
+        Float8::load(box.lower[0]), Float8::load(box.lower[1]), Float8::load(box.lower[2])};
+    const Triple high = {
+        Float8::load(box.upper[0]), Float8::load(box.upper[1]), Float8::load(box.upper[2])};
+    const Triple centre = {one_half * (low.x + high.x) - legs.apex.x,
+                           one_half * (low.y + high.y) - legs.apex.y,
+                           one_half * (low.z + high.z) - legs.apex.z};
+    const Triple half = {
+        one_half * (high.x - low.x), one_half * (high.y - low.y), one_half * (high.z - low.z)};
+    const Float8 u = dot(legs.right, centre);
+    const Float8 v = dot(legs.up, centre);
+    const Float8 depth = dot(legs.forward, centre);
+    const Float8 size_u = dot(abs_of(legs.right), half) + legs.margin;
+    const Float8 size_v = dot(abs_of(legs.up), half) + legs.margin;
+    const Float8 size = dot(abs_of(legs.forward), half) + legs.margin;
     LocalBoxes result;
-    result.is_behind = height < -reach;
-    result.min_depth = local[2] - extent[2];
-    result.max_depth = local[2] + extent[2];
-    // Of a box that reaches the apex's depth, any direction.
-    const Float8::Mask is_bounded = Float8(0x1p-100F) < result.min_depth;
-    const Float8 far(0x1p100F);
-    const Float8 near_scale = Float8(1.0F) / result.min_depth;
-    const Float8 far_scale = Float8(1.0F) / result.max_depth;
-    for (std::size_t k = 0; k < 2; ++k) {
-        const Float8 low = local[k] - extent[k];
-        const Float8 high = local[k] + extent[k];
-        const Float8 lower = low * select(low < Float8(0.0F), near_scale, far_scale);
-        const Float8 upper = high * select(high < Float8(0.0F), far_scale, near_scale);
-        result.lower[k] = select(is_bounded, lower, -far);
-        result.upper[k] = select(is_bounded, upper, far);
-    }
+    result.is_behind =
+        legs.height + dot(legs.normal, centre) + (dot(abs_of(legs.normal), half) + legs.margin) <
+        Float8(0.0F);
+    result.min_depth = depth - size;
+    result.max_depth = depth + size;
+    // A box that reaches the apex's depth has points in front of it at any small depth.
+    const Float8 tiny(0x1p-100F);
+    const Float8 near_scale = Float8(1.0F) / max(result.min_depth, tiny);
+    const Float8 far_scale = Float8(1.0F) / max(result.max_depth, tiny);
+    result.lower_u = quotient(u - size_u, near_scale, far_scale);
+    result.upper_u = quotient(u + size_u, far_scale, near_scale);
+    result.lower_v = quotient(v - size_v, near_scale, far_scale);
+    result.upper_v = quotient(v + size_v, far_scale, near_scale);
     return result;
 }
 
 /// Bits of the subpaths or nodes that a leg may connect: a direction from the apex passes the
 /// frustum's aperture, the aperture of the subpath and, not closer, the image.
-HWY_INLINE std::uint32_t bits_connected(const ConnectingLegs& legs, const SubpathBlock& block) {
-    const LocalBoxes aperture = local_boxes(legs, block.aperture);
-    const LocalBoxes image = local_boxes(legs, block.image);
+HWY_INLINE std::uint32_t bits_connected(const WideLegs& legs, const SubpathBlock& block) {
     const Float8 rounding(0x1p-20F);
-    Float8::Mask outside = aperture.is_behind | image.is_behind |
-                           (aperture.max_depth < Float8(legs.min_depth)) |
-                           (image.max_depth < max(aperture.min_depth, Float8(legs.min_depth))) |
-                           (Float8(legs.max_length) < image.min_depth);
-    for (std::size_t k = 0; k < 2; ++k) {
-        const Float8 lower = max(max(aperture.lower[k], image.lower[k]), Float8(legs.lower[k]));
-        const Float8 upper = min(min(aperture.upper[k], image.upper[k]), Float8(legs.upper[k]));
-        outside = outside | (upper + rounding < lower);
+    const LocalBoxes aperture = local_boxes(legs, block.aperture);
+    const Float8 lower_u = max(aperture.lower_u, legs.lower_u);
+    const Float8 upper_u = min(aperture.upper_u, legs.upper_u) + rounding;
+    const Float8 lower_v = max(aperture.lower_v, legs.lower_v);
+    const Float8 upper_v = min(aperture.upper_v, legs.upper_v) + rounding;
+    const Float8::Mask beside = aperture.is_behind | (aperture.max_depth < legs.min_depth) |
+                                (upper_u < lower_u) | (upper_v < lower_v);
+    if (bits(beside) == 0xffU) {
+        return 0;
     }
+    const LocalBoxes image = local_boxes(legs, block.image);
+    const Float8::Mask outside = beside | image.is_behind |
+                                 (image.max_depth < max(aperture.min_depth, legs.min_depth)) |
+                                 (legs.max_length < image.min_depth) |
+                                 (image.upper_u + rounding < lower_u) | (upper_u < image.lower_u) |
+                                 (image.upper_v + rounding < lower_v) | (upper_v < image.lower_v);
     return ~bits(outside) & 0xffU;
 }
 
 void find_connected(const SubpathTree& tree,
-                    const ConnectingLegs& legs,
+                    const ConnectingLegs& narrow,
                     std::vector<std::uint32_t>& found) {
+    const WideLegs legs(narrow);
     constexpr std::size_t kWidth = SubpathBlock::kWidth;
     constexpr std::size_t kMaxLevels = 12;
     struct Entry {

@@ -41,7 +41,7 @@ struct ConnectingLegs {
 };
 
 /// Eight pairs of boxes, side by side.
-struct alignas(32) SubpathBlock {
+struct alignas(64) SubpathBlock {
     static constexpr std::size_t kWidth = 8;
     struct Box {
         float lower[3][kWidth];
@@ -71,6 +71,7 @@ public:
     };
     std::span<const Level> levels() const noexcept { return levels_; }
     std::span<const SubpathBlock> blocks() const noexcept { return blocks_; }
+
     /// The numbers of the subpaths on the lowest level.
     std::span<const std::uint32_t> numbers() const noexcept { return numbers_; }
 

@@ -131,6 +131,7 @@ TEST(SubpathTree, LeavesOutWhatIsBehindOrTooFar) {
     const auto found = [&](double max_length) {
         std::vector<std::uint32_t> numbers;
         tree.find({from.frustum, from.plane, 1e-12, tree.max_coordinate(), max_length}, numbers);
+        std::sort(numbers.begin(), numbers.end());
         return numbers;
     };
     EXPECT_EQ(found(1e300), (std::vector<std::uint32_t>{0, 5, 6}));
