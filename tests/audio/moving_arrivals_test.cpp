@@ -220,7 +220,7 @@ TEST(MovingArrivalRenderer, MovesAsTheWholeSignalDoes) {
     const FilterBank bank(assembler, flat);
     ASSERT_EQ(bank.filters(), 1U);
     constexpr std::size_t kBlock = 128;
-    const Pass pass{20.0, 0.5, 0.2};
+    const Pass pass{20.0, 3.0, 0.2};
     const auto signal = noise(200 * kBlock);
     const auto whole = rendered(pass, signal, kBlock);
     MovingArrivalRenderer renderer(
