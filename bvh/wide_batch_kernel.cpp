@@ -17,16 +17,10 @@
 #include "earshot/bvh/kernels/interleaved-inl.h"
 #include "earshot/bvh/kernels/packet-inl.h"
 #include "earshot/bvh/kernels/packet_gather-inl.h"
-#include "earshot/bvh/kernels/single_ray-inl.h"
 #include "earshot/bvh/kernels/small_mesh-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::bvh::HWY_NAMESPACE {
-
-// A tree that is no larger stays in the processor's L2 cache: for such a tree the single-ray kernel
-// is faster, because there is no latency for interleaving to hide, and interleaving mispredicts
-// more branches.
-constexpr std::size_t kL2CacheBytes = std::size_t{1} << 20;
 
 // The packet traversal of fewer rays is slower than their interleaved traversal.
 constexpr std::size_t kMinPacketRays = 12;
@@ -121,8 +115,6 @@ void closest_of_many(const WideTree& tree,
         small_mesh.finish();
     } else if (secondary_rays.origin_triangles.empty()) {
         closest_in_packets(tree, mesh, secondary_rays, hits, queue);
-    } else if (tree.bytes() <= kL2CacheBytes) {
-        closest_single_ray(tree, mesh, secondary_rays, hits, queue);
     } else {
         closest_interleaved(tree, mesh, secondary_rays, 0, secondary_rays.rays.size(), hits, queue);
     }
@@ -139,8 +131,6 @@ void any_of_many(const WideTree& tree,
             small_mesh.add(i);
         }
         small_mesh.finish();
-    } else if (!secondary_segments.origin_triangles.empty() && tree.bytes() <= kL2CacheBytes) {
-        any_single_ray(tree, mesh, secondary_segments, blocked);
     } else {
         any_interleaved(tree, mesh, secondary_segments, blocked);
     }

@@ -68,6 +68,10 @@ struct FlightList {
     }
 };
 
+/// A tree that is no larger stays in the processor's L2 cache. There is less latency to hide then
+/// than prefetches cost.
+inline constexpr std::size_t kL2CacheBytes = std::size_t{1} << 20;
+
 /// Advances rays until all are finished. In every round each ray whose next is a node visits one
 /// node, and then leaves are visited until none is next. So no branch depends on what a ray visits
 /// next, and while the memory fetches that, the other rays advance. `Rays` holds the rays and what
@@ -78,22 +82,26 @@ template <typename Rays>
 HWY_INLINE void traverse_interleaved(const WideTree& tree, Rays& rays) {
     constexpr std::size_t kFlights = Rays::kFlights;
     using Flight = typename Rays::Flight;
+    const bool prefetches = tree.bytes() > kL2CacheBytes;
     Flight flights[kFlights];
     FlightList<kFlights + 1> nodes, leaves;
     while (nodes.count < kFlights && rays.start(flights[nodes.count])) {
         nodes.push_if(1, static_cast<std::uint32_t>(nodes.count));
     }
-    // Finishes a ray and starts the next in its place, or goes on with it; sorts it by what is
-    // next.
-    const auto advance = [&](std::uint32_t k, bool has_next) {
-        if (!has_next) {
-            rays.finish(flights[k]);
-            if (!rays.start(flights[k])) {
-                return;
-            }
+    // Finishes a ray and starts the next in its place.
+    const auto replace = [&](std::uint32_t k) __attribute__((noinline)) {
+        rays.finish(flights[k]);
+        return rays.start(flights[k]);
+    };
+    // Goes on with a ray or its replacement; sorts it by what is next.
+    const auto advance = [&](std::uint32_t k, bool has_next) __attribute__((always_inline)) {
+        if (!has_next && !replace(k)) {
+            return;
         }
         const std::uint32_t next = flights[k].stack.current;
-        prefetch(tree, next);
+        if (prefetches) {
+            prefetch(tree, next);
+        }
         leaves.push_if(next >> 31, k);
         nodes.push_if(1 - (next >> 31), k);
     };
@@ -168,9 +176,10 @@ public:
         const Float8 bound = Float8(flight.search->bound);
         flight.stack.push(intervals(flight, node, bound), node, flight.ray.order_shift);
     }
-    HWY_INLINE bool pop(Flight& flight) const { return flight.stack.pop(flight.search->bound); }
+    HWY_INLINE bool pop(Flight& flight) const { return flight.stack.pop_any(); }
     HWY_INLINE bool visit(Flight& flight, const LeafTriangles& leaf) const {
         visit_leaf<EarlyExit::no>(leaf, flight.ray, *flight.search, flight.excluded);
+        flight.stack.remove_beyond(flight.search->bound);
         return true;
     }
     HWY_INLINE void finish(const Flight& flight) {

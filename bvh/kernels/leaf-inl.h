@@ -195,8 +195,8 @@ HWY_INLINE void visit_leaf(const LeafTriangles& leaf,
     const Float8::Mask stays = differs(leaf.triangles(), excluded);
     const Float8::Mask certain =
         hits.certain & stays & (zero <= hits.near) & (hits.far <= Float8(ray.t_max_inside));
-    const float bound = reduce_min(select(certain, hits.far, Float8(search.bound)));
-    search.bound = bound < search.bound ? bound : search.bound;
+    const Float8 bound = Float8(search.bound);
+    search.bound = reduce_min(select(certain, min(hits.far, bound), bound));
     const Float8::Mask is_candidate =
         hits.possible & (hits.near <= Float8(search.bound)) & (zero <= hits.far) & stays;
     search.reserve();

@@ -40,18 +40,27 @@ struct ExcludedPlane {
     float at = std::numeric_limits<float>::quiet_NaN();
 
     ExcludedPlane() = default;
+    /// Free of branches, which depend on the triangle and mispredict.
     HWY_INLINE ExcludedPlane(const geometry::MeshView& mesh, std::uint32_t triangle) {
         const geometry::Triangle& corners = mesh.triangles[triangle];
-        const double* a = glm::value_ptr(mesh.positions[corners[0]]);
-        const double* b = glm::value_ptr(mesh.positions[corners[1]]);
-        const double* c = glm::value_ptr(mesh.positions[corners[2]]);
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const auto coordinate = static_cast<float>(a[k]);
-            if (a[k] == b[k] && a[k] == c[k] && static_cast<double>(coordinate) == a[k]) {
-                planes = 2 * WideNode::kWidth * k;
-                at = coordinate;
-            }
-        }
+        const Double4 a = load_three(glm::value_ptr(mesh.positions[corners[0]]));
+        const Double4 b = load_three(glm::value_ptr(mesh.positions[corners[1]]));
+        const Double4 c = load_three(glm::value_ptr(mesh.positions[corners[2]]));
+        const Float4 rounded = round_to_float(a);
+        const Double4 exact = to_double(rounded);
+        const Double4 lowest = min(min(a, b), min(c, exact));
+        const Double4 highest = max(max(a, b), max(c, exact));
+        const std::uint32_t flat_axes = bits(highest <= lowest) & 7U;
+        // The last of them; without one, the padding.
+        constexpr std::uint32_t kNone = 3;
+        const std::uint32_t none = flat_axes == 0 ? kNone + 1 : 0;
+        const std::uint32_t k = static_cast<std::uint32_t>(std::bit_width(flat_axes)) + none - 1;
+        alignas(16) float coordinates[4];
+        rounded.store(coordinates);
+        coordinates[kNone] = std::numeric_limits<float>::quiet_NaN();
+        at = coordinates[k];
+        constexpr std::uint32_t kFirstPlanes[] = {0, 2 * WideNode::kWidth, 4 * WideNode::kWidth, 0};
+        planes = kFirstPlanes[k];
     }
 };
 
@@ -148,6 +157,21 @@ struct TraversalStack {
         } while (entry_near[count] > bound);
         current = entry[count];
         return true;
+    }
+
+    /// Removes the children that begin beyond `bound`. Where a bound falls rarely this is faster
+    /// than a comparison in every pop, of which the result is hard to predict.
+    HWY_INLINE void remove_beyond(float bound) {
+        const std::size_t end = count;
+        count = 0;
+        for (std::size_t i = 0; i < end; i += Float8::kCount) {
+            const Float8 near = Float8::load(entry_near + i);
+            count += compress(near,
+                              Float8::Mask::first(end - i) & (near <= Float8(bound)),
+                              entry + i,
+                              entry_near + count,
+                              entry + count);
+        }
     }
 
     /// Pops the next child, wherever it begins.
