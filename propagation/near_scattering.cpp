@@ -25,7 +25,8 @@ namespace {
 
 /// A ray from the listener, reflected specularly.
 struct SpecularRay {
-    std::size_t start = 0;
+    std::size_t start = 0;   // index of its direction
+    std::size_t choice = 0;  // of its choices
     Ray ray;
     TriangleId origin_triangle = 0;
     double travelled = 0.0;
@@ -79,21 +80,15 @@ void reflect(const geometry::Hit& hit,
 }
 
 std::vector<std::optional<geometry::Hit>> closest_hits(const bvh::MeshBvh& bvh,
-                                                       std::span<const SpecularRay> specular,
-                                                       bool are_reflected) {
+                                                       std::span<const SpecularRay> reflected) {
     std::vector<Ray> rays;
     std::vector<TriangleId> origin_triangles;
-    for (const SpecularRay& ray : specular) {
+    for (const SpecularRay& ray : reflected) {
         rays.push_back(ray.ray);
         origin_triangles.push_back(ray.origin_triangle);
     }
     std::vector<std::optional<geometry::Hit>> hits(rays.size());
-    if (are_reflected) {
-        bvh.closest_hits(bvh::SecondaryRays{.rays = rays, .origin_triangles = origin_triangles},
-                         hits);
-    } else {
-        bvh.closest_hits(rays, hits);
-    }
+    bvh.closest_hits(bvh::SecondaryRays{.rays = rays, .origin_triangles = origin_triangles}, hits);
     return hits;
 }
 
@@ -106,18 +101,29 @@ const RaySurface& RayTracer::reversed_surface(TriangleId triangle, const Vec3& d
 
 // A ray meets up to kMaxNearReflections + 1 places. It goes on from one of them: each energy is
 // divided by the probability of the choice.
-std::vector<NearScattering> RayTracer::find_near_scattering(const Vec3& from,
-                                                            std::span<const Vec3> directions,
-                                                            std::uint64_t first_id) const {
+std::vector<NearScattering> RayTracer::find_near_scattering(
+    const Vec3& from,
+    std::span<const Vec3> directions,
+    std::span<const std::optional<geometry::Hit>> first_hits,
+    std::uint64_t first_id) const {
     Spectrum whole;
     whole.fill(1.0);
     std::vector<SpecularRay> specular;
+    std::vector<std::optional<geometry::Hit>> hits;
     for (std::size_t i = 0; i < directions.size(); ++i) {
-        specular.push_back({.start = i, .ray = {from, directions[i]}, .energy = whole});
+        if (first_hits[i] && first_hits[i]->t < kNearDistance) {
+            specular.push_back({.start = i,
+                                .choice = specular.size(),
+                                .ray = {from, directions[i]},
+                                .energy = whole});
+            hits.push_back(first_hits[i]);
+        }
     }
-    std::vector<Choice> choices(directions.size());
+    std::vector<Choice> choices(specular.size());
     for (std::uint64_t reflections = 0; reflections <= kMaxNearReflections; ++reflections) {
-        const auto hits = closest_hits(scene_.bvh, specular, reflections > 0);
+        if (reflections > 0) {
+            hits = closest_hits(scene_.bvh, specular);
+        }
         std::size_t kept = 0;
         for (std::size_t i = 0; i < specular.size(); ++i) {
             SpecularRay& ray = specular[i];
@@ -130,7 +136,7 @@ std::vector<NearScattering> RayTracer::find_near_scattering(const Vec3& from,
                       reversed_surface(hits[i]->triangle, ray.ray.direction),
                       random(options_.seed, kNearScatteringStream, id),
                       ray,
-                      choices[ray.start]);
+                      choices[ray.choice]);
             if (*std::max_element(ray.energy.begin(), ray.energy.end()) > 0.0) {
                 ray.materials[ray.reflections++] = triangle_surfaces_[hits[i]->triangle].front / 2;
                 reflect(*hits[i],

@@ -31,6 +31,9 @@ constexpr std::uint64_t kStreams = 4;
 constexpr std::uint64_t kDirectionStream = 2;
 constexpr std::uint64_t kSplitStream = kBallStream + 1;
 
+// The surface of a ray's hit is fetched so many rays before it is needed.
+constexpr std::size_t kPrefetchDistance = 8;
+
 /// A vector of length nearly 1, brought back to length 1 by one step of Newton's method, so that
 /// rounding errors do not grow with the number of reflections.
 Vec3 renormalised(const Vec3& v) {
@@ -133,6 +136,9 @@ void RayBatch<kBands>::advance(std::uint64_t bounce) {
     std::size_t kept = 0;
     const std::size_t count = rays_.size();
     for (std::size_t i = 0; i < count; ++i) {
+        if (i + kPrefetchDistance < count && hits_[i + kPrefetchDistance]) {
+            __builtin_prefetch(&tracer_.triangle_surfaces_[hits_[i + kPrefetchDistance]->triangle]);
+        }
         if (!hits_[i]) {
             add(1.0, energies_[i], balance_.escaped.data());
             continue;
@@ -520,14 +526,16 @@ void RayTracer::trace_reversed(std::size_t listener,
     const double count = std::ceil(static_cast<double>(rays) * receiver.near_scattering * share);
     const glm::dmat3 rotation = random_rotation(options_.seed, 0, kFirstReversed + index);
     std::vector<Vec3> directions(static_cast<std::size_t>(count));
+    std::vector<Ray> legs(directions.size());
     for (std::size_t i = 0; i < directions.size(); ++i) {
         directions[i] = rotation * spiral_direction(i, count);
+        legs[i] = {receiver.position, directions[i]};
     }
     const ReversedRays reversed = {.listener = listener,
                                    .first_id = (kFirstReversed + index) * kMaxBatchRays,
                                    .directions = directions};
-    const std::vector<NearScattering> places =
-        find_near_scattering(receiver.position, directions, reversed.first_id);
+    const std::vector<NearScattering> places = find_near_scattering(
+        receiver.position, directions, scene_.bvh.closest_hits(legs), reversed.first_id);
     const double energy = 4.0 * math::kPi / count;
     double scattered_energy = 0.0;
     for (const NearScattering& place : places) {

@@ -176,7 +176,7 @@ Receiver RayTracer::describe_receiver(const Vec3& position) const {
         balls[i]->inverse_volume =
             cubes > 0.0 ? kProbeDirections / (4.0 / 3.0 * math::kPi * cubes) : 0.0;
     }
-    const std::vector<NearScattering> places = find_near_scattering(position, directions, 0);
+    const std::vector<NearScattering> places = find_near_scattering(position, directions, hits, 0);
     for (const NearScattering& place : places) {
         receiver.near_scattering += place.share / static_cast<double>(places.size());
     }

@@ -165,9 +165,12 @@ private:
     const RaySurface& reversed_surface(geometry::TriangleId triangle,
                                        const geometry::Vec3& direction) const;
     /// Of each direction at most one of the places that its ray meets, chosen by chance.
-    std::vector<NearScattering> find_near_scattering(const geometry::Vec3& from,
-                                                     std::span<const geometry::Vec3> directions,
-                                                     std::uint64_t first_id) const;
+    /// `first_hits`: the closest hits of the rays in these directions.
+    std::vector<NearScattering> find_near_scattering(
+        const geometry::Vec3& from,
+        std::span<const geometry::Vec3> directions,
+        std::span<const std::optional<geometry::Hit>> first_hits,
+        std::uint64_t first_id) const;
     geometry::Vec3 image_in(geometry::TriangleId triangle, const geometry::Vec3& point) const;
     bool is_same_mirror(const ImageChain& chain,
                         geometry::TriangleId one,
