@@ -36,8 +36,11 @@ def main():
         value = i * step
         print(f'<path d="M{LEFT} {y(value):.1f}H{x(10 ** x_max):.1f}" stroke="#ddd"/>'
               f'<text x="{LEFT - 6}" y="{y(value) + 4:.1f}" text-anchor="end">{value:g}</text>')
+    last = -math.inf
     for row in table:
-        print(f'<text x="{x(row[0]):.1f}" y="{HEIGHT - 26}" text-anchor="middle">{row[0]:.0e}</text>')
+        if x(row[0]) - last > 50:
+            last = x(row[0])
+            print(f'<text x="{last:.1f}" y="{HEIGHT - 26}" text-anchor="middle">{row[0]:.0e}</text>')
     print(f'<text x="{(LEFT + x(10 ** x_max)) / 2:.0f}" y="{HEIGHT - 8}" text-anchor="middle">'
           'triangles</text>')
     print(f'<text x="14" y="{HEIGHT / 2 - 10:.0f}" text-anchor="middle" '

@@ -87,8 +87,11 @@ Tree build_hybrid(std::span<const Aabb> boxes, const BuildOptions& options, Exec
 }
 
 Tree build_fast(std::span<const Aabb> boxes, const BuildOptions& options, Executor& executor) {
-    constexpr std::uint32_t kMaxClusterSize = 64;
-    return build_clustered(boxes, kMaxClusterSize, options, executor);
+    // Where the boxes do not fit into the caches, memory takes the time, and better splits cost
+    // little.
+    constexpr std::size_t kMinManyBoxes = std::size_t{1} << 18;
+    const std::uint32_t max_cluster_size = boxes.size() < kMinManyBoxes ? 64 : 16;
+    return build_clustered(boxes, max_cluster_size, options, executor);
 }
 
 }  // namespace earshot::bvh

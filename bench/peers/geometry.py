@@ -49,7 +49,7 @@ def bumpy_sphere(triangles):
 def mesh_of(file):
     if file is None:
         return bumpy_sphere(100_000)
-    scene = es.Scene(file)
+    scene = es.load(file)
     return scene.vertices, scene.triangles
 
 
@@ -199,13 +199,13 @@ def compare_steps(files, repeats):
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--bench", required=True, help="folder of bench_collision")
-    parser.add_argument("--mesh", nargs="*", help="meshes for rays; default: a generated one")
+    parser.add_argument("--mesh", nargs="*", help="meshes for rays, if any; default: a generated one")
     parser.add_argument("--queries", help="folder of elementary queries in CSV files")
     parser.add_argument("--cloth", nargs=2, help="a mesh before and after a step")
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
     print(f"earshot {es.__version__}, one thread, medians of {options.repeats}")
-    compare_rays(options.mesh or [None], options.repeats)
+    compare_rays([None] if options.mesh is None else options.mesh, options.repeats)
     compare_steps(options.cloth, options.repeats)
     if options.queries:
         compare_elements(options.queries, options.bench)
