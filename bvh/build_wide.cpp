@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/error.h"
 #include "earshot/bvh/internal/bottom_up.h"
+#include "earshot/bvh/internal/coordinate_rules.h"
 #include "earshot/bvh/internal/wide_node.h"
 #include "earshot/bvh/wide_tree.h"
 
@@ -269,7 +270,7 @@ WideTree WideTree::build(const Tree& tree,
     Collapse collapse(tree, encoding, executor);
     collapse.emit(0);
     wide.triangle_count_ = count;
-    wide.box_ = tree.nodes().front().box;
+    wide.set_box(tree.nodes().front().box);
     wide.nodes_.resize(collapse.slots.size());
     wide.words_.resize(wide.words_per_block_ * collapse.blocks() + kPaddingWords);
     std::fill_n(wide.words_.end() - kPaddingWords, kPaddingWords, 0U);
@@ -322,17 +323,22 @@ WideTree WideTree::build(const Tree& tree,
             }
         }
     });
+    if (encoding == LeafEncoding::single) {
+        CoordinateRules rules(wide.max_abs_coordinate());
+        rules.check(mesh.positions, executor);
+        wide.exact_coordinates_ = rules.result();
+    }
     return wide;
 }
 
-double WideTree::max_abs_coordinate() const noexcept {
-    double largest = 0.0;
-    for (std::size_t k = 0; k < 3 && triangle_count_ > 0; ++k) {
-        largest = std::max({largest,
-                            std::abs(static_cast<double>(box_.lower[k])),
-                            std::abs(static_cast<double>(box_.upper[k]))});
+void WideTree::set_box(const Aabb& box) noexcept {
+    box_ = box;
+    max_abs_coordinate_ = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        max_abs_coordinate_ = std::max({max_abs_coordinate_,
+                                        std::abs(static_cast<double>(box.lower[k])),
+                                        std::abs(static_cast<double>(box.upper[k]))});
     }
-    return largest;
 }
 
 std::span<const std::uint32_t> WideTree::leaf_triangles(std::uint32_t child) const noexcept {

@@ -2,6 +2,7 @@
 #include "earshot/bvh/partial_refit.h"
 
 #include "earshot/base/assert.h"
+#include "earshot/bvh/internal/coordinate_rules.h"
 #include "earshot/bvh/internal/wide_node.h"
 
 #include <algorithm>
@@ -82,6 +83,8 @@ void PartialRefit::refit(WideTree& tree,
     if (!has_moved) {
         return;
     }
+    // Leaves that have not moved keep the rule that held for all.
+    CoordinateRules rules(tree.exact_coordinates_);
     // Parents come before their children.
     for (std::uint32_t i = last + 1; i-- > 0;) {
         const std::uint8_t flags = dirty_[i];
@@ -90,9 +93,10 @@ void PartialRefit::refit(WideTree& tree,
         }
         dirty_[i] = 0;
         dirty_[parents_[i]] |= i > 0 ? kChildMoved : 0;
-        tree.refit_node(i, mesh, (flags & kLeafMoved) != 0);
+        tree.refit_node(i, mesh, (flags & kLeafMoved) != 0, rules);
     }
-    tree.set_box();
+    tree.exact_coordinates_ = rules.result();
+    tree.set_box(box_of(tree.nodes_.front()));
 }
 
 }  // namespace earshot::bvh

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/assert.h"
+#include "earshot/bvh/internal/coordinate_rules.h"
 #include "earshot/bvh/internal/wide_node.h"
 
 #include <vector>
@@ -44,7 +45,10 @@ Decomposition decompose(std::span<const WideNode> nodes) {
 
 }  // namespace
 
-void WideTree::refit_node(std::size_t index, const geometry::MeshView& mesh, bool with_leaves) {
+void WideTree::refit_node(std::size_t index,
+                          const geometry::MeshView& mesh,
+                          bool with_leaves,
+                          CoordinateRules& rules) {
     WideNode& node = nodes_[index];
     for (std::size_t slot = 0; slot < WideNode::kWidth; ++slot) {
         const std::uint32_t child = node.child[slot];
@@ -54,15 +58,12 @@ void WideTree::refit_node(std::size_t index, const geometry::MeshView& mesh, boo
                     node,
                     slot,
                     pack_leaf(leaf_encoding_, packed_leaf(child), leaf_count(child), mesh));
+                rules.check(leaf_triangles(child), mesh);
             }
         } else if (child != kNoChild) {
             set_slot_box(node, slot, box_of(nodes_[child]));
         }
     }
-}
-
-void WideTree::set_box() {
-    box_ = box_of(nodes_.front());
 }
 
 void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
@@ -94,19 +95,25 @@ void WideTree::refit(const geometry::MeshView& mesh, Executor& executor) {
     };
     // Children come after their parents, so running backwards is bottom-up.
     const Decomposition parts = decompose(nodes_);
+    CoordinateRules unchecked = CoordinateRules(ExactCoordinates());
     executor.for_each(parts.subtrees.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const SubtreeRange& range = parts.subtrees[i];
             for (std::size_t node = range.end; node-- > range.begin;) {
                 prefetch_for(range, node);
-                refit_node(node, mesh, true);
+                refit_node(node, mesh, true, unchecked);
             }
         }
     });
     for (std::size_t i = parts.top.size(); i-- > 0;) {
-        refit_node(parts.top[i], mesh, true);
+        refit_node(parts.top[i], mesh, true, unchecked);
     }
-    set_box();
+    set_box(box_of(nodes_.front()));
+    if (leaf_encoding_ == LeafEncoding::single) {
+        CoordinateRules rules(max_abs_coordinate());
+        rules.check(mesh.positions, executor);
+        exact_coordinates_ = rules.result();
+    }
 }
 
 }  // namespace earshot::bvh

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/wide_ray.h"
 
+#include "earshot/bvh/internal/closest_hit_search.h"
 #include "earshot/bvh/internal/wide_ray_kernel.h"
 #include "earshot/bvh/traverse_wide.h"
 
@@ -11,15 +12,14 @@ using geometry::Hit;
 std::optional<Hit> closest_hit(const WideTree& tree,
                                const geometry::MeshView& mesh,
                                const geometry::Ray& ray) noexcept {
-    if (tree.nodes().empty()) {
-        return std::nullopt;
+    std::optional<Hit> hit;
+    if (tree.nodes().empty() || find_closest(tree, mesh, ray, hit)) {
+        return hit;
     }
+    // A ray outside the range of FloatRay: every candidate is decided at once.
     const double max_abs_coordinate = tree.max_abs_coordinate();
-    ClosestHitSearch search(mesh, ray, max_abs_coordinate);
-    if (find_closest(tree, ray, max_abs_coordinate, search)) {
-        search.decide_candidates();
-    } else if (const geometry::PreparedRay prepared(ray, max_abs_coordinate); prepared.is_valid()) {
-        // A ray outside the range of FloatRay: every candidate is decided at once.
+    if (const geometry::PreparedRay prepared(ray, max_abs_coordinate); prepared.is_valid()) {
+        ClosestHitSearch search(mesh, ray, max_abs_coordinate);
         search.bound = geometry::round_up(ray.t_max);
         traverse(
             tree,
@@ -31,8 +31,9 @@ std::optional<Hit> closest_hit(const WideTree& tree,
                 search.decide_candidates();
                 return true;
             });
+        hit = search.best();
     }
-    return search.best();
+    return hit;
 }
 
 bool occluded(const WideTree& tree,

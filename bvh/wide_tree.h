@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/large_array.h"
+#include "earshot/bvh/exact_coordinates.h"
 #include "earshot/bvh/tree.h"
 
 #include <cstddef>
@@ -9,6 +10,8 @@
 #include <span>
 
 namespace earshot::bvh {
+
+class CoordinateRules;
 
 /// A node with the boxes of up to eight children side by side, so that a ray is tested against all
 /// of them at once.
@@ -90,6 +93,8 @@ public:
     std::span<const std::uint32_t> packed_leaves() const noexcept { return words_; }
     static constexpr std::size_t kPaddingWords = 36;
     LeafEncoding leaf_encoding() const noexcept { return leaf_encoding_; }
+    /// How the vertices follow from the packed leaves; not known if these are quantised.
+    const ExactCoordinates& exact_coordinates() const noexcept { return exact_coordinates_; }
 
     /// The first word of a packed leaf. Precondition: is_leaf(child).
     const std::uint32_t* packed_leaf(std::uint32_t child) const noexcept {
@@ -101,16 +106,19 @@ public:
     std::size_t triangle_count() const noexcept { return triangle_count_; }
     const geometry::Aabb& box() const noexcept { return box_; }
     /// The largest absolute coordinate of the box, metres; 0 without triangles.
-    double max_abs_coordinate() const noexcept;
+    double max_abs_coordinate() const noexcept { return max_abs_coordinate_; }
     std::size_t bytes() const noexcept;
 
 private:
     friend class PartialRefit;
 
     /// Sets the boxes of a node's slots from its children: nodes, and leaves if `with_leaves`,
-    /// which are packed again from the mesh.
-    void refit_node(std::size_t index, const geometry::MeshView& mesh, bool with_leaves);
-    void set_box();
+    /// which are packed again from the mesh and checked.
+    void refit_node(std::size_t index,
+                    const geometry::MeshView& mesh,
+                    bool with_leaves,
+                    CoordinateRules& rules);
+    void set_box(const geometry::Aabb& box) noexcept;
     std::uint32_t* packed_leaf(std::uint32_t child) noexcept {
         return words_.data() + words_per_block_ * leaf_block(child);
     }
@@ -119,8 +127,10 @@ private:
     LargeArray<std::uint32_t> words_;
     LeafEncoding leaf_encoding_ = LeafEncoding::single;
     std::size_t words_per_block_ = 0;
+    ExactCoordinates exact_coordinates_;
     std::size_t triangle_count_ = 0;
     geometry::Aabb box_;
+    double max_abs_coordinate_ = 0.0;
 };
 
 }  // namespace earshot::bvh

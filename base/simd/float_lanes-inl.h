@@ -5,6 +5,7 @@
 
 #include "earshot/base/simd/lanes-inl.h"
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -162,6 +163,22 @@ HWY_INLINE Float4 interleave_upper(const Float4& a, const Float4& b) {
     result.part[0] = hn::InterleaveUpper(Float4::Tag(), a.part[0], b.part[0]);
 #endif
     return result;
+}
+
+/// Three floats as doubles; the fourth lane is not used.
+HWY_INLINE Double4 doubles_of(float a, float b, float c) {
+#if HWY_MAX_BYTES >= 32
+    const hn::CappedTag<float, 4> four;
+    const auto ac = hn::InterleaveLower(four, hn::Set(four, a), hn::Set(four, c));
+    const auto bc = hn::InterleaveLower(four, hn::Set(four, b), hn::Set(four, c));
+    Float4 all;
+    all.part[0] = hn::InterleaveLower(four, ac, bc);
+    return to_double(all);
+#else
+    alignas(16) const double numbers[4] = {
+        static_cast<double>(a), static_cast<double>(b), static_cast<double>(c), 0.0};
+    return Double4::load(numbers);
+#endif
 }
 
 /// Eight floats from two times four.
@@ -343,6 +360,32 @@ HWY_INLINE std::size_t compress(const Float8& key,
     }
     return count;
 #endif
+}
+
+/// Writes the elements of `value` whose bits are set, in their order, and returns how many. Writes
+/// to all eight elements of the output.
+HWY_INLINE std::size_t compress_words(std::uint32_t mask,
+                                      const std::uint32_t* value,
+                                      std::uint32_t* value_out) {
+#if HWY_TARGET <= HWY_AVX3
+    const hn::RebindToUnsigned<Float8::Tag> words;
+    const std::uint8_t bytes[8] = {static_cast<std::uint8_t>(mask)};
+    hn::StoreU(
+        hn::Compress(hn::LoadU(words, value), hn::LoadMaskBits(words, bytes)), words, value_out);
+#elif HWY_TARGET == HWY_AVX2
+    const hn::RebindToUnsigned<Float8::Tag> words;
+    const hn::Rebind<std::uint8_t, Float8::Tag> small;
+    const auto lanes = hn::PromoteTo(words, hn::LoadU(small, kMaskLanes.lanes[mask]));
+    hn::StoreU(hn::TableLookupLanes(hn::LoadU(words, value), hn::IndicesFromVec(words, lanes)),
+               words,
+               value_out);
+#else
+    std::uint32_t* out = value_out;
+    for (std::uint32_t rest = mask; rest != 0; rest &= rest - 1) {
+        *out++ = value[std::countr_zero(rest)];
+    }
+#endif
+    return static_cast<std::size_t>(std::popcount(mask));
 }
 
 /// Writes the lanes of `near` and `value` where `near` is not beyond `far`, in the order that

@@ -240,6 +240,12 @@ HWY_INLINE Lanes<Real, N> abs(Lanes<Real, N> a) {
     return map<Lanes<Real, N>>([](auto u) { return hn::Abs(u); }, a);
 }
 
+/// The magnitude of one and the sign of another.
+template <typename Real, std::size_t N>
+HWY_INLINE Lanes<Real, N> copy_sign(Lanes<Real, N> magnitude, Lanes<Real, N> sign) {
+    return map<Lanes<Real, N>>([](auto u, auto v) { return hn::CopySign(u, v); }, magnitude, sign);
+}
+
 // Comparisons are false in lanes that are not a number.
 
 template <typename Real, std::size_t N>
@@ -291,6 +297,12 @@ HWY_INLINE std::uint32_t bits(LaneMask<Real, N> mask) {
 template <typename Real, std::size_t N>
 HWY_INLINE bool any(LaneMask<Real, N> mask) {
     return bits(mask) != 0;
+}
+
+/// The first lane.
+template <typename Real, std::size_t N>
+HWY_INLINE Real first_lane(Lanes<Real, N> a) {
+    return hn::GetLane(a.part[0]);
 }
 
 /// The smallest lane.

@@ -4,6 +4,7 @@
 // pairs of ray and triangle at a time, with the same bits.
 
 #include "earshot/base/simd/float_lanes-inl.h"
+#include "earshot/bvh/kernels/exact_test-inl.h"
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/sheared_ray.h"
 
@@ -47,66 +48,6 @@ struct ExactTestResults {
     alignas(64) double v[RayTrianglePairs::kCount];
 };
 
-/// Rays along their axes, one per lane.
-struct ShearedRays {
-    Doubles origin[3], shear[3];
-
-    HWY_INLINE ShearedRays(const Doubles (&from)[3], const Doubles (&direction)[3])
-        : origin{from[0], from[1], from[2]},
-          shear{direction[0] / direction[2],
-                direction[1] / direction[2],
-                Doubles(1.0) / direction[2]} {}
-};
-
-/// Corners of triangles from the rays' origins, sheared along the rays.
-struct ShearedCorners {
-    Doubles x, y, z;
-    Doubles off;  ///< |x| + |y|
-};
-
-/// The steps of these two and their order are those of ShearedRay::hit().
-HWY_INLINE ShearedCorners shear(const ShearedRays& rays, Doubles x, Doubles y, Doubles z) {
-    ShearedCorners seen;
-    seen.z = z - rays.origin[2];
-    seen.x = x - rays.origin[0] - rays.shear[0] * seen.z;
-    seen.y = y - rays.origin[1] - rays.shear[1] * seen.z;
-    seen.off = abs(seen.x) + abs(seen.y);
-    return seen;
-}
-
-/// What ShearedRay::hit() finds before it asks for the range of t.
-struct Intersections {
-    Doubles::Mask inside;
-    Doubles::Mask certain;  ///< the hit lies in the triangle's own box; else the rest is not valid
-    Doubles t, v, w, determinant;
-};
-
-HWY_INLINE Intersections intersect(const ShearedRays& rays,
-                                   const ShearedCorners& a,
-                                   const ShearedCorners& b,
-                                   const ShearedCorners& c) {
-    const Doubles zero = Doubles(0.0);
-    const Doubles u = c.x * b.y - c.y * b.x;
-    const Doubles v = a.x * c.y - a.y * c.x;
-    const Doubles w = b.x * a.y - b.y * a.x;
-    const Doubles determinant = u + v + w;
-    const Doubles weighted = u * a.z + v * b.z + w * c.z;
-    const Doubles t = rays.shear[2] * weighted / determinant;
-    const Doubles size = a.off + b.off + c.off;
-    const Doubles depth = max(max(a.z, b.z), c.z) - min(min(a.z, b.z), c.z);
-    const Doubles magnitude = abs(determinant);
-    const Doubles lowest = min(min(u, v), w);
-    const Doubles highest = max(max(u, v), w);
-    const Doubles::Mask in_own_box =
-        size * max(size, Doubles(4.0) * depth) <= Doubles(64.0) * magnitude;
-    return {.inside = (zero <= lowest) | (highest <= zero),
-            .certain = and_not(in_own_box, magnitude <= zero),
-            .t = t,
-            .v = v,
-            .w = w,
-            .determinant = determinant};
-}
-
 /// Vectors of three components, along the axes of rays.
 class AlongAxes {
 public:
@@ -142,14 +83,14 @@ HWY_INLINE void decide(const RayTrianglePairs& pairs, ExactTestResults& results)
         const AlongAxes along_axes(direction);
         along_axes(direction);
         along_axes(origin);
-        const ShearedRays rays(origin, direction);
-        ShearedCorners corners[3];
+        const ShearedRays<Doubles> rays(origin, direction);
+        ShearedCorners<Doubles> corners[3];
         for (std::size_t k = 0; k < 3; ++k) {
             load_transposed(pairs.corner[k] + i, corner);
             along_axes(corner);
             corners[k] = shear(rays, corner[0], corner[1], corner[2]);
         }
-        const Intersections found = intersect(rays, corners[0], corners[1], corners[2]);
+        const Intersections<Doubles> found = intersect(rays, corners[0], corners[1], corners[2]);
         const Doubles::Mask between =
             (zero <= found.t) & (found.t <= Doubles::load(pairs.t_max + i));
         results.certain |= bits(found.certain) << i;

@@ -204,6 +204,24 @@ HWY_INLINE bool descend_single_ray(const WideNode& node,
     return stack.pop(bound);
 }
 
+/// Continues with any child of a node; false if the ray misses all and the stack is empty. Where it
+/// begins is not kept, and the only child and one of several are not told apart by a branch, which
+/// would often be mispredicted.
+template <typename Passes>
+HWY_INLINE bool descend_unordered(const WideNode& node,
+                                  const Passes& slab_test,
+                                  float bound,
+                                  TraversalStack& stack) {
+    const SlabIntervals intervals = slab_test(node, Float8(bound));
+    const std::uint32_t lanes = bits(intervals.near <= intervals.far);
+    if (lanes == 0) {
+        return stack.pop_any();
+    }
+    stack.current = node.child[std::countr_zero(lanes)];
+    stack.count += compress_words(lanes & (lanes - 1), node.child, stack.entry + stack.count);
+    return true;
+}
+
 }  // namespace earshot::bvh::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

@@ -170,8 +170,8 @@ private:
             origin[k] = Doubles::load(rays.origin[k] + first);
             direction[k] = Doubles::load(rays.direction[k] + first);
         }
-        const ShearedRays sheared(origin, direction);
-        ShearedCorners corners[SmallMesh::kMaxVertices];
+        const ShearedRays<Doubles> sheared(origin, direction);
+        ShearedCorners<Doubles> corners[SmallMesh::kMaxVertices];
         for (std::size_t i = 0; i < triangles_.vertex_count; ++i) {
             const double* vertex = triangles_.position[i];
             corners[i] = shear(sheared,
@@ -187,7 +187,7 @@ private:
         Doubles best_determinant = Doubles(1.0);
         for (std::uint32_t id = 0; id < triangles_.count; ++id) {
             const std::uint32_t* corner = triangles_.corner[id];
-            const Intersections found =
+            const Intersections<Doubles> found =
                 intersect(sheared, corners[corner[0]], corners[corner[1]], corners[corner[2]]);
             const Doubles::Mask uncertain = and_not(found.inside, found.certain);
             std::uint32_t remaining = bits(uncertain);
