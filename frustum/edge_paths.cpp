@@ -43,6 +43,10 @@ double apex_of(const Wedge& wedge, const Vec3& source, const Vec3& listener, Int
         (s.z * r.radius + r.z * s.radius) / (s.radius + r.radius), part.min, part.max);
 }
 
+Interval intersection(const Interval& a, const Interval& b) {
+    return {std::max(a.min, b.min), std::min(a.max, b.max)};
+}
+
 /// Joins what a source and a listener reach.
 class EdgeJoin {
 public:
@@ -60,6 +64,7 @@ public:
 private:
     bool may_be_wanted(const Wedge& wedge, const EdgeEnd& source, const EdgeEnd& listener) const;
     bool may_be_wanted(std::size_t wedge,
+                       const Interval& within,
                        EdgeSides& source,
                        std::size_t i,
                        EdgeSides& listener,
@@ -96,18 +101,23 @@ bool EdgeJoin::may_be_wanted(const Wedge& wedge,
            filter_->may_be_wanted(wedge, {0.0, wedge.length()}, source, listener, listener_);
 }
 
-// With what the facets of both sides reflect to.
-bool EdgeJoin::may_be_wanted(
-    std::size_t wedge, EdgeSides& source, std::size_t i, EdgeSides& listener, std::size_t k) const {
-    const EdgeEnd& from = source.of(wedge)[i].end;
-    const EdgeEnd& to = listener.of(wedge)[k].end;
-    Interval part = source.window(wedge, i);
+// With what the facets of both sides reflect to, as far as it lies within a part.
+bool EdgeJoin::may_be_wanted(std::size_t wedge,
+                             const Interval& within,
+                             EdgeSides& source,
+                             std::size_t i,
+                             EdgeSides& listener,
+                             std::size_t k) const {
+    Interval part = intersection(within, source.window(wedge, i));
     if (!part.is_empty()) {
-        const Interval other = listener.window(wedge, k);
-        part = {std::max(part.min, other.min), std::min(part.max, other.max)};
+        part = intersection(part, listener.window(wedge, k));
     }
-    return !part.is_empty() && (filter_ == nullptr || from.reflections + to.reflections == 0 ||
-                                filter_->may_be_wanted(wedges_[wedge], part, from, to, listener_));
+    return !part.is_empty() &&
+           (filter_ == nullptr || filter_->may_be_wanted(wedges_[wedge],
+                                                         part,
+                                                         source.of(wedge)[i].end,
+                                                         listener.of(wedge)[k].end,
+                                                         listener_));
 }
 
 void EdgeJoin::add(std::size_t wedge,
@@ -141,22 +151,27 @@ void EdgeJoin::join(std::size_t wedge, EdgeSides& source, EdgeSides& listener) {
     const auto to = listener.of(wedge);
     for (std::size_t i = 0; i < from.size(); ++i) {
         for (std::size_t k = 0; k < to.size(); ++k) {
+            const bool is_reflected = from[i].end.reflections + to[k].end.reflections > 0;
+            const Interval whole{0.0, wedges_[wedge].length()};
             if (!may_be_wanted(wedges_[wedge], from[i].end, to[k].end) ||
-                !may_be_wanted(wedge, source, i, listener, k)) {
+                (is_reflected && !may_be_wanted(wedge, whole, source, i, listener, k))) {
                 continue;
             }
             ++result_.statistics.pairs;
             // The side with fewer reflections costs less to decide.
             const bool source_first = from[i].end.reflections <= to[k].end.reflections;
-            if ((source_first ? source.parts(wedge, i) : listener.parts(wedge, k)).empty()) {
+            const std::span<const Interval> first =
+                source_first ? source.parts(wedge, i) : listener.parts(wedge, k);
+            if (first.empty() ||
+                !may_be_wanted(
+                    wedge, {first.front().min, first.back().max}, source, i, listener, k)) {
                 continue;
             }
             const std::span<const Interval> of_source = source.parts(wedge, i);
             const std::span<const Interval> of_listener = listener.parts(wedge, k);
             std::size_t a = 0, b = 0;
             while (a < of_source.size() && b < of_listener.size()) {
-                const Interval part{std::max(of_source[a].min, of_listener[b].min),
-                                    std::min(of_source[a].max, of_listener[b].max)};
+                const Interval part = intersection(of_source[a], of_listener[b]);
                 if (part.min < part.max) {
                     add(wedge, source, from[i], listener, to[k], part);
                 }

@@ -50,16 +50,19 @@ public:
 
     void visit(const VisibleFacets& search) {
         ++frusta_;
-        seen_.clear();
+        // A wedge belongs to two facets, and is tested once.
+        thread_local std::vector<std::uint64_t> last_frustum;
+        thread_local std::uint64_t frustum = 0;
+        last_frustum.resize(std::max(last_frustum.size(), wedges_.size()), 0);
+        ++frustum;
         for (const VisibleFacet& visible : search.found()) {
-            const std::vector<std::uint32_t>& of_facet = (*of_facet_)[visible.facet];
-            seen_.insert(seen_.end(), of_facet.begin(), of_facet.end());
-        }
-        std::sort(seen_.begin(), seen_.end());
-        seen_.erase(std::unique(seen_.begin(), seen_.end()), seen_.end());
-        for (const std::uint32_t wedge : seen_) {
-            if (search.may_arrive_on(wedges_[wedge].begin, wedges_[wedge].end)) {
-                pairs_.emplace_back(wedge, stack_.back());
+            for (const std::uint32_t wedge : (*of_facet_)[visible.facet]) {
+                if (last_frustum[wedge] != frustum) {
+                    last_frustum[wedge] = frustum;
+                    if (search.may_arrive_on(wedges_[wedge].begin, wedges_[wedge].end)) {
+                        pairs_.emplace_back(wedge, stack_.back());
+                    }
+                }
             }
         }
     }
@@ -74,7 +77,6 @@ private:
     std::vector<Sequence> sequences_{{}};
     std::vector<std::uint32_t> stack_{0};
     std::vector<EdgeSides::Pair> pairs_;  // wedge, sequence
-    std::vector<std::uint32_t> seen_;
     std::uint64_t frusta_ = 0;
 };
 

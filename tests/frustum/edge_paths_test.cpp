@@ -218,6 +218,65 @@ TEST(EdgePaths, AreTheSameInAnyTree) {
     }
 }
 
+/// Wants ways whose lines over the edge's line are at most so long.
+class LengthFilter final : public EdgePathFilter {
+public:
+    explicit LengthFilter(double max_length) : max_length_(max_length) {}
+    bool may_be_wanted(const Wedge&,
+                       const geometry::Interval&,
+                       const EdgeEnd& source,
+                       const EdgeEnd& listener,
+                       std::size_t) const override {
+        return is_wanted(source.image, listener.image);
+    }
+    bool is_wanted(const geometry::WedgePoint& source, const geometry::WedgePoint& listener) const {
+        return std::hypot(source.radius + listener.radius, source.z - listener.z) <= max_length_;
+    }
+
+private:
+    double max_length_;
+};
+
+// A filter leaves out what it refuses and nothing else, from source to source.
+TEST(EdgePaths, AFilterLeavesOutWhatItRefusesOnly) {
+    std::size_t wanted = 0, all = 0;
+    for (std::uint64_t seed = 0; seed < support::kRoomFamilies; ++seed) {
+        const LabelledRoom labelled(seed);
+        const Room& room = labelled.room;
+        const MeshedScene scene(room.mesh, room.labels);
+        const auto wedges = geometry::find_wedges(scene.facets());
+        support::Dice dice(seed + 2000);
+        const std::array listeners{support::random_air_point(room, dice),
+                                   support::random_air_point(room, dice)};
+        const EdgePathOptions options{.max_reflections = 1};
+        const SceneView view = scene.scene_view();
+        EdgePathFinder finder(view, wedges, options);
+        for (int i = 0; i < 2; ++i) {
+            const Vec3 source = support::random_air_point(room, dice);
+            const auto complete = find_edge_paths(view, wedges, source, listeners, options);
+            double middle = 0.0;
+            for (const EdgePath& path : complete.paths) {
+                middle += path.length / static_cast<double>(complete.paths.size());
+            }
+            const LengthFilter filter(middle);
+            std::vector<EdgePath> expected;
+            for (const EdgePath& path : complete.paths) {
+                const Wedge& wedge = wedges[path.wedge];
+                if (filter.is_wanted(geometry::wedge_coordinates(wedge, path.source_image),
+                                     geometry::wedge_coordinates(wedge, path.listener_image))) {
+                    expected.push_back(path);
+                }
+            }
+            SCOPED_TRACE("seed " + std::to_string(seed));
+            expect_same(finder.find(source, listeners, &filter).paths, expected);
+            wanted += expected.size();
+            all += complete.paths.size();
+        }
+    }
+    EXPECT_GT(wanted, 1000U);
+    EXPECT_LT(wanted, all);
+}
+
 /// What the oracle knows of the ways from a point to places beside edges: per place the sequences
 /// of facets, with how certain each is.
 using Reached = std::vector<std::map<Sequence, double>>;
