@@ -31,6 +31,16 @@ constexpr double kPlaceSlacks = 64.0;
 
 }  // namespace
 
+/// Heights of points of a fan above the plane of a facet, on the side of the fan's source.
+struct EdgeIntervals::PlaneOverFan {
+    double at_begin = 0.0, per_r = 0.0, per_z = 0.0;
+    bool is_passed = false;  // the leg comes from behind it; else it ends there
+
+    double at(const FanPoint& point) const noexcept {
+        return at_begin + per_r * point.r + per_z * point.z;
+    }
+};
+
 /// One leg of all ways over an edge.
 struct EdgeIntervals::Fan {
     Vec3 source{0.0};               // the image that the leg comes from
@@ -42,6 +52,8 @@ struct EdgeIntervals::Fan {
     double slack = 0.0;             // metres: bounds the error of heights
     const FacetId* from = nullptr;  // the facets at the leg's ends, null: source, edge
     const FacetId* to = nullptr;
+    std::array<PlaneOverFan, 2> planes;  // of those facets
+    std::size_t plane_count = 0;
 
     FanPoint project(const Vec3& point) const noexcept {
         return {glm::dot(point - begin, across), glm::dot(point - begin, along)};
@@ -146,6 +158,16 @@ std::vector<EdgeIntervals::Fan> EdgeIntervals::fans(std::span<const FacetId> seq
         fan.slack = verifier_.rounding_slack(distance + fan.length) * (1.0 + distance / fan.apex.r);
         fan.from = leg > 0 ? &sequence[leg - 1] : nullptr;
         fan.to = leg < sequence.size() ? &sequence[leg] : nullptr;
+        for (const FacetId* facet : {fan.from, fan.to}) {
+            if (facet != nullptr) {
+                const Plane& plane = scene_.facets.facets[*facet].plane;
+                const double side = plane.distance(fan.source) > 0.0 ? 1.0 : -1.0;
+                fan.planes[fan.plane_count++] = {side * plane.distance(begin),
+                                                 side * glm::dot(plane.normal, fan.across),
+                                                 side * glm::dot(plane.normal, fan.along),
+                                                 facet == fan.from};
+            }
+        }
         if (leg > 0) {
             const Plane& plane = scene_.facets.facets[sequence[leg - 1]].plane;
             begin = plane.mirror(begin);
@@ -205,10 +227,8 @@ void EdgeIntervals::add_obstacle(const Fan& fan, TriangleId triangle, Places& pl
     }
     std::array<FanPoint, 9> cut;
     std::size_t count = 0;
-    double size = 0.0;
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t next = (k + 1) % 3;
-        size = std::max(size, glm::distance(corner[k], corner[next]));
         fan.cross(corner[k], corner[next], heights[k], heights[next], [&](const FanPoint& point) {
             cut[count++] = point;
         });
@@ -220,27 +240,22 @@ void EdgeIntervals::add_obstacle(const Fan& fan, TriangleId triangle, Places& pl
                     places.changes);
         }
     };
-    const auto height = [&](const FacetId* facet, const FanPoint& point) {
-        return scene_.facets.facets[*facet].plane.distance(fan.begin + point.r * fan.across +
-                                                           point.z * fan.along);
-    };
     for (std::size_t i = 0; i < count; ++i) {
         fan.add(cut[i], places.changes);
         for (std::size_t j = i + 1; j < count; ++j) {
             add_crossing(cut[i].r, cut[j].r, i, j);
-            for (const FacetId* facet : {fan.from, fan.to}) {
-                if (facet != nullptr) {
-                    add_crossing(height(facet, cut[i]), height(facet, cut[j]), i, j);
-                }
+            for (std::size_t k = 0; k < fan.plane_count; ++k) {
+                add_crossing(fan.planes[k].at(cut[i]), fan.planes[k].at(cut[j]), i, j);
             }
         }
     }
     // Off the plane by the slack, as rays are, the segment moves by the slack over the slope.
     constexpr double kMinSlope = 0x1p-8;
-    const bool is_clear =
-        std::min({std::abs(heights[0]), std::abs(heights[1]), std::abs(heights[2])}) >
-        kMinSlope * size;
-    if (count == 2 && is_clear) {
+    const Vec3 a = corner[1] - corner[0], b = corner[2] - corner[0], c = b - a;
+    const double size = std::max({glm::dot(a, a), glm::dot(b, b), glm::dot(c, c)});  // squared
+    const double clear =
+        std::min({std::abs(heights[0]), std::abs(heights[1]), std::abs(heights[2])});
+    if (count == 2 && clear * clear > kMinSlope * kMinSlope * size) {
         add_shadow(fan, {cut[0], cut[1]}, places);
     }
 }
@@ -254,16 +269,10 @@ void EdgeIntervals::add_shadow(const Fan& fan,
     std::array<double, 2> behind{};
     for (std::size_t i = 0; i < 2; ++i) {
         const FanPoint& point = segment[i];
-        const Vec3 position = fan.begin + point.r * fan.across + point.z * fan.along;
-        for (const FacetId* facet : {fan.from, fan.to}) {
-            if (facet == nullptr) {
-                continue;
-            }
+        for (std::size_t k = 0; k < fan.plane_count; ++k) {
             // Beyond the facet that the leg comes from, and before the one that it goes to.
-            const Plane& plane = scene_.facets.facets[*facet].plane;
-            const double side = plane.distance(fan.source) > 0.0 ? 1.0 : -1.0;
-            const double beyond = -side * plane.distance(position);
-            if (facet == fan.from ? beyond < reach : -beyond < reach) {
+            const double height = fan.planes[k].at(point);
+            if ((fan.planes[k].is_passed ? -height : height) < reach) {
                 return;
             }
         }

@@ -62,7 +62,10 @@ public:
     EdgePathResult take_result() { return std::move(result_); }
 
 private:
-    bool may_be_wanted(const Wedge& wedge, const EdgeEnd& source, const EdgeEnd& listener) const;
+    bool may_be_wanted(const Wedge& wedge,
+                       const Interval& whole,
+                       const EdgeEnd& source,
+                       const EdgeEnd& listener) const;
     bool may_be_wanted(std::size_t wedge,
                        const Interval& within,
                        EdgeSides& source,
@@ -85,20 +88,16 @@ private:
 
 // No way over the edge is shorter than that over its line.
 bool EdgeJoin::may_be_wanted(const Wedge& wedge,
+                             const Interval& whole,
                              const EdgeEnd& source,
                              const EdgeEnd& listener) const {
     constexpr double kRoundedDown = 1.0 - 0x1p-30;
-    if (source.reflections + listener.reflections >
-        static_cast<std::uint32_t>(options_.max_reflections)) {
-        return false;
-    }
     const double radii = source.image.radius + listener.image.radius;
     const double rise = source.image.z - listener.image.z;
     if (kRoundedDown * std::sqrt(radii * radii + rise * rise) > options_.max_length) {
         return false;
     }
-    return filter_ == nullptr ||
-           filter_->may_be_wanted(wedge, {0.0, wedge.length()}, source, listener, listener_);
+    return filter_ == nullptr || filter_->may_be_wanted(wedge, whole, source, listener, listener_);
 }
 
 // With what the facets of both sides reflect to, as far as it lies within a part.
@@ -149,11 +148,16 @@ void EdgeJoin::add(std::size_t wedge,
 void EdgeJoin::join(std::size_t wedge, EdgeSides& source, EdgeSides& listener) {
     const auto from = source.of(wedge);
     const auto to = listener.of(wedge);
+    const Interval whole{0.0, wedges_[wedge].length()};
     for (std::size_t i = 0; i < from.size(); ++i) {
         for (std::size_t k = 0; k < to.size(); ++k) {
+            // Candidates are in order of their reflections.
+            if (from[i].end.reflections + to[k].end.reflections >
+                static_cast<std::uint32_t>(options_.max_reflections)) {
+                break;
+            }
             const bool is_reflected = from[i].end.reflections + to[k].end.reflections > 0;
-            const Interval whole{0.0, wedges_[wedge].length()};
-            if (!may_be_wanted(wedges_[wedge], from[i].end, to[k].end) ||
+            if (!may_be_wanted(wedges_[wedge], whole, from[i].end, to[k].end) ||
                 (is_reflected && !may_be_wanted(wedge, whole, source, i, listener, k))) {
                 continue;
             }

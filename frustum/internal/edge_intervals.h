@@ -56,6 +56,7 @@ public:
 
 private:
     struct Fan;
+    struct PlaneOverFan;
     struct Places;
     /// In the plane of a fan: metres from the edge's line towards the source, and along the edge.
     struct FanPoint {
