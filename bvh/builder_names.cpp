@@ -13,11 +13,13 @@ constexpr std::array kBuilders = {
                  "spatial_median",
                  "ranges split in the middle of the longest side"},
     NamedBuilder{Builder::quality, "quality", "binned_sah, then reinsertion: the fastest queries"},
-    NamedBuilder{Builder::lbvh, "lbvh", "along a Morton curve: the fastest to build"},
+    NamedBuilder{Builder::lbvh, "lbvh", "along a Morton curve: slower queries"},
     NamedBuilder{Builder::hybrid,
                  "hybrid",
                  "small clusters along the curve, joined by binned_sah, then reinsertion"},
-    NamedBuilder{Builder::fast, "fast", "clusters along the curve, joined by binned_sah"},
+    NamedBuilder{Builder::fast,
+                 "fast",
+                 "clusters along the curve, joined by binned_sah: the fastest to build"},
 };
 
 }  // namespace

@@ -33,9 +33,9 @@ enum class Builder {
     sweep_sah,       ///< SAH over all splits between centroids: the reference, slow to build
     spatial_median,  ///< in the middle of the longest side (Lauterbach 2010): slow to query
     quality,  ///< binned_sah, then reinsertion: 1.5 times the build time, the fastest queries
-    lbvh,     ///< along a Morton curve of 63 bits (Lauterbach 2010): the fastest to build
-    hybrid,   ///< six levels along the Morton curve, then binned_sah
-    fast,     ///< lbvh, then reinsertion of the largest boxes
+    lbvh,     ///< along a Morton curve (Lauterbach 2010): quick to build, slower to query
+    hybrid,   ///< small clusters along the curve, joined by binned_sah, then reinsertion: for rooms
+    fast,     ///< clusters along the curve, joined by binned_sah: the fastest to build
 };
 
 struct BuildOptions {

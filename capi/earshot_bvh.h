@@ -12,9 +12,9 @@ typedef enum es_builder {
     ES_BUILDER_SWEEP_SAH = 1,       ///< the reference, slow to build
     ES_BUILDER_SPATIAL_MEDIAN = 2,  ///< slow to query
     ES_BUILDER_QUALITY = 3,         ///< 1.5 times the build time, the fastest queries
-    ES_BUILDER_LBVH = 4,            ///< the fastest to build
-    ES_BUILDER_HYBRID = 5,
-    ES_BUILDER_FAST = 6
+    ES_BUILDER_LBVH = 4,            ///< quick to build, slower to query
+    ES_BUILDER_HYBRID = 5,          ///< for rooms
+    ES_BUILDER_FAST = 6             ///< the fastest to build
 } es_builder;
 
 /// A mesh and the hierarchy over it. Arrays are copied. `builder` (es_builder) changes times only.

@@ -78,6 +78,8 @@ def camera_rays(vertices, side):
 
 
 def compare_rays(files, repeats):
+    if not files:
+        return
     from embreex.mesh_construction import TriangleMesh
     from embreex.rtcore_scene import EmbreeScene
 
@@ -166,7 +168,7 @@ def compare_steps(files, repeats):
         end = mesh_of(files[1])[0]
         name = Path(files[0]).name
     else:
-        begin, faces = bumpy_sphere(4_000)
+        begin, faces = bumpy_sphere(1_000)
         # The upper half goes through the lower one.
         end = begin * np.where(begin[:, 1:2] > 0, [[1.0, -1.2, 1.0]], 1.0)
         name = "bumpy sphere"
