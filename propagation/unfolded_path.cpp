@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 
 namespace earshot::propagation {
 
@@ -119,10 +120,57 @@ Vec3 undone(const AffineMap& map, const Vec3& point) {
 
 }  // namespace
 
+namespace {
+
+// Normals at right angles but for rounding.
+constexpr double kMaxCosine = 1e-12;
+
+/// Whether the order of two interactions that follow each other makes no difference to the image:
+/// the planes of two reflections are at right angles.
+bool commute(const Path& path,
+             const std::vector<Interaction>& interactions,
+             const FacetTable& facets,
+             std::size_t a,
+             std::size_t b) {
+    return interactions[a] == Interaction::reflection &&
+           interactions[b] == Interaction::reflection &&
+           std::abs(glm::dot(facets.plane(path.triangles[a]).normal,
+                             facets.plane(path.triangles[b]).normal)) <= kMaxCosine;
+}
+
+/// The interactions in the order that all paths to one image share, whose walls a source that moves
+/// meets now in one order and now in another: again and again the lowest facet that can be met
+/// next.
+std::vector<std::size_t> common_order(const Path& path,
+                                      const std::vector<Interaction>& interactions,
+                                      const FacetTable& facets) {
+    std::vector<std::size_t> left(interactions.size());
+    std::iota(left.begin(), left.end(), std::size_t{0});
+    std::vector<std::size_t> order;
+    while (!left.empty()) {
+        std::size_t next = 0;
+        for (std::size_t k = 1; k < left.size(); ++k) {
+            const bool can_be_next = std::all_of(
+                left.begin(), left.begin() + static_cast<std::ptrdiff_t>(k), [&](std::size_t i) {
+                    return commute(path, interactions, facets, i, left[k]);
+                });
+            if (can_be_next && facets.first_triangle(path.triangles[left[k]]) <
+                                   facets.first_triangle(path.triangles[left[next]])) {
+                next = k;
+            }
+        }
+        order.push_back(left[next]);
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(next));
+    }
+    return order;
+}
+
+}  // namespace
+
 PathKey path_key(const Path& path, const FacetTable& facets) {
     PathKey key;
     const std::vector<Interaction> interactions = interactions_of(path, facets);
-    for (std::size_t i = 0; i < interactions.size(); ++i) {
+    for (const std::size_t i : common_order(path, interactions, facets)) {
         key.elements.push_back(static_cast<std::int64_t>(interactions[i]));
         if (interactions[i] != Interaction::edge) {
             key.elements.push_back(facets.first_triangle(path.triangles[i]));
