@@ -150,7 +150,7 @@ static void test_motion(void) {
     CHECK_FAILS(
         ES_ERROR_ARGUMENT, "dry", es_auralize_moving(scene, stereo, &simulation, &motion, &wet));
     motion.source = 1;
-    CHECK_FAILS(ES_ERROR_RANGE,
+    CHECK_FAILS(ES_ERROR_INDEX,
                 "motion->source",
                 es_auralize_moving(scene, dry, &simulation, &motion, &wet));
     motion.source = 0;
