@@ -63,7 +63,8 @@ typedef struct es_simulation_options {
                           ///< response and no metric (1)
     int32_t sensitivity;  ///< 1: tell which surfaces matter, es_result_sensitivity(); needs
                           ///< the paths (0)
-    int32_t diffraction;  ///< max edges that a path bends round beside `order`, 0 or 1 (0)
+    int32_t diffraction;  ///< max edges that a path bends round: 1, beside its reflections, or 2
+                          ///< in turn without any (0)
 } es_simulation_options;
 
 /// Sets all members to their defaults, `struct_size` to `size`.

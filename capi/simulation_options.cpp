@@ -62,7 +62,8 @@ constexpr es_simulation_options kDefaults = {.struct_size = sizeof(es_simulation
 void check_paths(const es_simulation_options& options) {
     require_time(options.time, "options->time");
     require_in(std::int64_t{options.order}, 0, 64, "options->order");
-    require_in(std::int64_t{options.diffraction}, 0, 1, "options->diffraction");
+    require_in(
+        std::int64_t{options.diffraction}, 0, propagation::kMaxDiffraction, "options->diffraction");
     require_in(std::int64_t{options.mode}, ES_MODE_COMPLETE, ES_MODE_SAMPLED, "options->mode");
     require_in(std::int64_t{options.resolution}, 0, 1024, "options->resolution");
     require_flag(options.transmission, "options->transmission");

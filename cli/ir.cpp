@@ -150,8 +150,9 @@ private:
         add_integer(app(),
                     "--diffraction",
                     diffraction_,
-                    {0, 1},
-                    "maximum number of edges that a path bends round, beside its reflections");
+                    {0, propagation::kMaxDiffraction},
+                    "maximum number of edges that a path bends round: 1, beside its reflections, "
+                    "or 2 in turn without any");
         app()
             .add_option("--mode",
                         mode_,

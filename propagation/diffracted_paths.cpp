@@ -4,6 +4,7 @@
 #include "earshot/frustum/edge_paths.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/geometry/wedges.h"
+#include "earshot/propagation/internal/doubly_diffracted_sound.h"
 #include "earshot/propagation/internal/edge_level.h"
 
 #include <glm/geometric.hpp>
@@ -36,6 +37,17 @@ bool is_as_loud(const Path& path, const audio::Bands& bands, double min_pressure
     return std::any_of(path.pressure.begin(),
                        path.pressure.begin() + static_cast<std::ptrdiff_t>(bands.count()),
                        [&](double p) { return std::abs(p) >= min_pressure; });
+}
+
+/// Of ways in the order of listeners.
+std::span<const frustum::EdgePairPath> of_listener(std::span<const frustum::EdgePairPath> ways,
+                                                   std::size_t listener) {
+    const auto [first, last] =
+        std::equal_range(ways.begin(),
+                         ways.end(),
+                         frustum::EdgePairPath{.listener = listener},
+                         [](const auto& a, const auto& b) { return a.listener < b.listener; });
+    return {first, last};
 }
 
 }  // namespace
@@ -95,6 +107,10 @@ void DiffractedPaths::add(const RaySource& source,
         }
         frustum::EdgePathResult found =
             finder_.find(group.source, group.positions, &filter, executor);
+        const frustum::EdgePairResult over_two =
+            settings_.max_edges > 1 ? frustum::find_edge_pair_paths(
+                                          view_, wedges_, group.source, group.positions, executor)
+                                    : frustum::EdgePairResult{};
         executor.for_each(group.numbers.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const auto [first, last] = std::equal_range(
@@ -109,6 +125,7 @@ void DiffractedPaths::add(const RaySource& source,
                             group.positions[i],
                             min_pressure(source.pose.position, listeners[group.numbers[i]]),
                             {first, last},
+                            of_listener(over_two.paths, i),
                             pair);
                 // Points on surfaces were moved off them for the search.
                 for (std::size_t k = specular; k < pair.paths.size(); ++k) {
@@ -134,6 +151,7 @@ void DiffractedPaths::add_to_pair(const RaySource& source,
                                   const Vec3& to,
                                   double min_pressure,
                                   std::span<frustum::EdgePath> ways,
+                                  std::span<const frustum::EdgePairPath> ways_over_two,
                                   PairResult& pair) const {
     const DiffractionModel model{.bands = settings_.bands,
                                  .speed_of_sound = settings_.speed_of_sound,
@@ -143,8 +161,7 @@ void DiffractedPaths::add_to_pair(const RaySource& source,
                                  .max_order = settings_.max_order};
     const SpecularPaths specular = specular_paths(pair);
     const double certain_pressure = min_pressure / source.directivity.loudest();
-    std::vector<DiffractedSound> sounds;
-    std::vector<Path> paths;
+    PairSounds found;
     for (frustum::EdgePath& way : ways) {
         std::optional<DiffractedSound> possible =
             diffracted_sound(std::move(way), view_, wedges_, specular, model, certain_pressure);
@@ -162,20 +179,65 @@ void DiffractedPaths::add_to_pair(const RaySource& source,
         if (!is_as_loud(path, settings_.bands, min_pressure)) {
             continue;
         }
-        for (TriangleId& triangle : path.triangles) {
-            triangle = geometry_.kept()[triangle];
-            path.materials.push_back(scene_.material_of_triangle[triangle]);
-        }
-        sounds.push_back(std::move(sound));
-        paths.push_back(std::move(path));
+        name_materials(path);
+        found.sounds.push_back(std::move(sound));
+        found.paths.push_back(std::move(path));
     }
-    if (sounds.empty()) {
+    add_over_two_edges(source, from, to, min_pressure, ways_over_two, specular, model, found);
+    if (found.paths.empty()) {
         return;
     }
-    pair.energy_arrivals = energy_arrivals(pair.paths, specular, sounds, model);
+    pair.energy_arrivals = energy_arrivals(pair.paths, specular, found.sounds, model);
+    pair.energy_arrivals.insert(
+        pair.energy_arrivals.end(), found.arrivals.begin(), found.arrivals.end());
     pair.paths.insert(pair.paths.end(),
-                      std::make_move_iterator(paths.begin()),
-                      std::make_move_iterator(paths.end()));
+                      std::make_move_iterator(found.paths.begin()),
+                      std::make_move_iterator(found.paths.end()));
+}
+
+// Of the numbers of the scene view those of the scene.
+void DiffractedPaths::name_materials(Path& path) const {
+    for (TriangleId& triangle : path.triangles) {
+        triangle = geometry_.kept()[triangle];
+        path.materials.push_back(scene_.material_of_triangle[triangle]);
+    }
+}
+
+void DiffractedPaths::add_over_two_edges(const RaySource& source,
+                                         const Vec3& from,
+                                         const Vec3& to,
+                                         double min_pressure,
+                                         std::span<const frustum::EdgePairPath> ways,
+                                         const SpecularPaths& specular,
+                                         const DiffractionModel& model,
+                                         PairSounds& found) const {
+    std::vector<DoublyDiffractedSound> sounds;
+    for (const frustum::EdgePairPath& way : ways) {
+        std::optional<DoublyDiffractedSound> sound =
+            doubly_diffracted_sound(way,
+                                    wedges_,
+                                    from,
+                                    to,
+                                    model,
+                                    settings_.max_length,
+                                    min_pressure / source.directivity.loudest());
+        if (!sound) {
+            continue;
+        }
+        if (!source.directivity.is_omnidirectional()) {
+            const Vec3 departure = geometry::direction_between(from, sound->apexes[0]);
+            radiate(source.directivity.pressure(settings_.bands, source.pose.seen_from(departure)),
+                    *sound);
+        }
+        Path path = describe(*sound, view_, wedges_, from, to, model);
+        if (is_as_loud(path, settings_.bands, min_pressure)) {
+            name_materials(path);
+            found.paths.push_back(std::move(path));
+            sounds.push_back(std::move(*sound));
+        }
+    }
+    found.arrivals =
+        join_mended_sounds(sounds, view_, wedges_, from, to, specular, model, found.sounds);
 }
 
 }  // namespace earshot::propagation

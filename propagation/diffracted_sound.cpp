@@ -61,7 +61,8 @@ Spectrum factors_beside_edge(const frustum::EdgePath& way, const DiffractionMode
     return factors;
 }
 
-/// The lowest triangle of some facets at a point.
+}  // namespace
+
 TriangleId triangle_at(const frustum::SceneView& scene,
                        const Vec3& point,
                        std::span<const FacetId> facets) {
@@ -82,8 +83,6 @@ TriangleId triangle_at(const frustum::SceneView& scene,
     }
     return lowest;
 }
-
-}  // namespace
 
 namespace {
 

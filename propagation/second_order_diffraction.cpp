@@ -103,16 +103,13 @@ private:
     std::array<Complex, 16> sums_{};
 };
 
-/// Radians behind the shortest way up to which all ways count, and from which none does. Between,
-/// their weight falls smoothly, so that no end of an edge is made up.
-constexpr double kFullPhase = 250.0;
-constexpr double kMaxPhase = 500.0;
-
-double weight_of_phase(double phase) noexcept {
-    if (phase <= kFullPhase) {
+/// The weight of a way by its share of the maximum phase. Up to one half all ways count; from
+/// there on it falls smoothly, so that no end of an edge is made up.
+double weight_of_phase(double share) noexcept {
+    const double x = 2.0 * share - 1.0;
+    if (x <= 0.0) {
         return 1.0;
     }
-    const double x = (phase - kFullPhase) / (kMaxPhase - kFullPhase);
     // Three derivatives vanish at both ends.
     return x >= 1.0 ? 0.0 : 1.0 - x * x * x * x * (35.0 - x * (84.0 - x * (70.0 - x * 20.0)));
 }
@@ -183,9 +180,10 @@ double find_root(double low, double high, const Function& function) noexcept {
 
 class DoubleIntegral {
 public:
-    DoubleIntegral(const DoubleDiffraction& edges, double wave_number) noexcept
+    DoubleIntegral(const DoubleDiffraction& edges, double wave_number, double max_phase) noexcept
         : edges_(edges),
           k_(wave_number),
+          max_detour_(max_phase / wave_number),
           source_(geometry::wedge_coordinates(edges.first, edges.source)),
           listener_(geometry::wedge_coordinates(edges.second, edges.listener)),
           path_(shortest_path(edges)) {}
@@ -231,6 +229,7 @@ private:
 
     const DoubleDiffraction& edges_;
     double k_;
+    double max_detour_;    // metres; infinite at the wave number 0
     WedgePoint source_;    // about the first edge
     WedgePoint listener_;  // about the second
     DoublePath path_;
@@ -281,7 +280,7 @@ TermProducts DoubleIntegral::inner(double second_z) const noexcept {
         return distance_at(source_, z) + distance_at(second, z) + beyond;
     };
     const geometry::Interval part =
-        below(kMaxPhase / k_,
+        below(max_detour_,
               edges_.first_begin,
               edges_.first_end,
               std::clamp(apex_z(source_, second), edges_.first_begin, edges_.first_end),
@@ -297,7 +296,7 @@ TermProducts DoubleIntegral::inner(double second_z) const noexcept {
             const double m = distance_at(source_, z);
             const double between = distance_at(second, z);
             const double power = exponential_of_eta(second_z, first, listener_);
-            weight *= weight_of_phase(k_ * (m + between + beyond)) / (m * between);
+            weight *= weight_of_phase((m + between + beyond) / max_detour_) / (m * between);
             const auto at_first = first_terms.values(exponential_of_eta(z, source_, second));
             const auto at_second =
                 is_fixed ? some_second_terms.values(power) : terms_at_second(first).values(power);
@@ -356,7 +355,7 @@ TermProducts DoubleIntegral::integral() const noexcept {
         return distance_at(source_about_second, z) + distance_at(listener_, z) - path_.length();
     };
     const geometry::Interval part =
-        below(kMaxPhase / k_, edges_.second_begin, edges_.second_end, path_.second_z, detour);
+        below(max_detour_, edges_.second_begin, edges_.second_end, path_.second_z, detour);
     TermProducts sum;
     integrate_graded(
         part.min,
@@ -425,13 +424,14 @@ std::complex<double> DoublyDiffractedPressure::total() const noexcept {
 
 double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept {
     constexpr double kQuadrature = 1.01;
-    return kQuadrature * DoubleIntegral(edges, 0.0).bound();
+    return kQuadrature * DoubleIntegral(edges, 0.0, kMaxSecondOrderPhase).bound();
 }
 
 DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edges,
-                                                    double wave_number) noexcept {
+                                                    double wave_number,
+                                                    double max_phase) noexcept {
     EARSHOT_ASSERT(wave_number > 0.0);
-    return DoubleIntegral(edges, wave_number).value();
+    return DoubleIntegral(edges, wave_number, max_phase).value();
 }
 
 std::complex<double> second_order_pressure(const DoubleDiffraction& edges,

@@ -40,13 +40,19 @@ struct DoublyDiffractedPressure {
     std::complex<double> total() const noexcept;
 };
 
+/// Radians of phase behind the shortest way, see doubly_diffracted_pressure().
+inline constexpr double kMaxSecondOrderPhase = 500.0;
+
 /// The double integral over both edges (Svensson, Fred and Vanderkooy 1999, section II.B), within
-/// 0.001 dB or 1e-5 of the direct sound where no way is longer than the shortest by more than 250
-/// radians. Of longer ways those from 500 radians on are left out: they arrive long after the rest,
-/// with 0.01 dB of it. The cost grows with the square of the frequency up to there. Preconditions:
-/// wave_number > 0; source, listener and each of the parts lie outside the line of the other edge.
-DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edges,
-                                                    double wave_number) noexcept;
+/// 0.001 dB or 1e-5 of the direct sound where no way is `max_phase` / 2 radians longer than the
+/// shortest. Ways that are longer count ever less, from `max_phase` on not at all: the ends of
+/// edges so far away are left out, which add little. The cost grows with the square of the
+/// frequency up to there. Preconditions: wave_number > 0; max_phase >= 50; source, listener and
+/// each of the parts lie outside the line of the other edge.
+DoublyDiffractedPressure doubly_diffracted_pressure(
+    const DoubleDiffraction& edges,
+    double wave_number,
+    double max_phase = kMaxSecondOrderPhase) noexcept;
 
 /// A bound on the absolute value of the sum of any of doubly_diffracted_pressure()'s terms at any
 /// frequency, with factors of at most 1: the integral of the integrand's absolute value, 1 % added

@@ -210,10 +210,10 @@ Path Simulator::State::describe(const frustum::SpecularPath& specular,
 
 Simulator::Simulator(const Scene& scene, const Options& options, Executor& executor) {
     validate(options.air);
-    if (options.diffraction < 0 || options.diffraction > 1) {
+    if (options.diffraction < 0 || options.diffraction > kMaxDiffraction) {
         throw Error("diffraction",
-                    "must be 0 or 1, not " + std::to_string(options.diffraction),
-                    "paths over two edges are not found yet");
+                    "over " + std::to_string(options.diffraction) + " edges",
+                    "choose 0 to " + std::to_string(kMaxDiffraction));
     }
     for (const Material& material : scene.materials) {
         validate(material);
@@ -387,6 +387,7 @@ void Simulator::State::add_diffracted_paths(const RaySource& sender,
             .speed_of_sound = speed_of_sound,
             .air_absorption = options.air_absorption,
             .max_order = options.specular_order,
+            .max_edges = options.diffraction,
             .max_length = options.max_length,
             .min_pressure = min_pressure,
             .min_pressure_ratio = math::pow10(options.min_diffraction_level_db / 20.0)};

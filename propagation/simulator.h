@@ -23,11 +23,14 @@
 
 namespace earshot::propagation {
 
+/// Of Options::diffraction.
+inline constexpr int kMaxDiffraction = 2;
+
 struct Options {
     int specular_order = 4;  ///< max reflections and transmissions of a path, >= 0
-    /// 1: sound also bends round one edge on its way, beside up to specular_order reflections; 0:
-    /// it does not. A specular path and what edges make of it are found together (see
-    /// docs/algorithms/diffraction.md). Late sound knows no edges.
+    /// How many edges sound bends round on its way at most, 0 to kMaxDiffraction: one, beside up to
+    /// specular_order reflections, or two in turn without any. A specular path and what edges make
+    /// of it are found together (see docs/algorithms/diffraction.md). Late sound knows no edges.
     int diffraction = 0;
     /// Diffracted paths are left out whose loudest band is fainter, in decibels re the source's
     /// free field at the listener's distance, or at 1 m if it is closer. -inf: none are.

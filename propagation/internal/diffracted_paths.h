@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/audio/impulse_response.h"
 #include "earshot/base/parallel.h"
+#include "earshot/frustum/edge_pair_paths.h"
 #include "earshot/frustum/edge_paths.h"
 #include "earshot/frustum/surface_points.h"
 #include "earshot/geometry/wedge.h"
@@ -25,6 +27,7 @@ struct DiffractionSettings {
     double speed_of_sound = 0.0;
     bool air_absorption = true;
     int max_order = 0;  ///< of specular paths, and of reflections beside an edge
+    int max_edges = 1;  ///< of a path, 1 or 2
     double max_length = 0.0;
     double min_pressure = 0.0;  ///< of the loudest band of a path
     /// The loudest band of a path is at least this times the source's free field at the listener's
@@ -58,7 +61,23 @@ private:
                      const geometry::Vec3& to,
                      double min_pressure,
                      std::span<frustum::EdgePath> ways,
+                     std::span<const frustum::EdgePairPath> ways_over_two,
                      PairResult& pair) const;
+    /// Sounds over one edge and what they mend, and paths.
+    struct PairSounds {
+        std::vector<DiffractedSound> sounds;
+        std::vector<Path> paths;
+        std::vector<audio::Arrival> arrivals;  ///< of energies, beside those of the sounds
+    };
+    void add_over_two_edges(const RaySource& source,
+                            const geometry::Vec3& from,
+                            const geometry::Vec3& to,
+                            double min_pressure,
+                            std::span<const frustum::EdgePairPath> ways,
+                            const SpecularPaths& specular,
+                            const DiffractionModel& model,
+                            PairSounds& found) const;
+    void name_materials(Path& path) const;
 
     const Scene& scene_;
     const SceneGeometry& geometry_;

@@ -48,6 +48,12 @@ struct DiffractedSound {
     audio::Spectrum upright{}, inverted{};  ///< absolute values of the sums by sign
 };
 
+/// The lowest triangle of some facets at a point of an edge or facet; of the first facet if none is
+/// there. Precondition: there is a facet.
+geometry::TriangleId triangle_at(const frustum::SceneView& scene,
+                                 const geometry::Vec3& point,
+                                 std::span<const geometry::FacetId> facets);
+
 /// Nothing if every band is certain to be fainter than `min_pressure`.
 std::optional<DiffractedSound> diffracted_sound(frustum::EdgePath way,
                                                 const frustum::SceneView& scene,

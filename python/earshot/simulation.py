@@ -187,7 +187,8 @@ def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Resu
     order : int
         Highest number of reflections and transmissions of an exact path (4).
     diffraction : int
-        Highest number of edges that a path bends round beside them, 0 or 1 (0).
+        Highest number of edges that a path bends round: 1, beside its reflections, or 2 in turn
+        without any (0).
     rays : int or 'auto'
         Rays of late sound; 0: none; 'auto': until T30 and level are certain, at most a million.
     rays_error : float

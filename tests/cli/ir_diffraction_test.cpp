@@ -55,7 +55,7 @@ TEST(IrDiffraction, BendsRoundTheCornerOfAnLRoom) {
     }
     EXPECT_EQ(paths_with("0").size(), direct);
     EXPECT_GT(diffracted, 0U);
-    EXPECT_EQ(run_earshot({"ir", lroom, "-o", out, "--diffraction", "2"}).status, 2);
+    EXPECT_EQ(run_earshot({"ir", lroom, "-o", out, "--diffraction", "3"}).status, 2);
 }
 
 TEST(IrDiffraction, TellsOfPairsThatItWouldReach) {

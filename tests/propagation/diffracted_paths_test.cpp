@@ -11,6 +11,7 @@
 #include "earshot/geometry/wedges.h"
 #include "earshot/propagation/diffraction.h"
 #include "earshot/propagation/internal/diffracted_sound.h"
+#include "earshot/propagation/second_order_diffraction.h"
 #include "earshot/propagation/simulator.h"
 
 #include <glm/geometric.hpp>
@@ -51,6 +52,16 @@ Scene screen_scene() {
     scene.materials[1].absorption = EnergyCoefficient(0.2);
     scene.sources = {{.name = "s", .node = -1, .position = {0.2, 1.1, 2.0}}};
     scene.listeners = {{.name = "l", .node = -1, .position = {-0.3, 1.0, -1.5}}};
+    scene.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
+    return scene;
+}
+
+/// Without the floor.
+Scene screen_alone() {
+    Scene scene = screen_scene();
+    geometry::Mesh mesh;
+    add_quad(mesh, {Vec3(-1.2, 0.3, 0), Vec3(1.2, 0.3, 0), Vec3(1.2, 1.5, 0), Vec3(-1.2, 1.5, 0)});
+    scene.material_of_triangle = {1, 1};
     scene.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
     return scene;
 }
@@ -194,9 +205,62 @@ TEST(DiffractedPaths, AreTheSameForAnyNumberOfThreads) {
     }
 }
 
-TEST(DiffractedPaths, OfTwoEdgesAreRefused) {
+// Along the screen, from its left edge to its upper one, on the source's side and on the other.
+TEST(DiffractedPaths, OverTwoEdgesHaveThePressureOfTheDoubleIntegral) {
+    const Scene scene = screen_alone();
+    const double face = std::sqrt(0.8);
+    const auto paths = paths_of(scene,
+                                {.specular_order = 2,
+                                 .diffraction = 2,
+                                 .min_diffraction_level_db = -200.0,
+                                 .air_absorption = false});
+    std::vector<const Path*> found;
+    for (const Path& path : paths) {
+        if (path.edges.size() == 2 && path.edges[0][0].x == -1.2 && path.edges[0][1].x == -1.2 &&
+            path.edges[1][0].y == 1.5 && path.edges[1][1].y == 1.5) {
+            found.push_back(&path);
+        }
+    }
+    ASSERT_EQ(found.size(), 2U);
+    const Vec3 middle(0.0, 0.9, 0.0);
+    const auto plate_edge = [&](const Vec3& from, const Vec3& to) {
+        return geometry::make_wedge(from, to, middle, 2.0 * math::kPi);
+    };
+    for (std::size_t band = 0; band < 7; ++band) {
+        const double k = 2.0 * math::kPi * audio::Bands::octaves().exact_hz()[band] / 343.2;
+        std::array<double, 2> expected{};
+        for (const int side : {0, 1}) {
+            DoubleDiffraction edges;
+            edges.first = plate_edge({-1.2, 0.3, 0.0}, {-1.2, 1.5, 0.0});
+            edges.second = plate_edge({1.2, 1.5, 0.0}, {-1.2, 1.5, 0.0});
+            edges.first_end = edges.first.length();
+            edges.second_end = edges.second.length();
+            // Both run with the screen to the one side, so that their first faces are unlike ones.
+            edges.common_face = DoubleDiffraction::CommonFace{side, 1 - side};
+            edges.source = scene.sources[0].position;
+            edges.listener = scene.listeners[0].position;
+            const auto kinds = doubly_diffracted_pressure(edges, k, 200.0);
+            Complex sum{0.0};
+            for (std::size_t i = 0; i < 3; ++i) {
+                for (std::size_t j = 0; j < 3; ++j) {
+                    sum += (i > 0 ? face : 1.0) * (j > 0 ? face : 1.0) *
+                           (kinds.upright[i][j] + kinds.inverted[i][j]);
+                }
+            }
+            expected[static_cast<std::size_t>(side)] = 2.0 / (1.0 + face) * std::abs(sum);
+        }
+        std::array<double, 2> pressures{found[0]->pressure[band], found[1]->pressure[band]};
+        std::sort(pressures.begin(), pressures.end());
+        std::sort(expected.begin(), expected.end());
+        EXPECT_NEAR(pressures[0], expected[0], 1e-9);
+        EXPECT_NEAR(pressures[1], expected[1], 1e-9);
+    }
+}
+
+TEST(DiffractedPaths, OfThreeEdgesAreRefused) {
     const Scene scene = screen_scene();
-    EXPECT_THROW(Simulator(scene, {.diffraction = 2}), Error);
+    EXPECT_THROW(Simulator(scene, {.diffraction = 3}), Error);
+    EXPECT_THROW(Simulator(scene, {.diffraction = -1}), Error);
 }
 
 /// All of the sound at a listener at the centre of each band, and the energies that are expected.

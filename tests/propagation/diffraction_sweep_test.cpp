@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -54,6 +55,22 @@ Scene hall_with_screen() {
     return hall_with(screen);
 }
 
+/// A barrier 1 m thick, whose top is the plane y = 0, in the open.
+Scene barrier() {
+    support::Room room;
+    support::add_hexahedron(
+        room, support::box_corners({-0.5, -9, -9}, {0.5, 0, 9}), support::Facing::outward, 0);
+    Scene scene;
+    scene.name = "barrier";
+    scene.materials.resize(1);
+    scene.materials[0].name = "barrier";
+    scene.materials[0].absorption = EnergyCoefficient(0.15);
+    scene.material_of_triangle.assign(room.mesh.triangles.size(), 0);
+    scene.sources = {{.name = "s", .node = -1, .position = {-3.5, -1.5, 0.0}}};
+    scene.mesh = geometry::AnimatedMesh::fixed(std::move(room.mesh));
+    return scene;
+}
+
 /// The same everywhere: sound that decays by 60 dB in 1.4 s.
 audio::EnergyHistogram late_sound() {
     constexpr double kBin = 1e-3;
@@ -75,8 +92,14 @@ constexpr Metrics kMaxSteps{0.003, 0.003, 0.012, 0.001};
 
 class Walk {
 public:
-    Walk(Scene scene, const Vec3& from, const Vec3& to)
-        : scene_(std::move(scene)), from_(from), to_(to) {}
+    Walk(Scene scene, const Vec3& from, const Vec3& to, int order = 1, int diffraction = 1)
+        : scene_(std::move(scene)),
+          from_(from),
+          to_(to),
+          options_{.specular_order = order,
+                   .diffraction = diffraction,
+                   .min_diffraction_level_db = -std::numeric_limits<double>::infinity(),
+                   .air_absorption = false} {}
 
     /// Metrics at places from `begin` to `end`, shares of the way.
     std::vector<Metrics> between(double begin, double end, int steps) {
@@ -86,8 +109,7 @@ public:
             scene_.listeners.push_back(
                 {.name = std::to_string(i), .node = -1, .position = from_ + t * (to_ - from_)});
         }
-        Simulator simulator(scene_,
-                            {.specular_order = 1, .diffraction = 1, .air_absorption = false});
+        Simulator simulator(scene_, options_);
         std::vector<Metrics> metrics;
         for (const PairResult& pair : simulator.run()) {
             const audio::RoomMetrics found =
@@ -110,6 +132,7 @@ public:
 private:
     Scene scene_;
     Vec3 from_, to_;
+    Options options_;
     audio::EnergyHistogram late_ = late_sound();
     std::vector<int> paths_;
 };
@@ -151,6 +174,23 @@ TEST(DiffractionSweep, MetricsAreContinuousRoundAScreen) {
     expect_continuous({hall_with_screen(), {7.0, 1.0, 6.1}, {7.5, 4.5, 6.3}});
     expect_continuous({hall_with_screen(), {9.0, 0.4, 6.0}, {7.0, 1.8, 2.0}});
     expect_continuous({hall_with_screen(), {5.0, 1.5, 6.0}, {4.5, 1.6, 10.5}});
+}
+
+// When a listener crosses the plane of the top, the path over the near edge is cut by the far one,
+// and that over both takes its place. What is left is that of three edges.
+TEST(DiffractionSweep, SecondOrderTakesThePlaceOfAPathThatIsCut) {
+    const Vec3 below(3.5, -1e-6, 0.3), above(3.5, 1e-6, 0.3);
+    for (const int diffraction : {1, 2}) {
+        const auto steps = Walk(barrier(), below, above, 1, diffraction).between(0.0, 1.0, 1);
+        for (std::size_t metric = 0; metric < 2; ++metric) {  // G
+            const double step = std::abs(steps[1][metric] - steps[0][metric]);
+            if (diffraction == 1) {
+                EXPECT_GT(step, 0.5);
+            } else {
+                EXPECT_LT(step, 0.05);
+            }
+        }
+    }
 }
 
 }  // namespace

@@ -1,0 +1,379 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/propagation/internal/doubly_diffracted_sound.h"
+
+#include "earshot/geometry/vector.h"
+#include "earshot/propagation/diffraction.h"
+#include "earshot/propagation/internal/complex_math.h"
+#include "earshot/propagation/second_order_diffraction.h"
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace earshot::propagation {
+
+using audio::Arrival;
+using audio::Spectrum;
+using geometry::FacetId;
+using geometry::Interval;
+using geometry::Vec3;
+using geometry::Wedge;
+
+namespace {
+
+constexpr std::size_t kKinds = 3;
+
+/// Radians: a quarter of the time of kMaxSecondOrderPhase at high frequencies. Edges whose ends are
+/// farther lose them, which moves levels by a tenth of a decibel.
+constexpr double kMaxPhase = 200.0;
+
+/// The kind of term of the face that the ways run along, 0 without one.
+std::size_t link_kind(const frustum::EdgePairPath& way, std::size_t edge) {
+    return way.common_face ? static_cast<std::size_t>((*way.common_face)[edge]) + 1 : 0;
+}
+
+/// Whether the paths that a pair of terms mends have as few reflections as specular paths may have.
+/// A reflection in the common face is that of the way along it, which needs one.
+bool is_counted(const frustum::EdgePairPath& way,
+                std::size_t first_kind,
+                std::size_t second_kind,
+                int max_order) {
+    int reflections = 0;
+    bool is_along_face = false;
+    for (const auto& [kind, link] :
+         {std::pair(first_kind, link_kind(way, 0)), std::pair(second_kind, link_kind(way, 1))}) {
+        is_along_face = is_along_face || (kind > 0 && kind == link);
+        reflections += kind > 0 && kind != link ? 1 : 0;
+    }
+    return std::max(reflections, is_along_face ? 1 : 0) <= max_order;
+}
+
+double reflection_of(const Wedge& wedge,
+                     std::size_t kind,
+                     std::size_t band,
+                     const DiffractionModel& model) {
+    return kind == 0 ? 1.0 : model.reflection[wedge.faces[kind - 1].facet][band];
+}
+
+/// Along a rigid face sources and images coincide, and half of the sound counts. In general what
+/// arrives along the face is 1 + its factor times the free field, at either edge, and counts once.
+double link_factor(const frustum::EdgePairPath& way,
+                   const Wedge& first,
+                   std::size_t band,
+                   const DiffractionModel& model) {
+    if (!way.common_face) {
+        return 1.0;
+    }
+    const double reflection =
+        model.max_order > 0 ? reflection_of(first, link_kind(way, 0), band, model) : 0.0;
+    return 2.0 / (1.0 + reflection);
+}
+
+std::vector<DoubleDiffraction> links_of(const frustum::EdgePairPath& way,
+                                        std::span<const Wedge> wedges,
+                                        const Vec3& source,
+                                        const Vec3& listener) {
+    std::vector<DoubleDiffraction> links;
+    for (const frustum::EdgeLink& link : way.links) {
+        DoubleDiffraction& edges = links.emplace_back();
+        edges.first = wedges[way.first];
+        edges.second = wedges[way.second];
+        edges.source = source;
+        edges.listener = listener;
+        edges.first_begin = link.first.min;
+        edges.first_end = link.first.max;
+        edges.second_begin = link.second.min;
+        edges.second_end = link.second.max;
+        if (way.common_face) {
+            edges.common_face =
+                DoubleDiffraction::CommonFace{(*way.common_face)[0], (*way.common_face)[1]};
+        }
+    }
+    return links;
+}
+
+/// Finds the shortest way over all links.
+void set_shortest(std::span<const DoubleDiffraction> links, DoublyDiffractedSound& sound) {
+    sound.parts = {sound.way.links.front().first, sound.way.links.front().second};
+    for (const DoubleDiffraction& link : links) {
+        const DoublePath path = shortest_path(link);
+        if (&link == &links.front() || path.length() < sound.length) {
+            sound.length = path.length();
+            sound.apexes = {link.first.point_at(path.first_z), link.second.point_at(path.second_z)};
+        }
+        sound.parts[0] = {std::min(sound.parts[0].min, link.first_begin),
+                          std::max(sound.parts[0].max, link.first_end)};
+        sound.parts[1] = {std::min(sound.parts[1].min, link.second_begin),
+                          std::max(sound.parts[1].max, link.second_end)};
+    }
+}
+
+/// Adds the kinds that are counted, with their factors.
+void add_band(std::span<const DoubleDiffraction> links,
+              std::size_t band,
+              double factor,
+              const DiffractionModel& model,
+              DoublyDiffractedSound& sound) {
+    const double wave_number =
+        2.0 * math::kPi * model.bands.exact_hz()[band] / model.speed_of_sound;
+    Complex upright{0.0}, inverted{0.0};
+    for (const DoubleDiffraction& link : links) {
+        const DoublyDiffractedPressure found =
+            doubly_diffracted_pressure(link, wave_number, kMaxPhase);
+        for (std::size_t i = 0; i < kKinds; ++i) {
+            for (std::size_t k = 0; k < kKinds; ++k) {
+                if (is_counted(sound.way, i, k, model.max_order)) {
+                    const double of_faces = factor * reflection_of(link.first, i, band, model) *
+                                            reflection_of(link.second, k, band, model);
+                    sound.pressure[i][k][band] +=
+                        of_faces * (found.upright[i][k] + found.inverted[i][k]);
+                    upright += of_faces * found.upright[i][k];
+                    inverted += of_faces * found.inverted[i][k];
+                }
+            }
+        }
+    }
+    sound.upright[band] = std::sqrt(std::norm(upright));
+    sound.inverted[band] = std::sqrt(std::norm(inverted));
+}
+
+double pressure_of(const DoublyDiffractedSound& sound, std::size_t band) {
+    Complex net{0.0};
+    for (const auto& of_first : sound.pressure) {
+        for (const auto& of_kinds : of_first) {
+            net += of_kinds[band];
+        }
+    }
+    return std::sqrt(std::norm(net));
+}
+
+}  // namespace
+
+std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::EdgePairPath& way,
+                                                             std::span<const Wedge> wedges,
+                                                             const Vec3& source,
+                                                             const Vec3& listener,
+                                                             const DiffractionModel& model,
+                                                             double max_length,
+                                                             double min_pressure) {
+    DoublyDiffractedSound sound;
+    sound.way = way;
+    const std::vector<DoubleDiffraction> links = links_of(way, wedges, source, listener);
+    set_shortest(links, sound);
+    if (sound.length > max_length) {
+        return std::nullopt;
+    }
+    double bound = 0.0;
+    for (const DoubleDiffraction& link : links) {
+        bound += max_doubly_diffracted_pressure(link);
+    }
+    // Of a common face that absorbs everything the factor is 2.
+    if ((way.common_face ? 2.0 : 1.0) * bound < min_pressure) {
+        return std::nullopt;
+    }
+    Spectrum factors{};
+    std::fill_n(factors.begin(), model.bands.count(), 1.0);
+    if (model.air_absorption) {
+        const auto air = model.air.pressures(std::array{sound.length});
+        std::copy_n(air.begin(), model.bands.count(), factors.begin());
+    }
+    for (auto& of_first : sound.pressure) {
+        for (auto& of_kinds : of_first) {
+            of_kinds.resize(model.bands.count());
+        }
+    }
+    for (std::size_t band = 0; band < model.bands.count(); ++band) {
+        add_band(links,
+                 band,
+                 factors[band] * link_factor(way, wedges[way.first], band, model),
+                 model,
+                 sound);
+    }
+    return sound;
+}
+
+void radiate(const Spectrum& sent, DoublyDiffractedSound& sound) {
+    for (auto& of_first : sound.pressure) {
+        for (auto& of_kinds : of_first) {
+            for (std::size_t band = 0; band < of_kinds.size(); ++band) {
+                of_kinds[band] *= sent[band];
+            }
+        }
+    }
+    for (std::size_t band = 0; band < sent.size(); ++band) {
+        sound.upright[band] *= sent[band];
+        sound.inverted[band] *= sent[band];
+    }
+}
+
+Path describe(const DoublyDiffractedSound& sound,
+              const frustum::SceneView& scene,
+              std::span<const Wedge> wedges,
+              const Vec3& source,
+              const Vec3& listener,
+              const DiffractionModel& model) {
+    Path path;
+    path.kind = PathKind::diffracted;
+    path.order = 2;
+    path.length = sound.length;
+    path.delay = sound.length / model.speed_of_sound;
+    path.points = {source, sound.apexes[0], sound.apexes[1], listener};
+    const std::array numbers{sound.way.first, sound.way.second};
+    for (std::size_t edge = 0; edge < 2; ++edge) {
+        const Wedge& wedge = wedges[numbers[edge]];
+        path.edges.push_back(
+            {wedge.point_at(sound.parts[edge].min), wedge.point_at(sound.parts[edge].max)});
+        path.triangles.push_back(triangle_at(
+            scene, sound.apexes[edge], std::array{wedge.faces[0].facet, wedge.faces[1].facet}));
+    }
+    path.parts = {sound.upright, sound.inverted};
+    for (std::size_t band = 0; band < model.bands.count(); ++band) {
+        // A source that radiates with the other sign makes the parts negative.
+        const bool is_negative = sound.upright[band] < 0.0 || sound.inverted[band] < 0.0;
+        path.pressure[band] = std::copysign(pressure_of(sound, band), is_negative ? -1.0 : 1.0);
+        path.parts[1][band] = -path.parts[1][band];
+    }
+    path.departure = geometry::direction_between(source, sound.apexes[0]);
+    path.arrival = geometry::direction_between(sound.apexes[1], listener);
+    return path;
+}
+
+namespace {
+
+/// The first-order way over one edge of a pair with a reflection in a face of the other, or none.
+frustum::EdgePath mended_way(const DoublyDiffractedSound& sound,
+                             std::size_t edge,
+                             std::size_t kind_of_other,
+                             const frustum::SceneView& scene,
+                             std::span<const Wedge> wedges,
+                             const Vec3& source,
+                             const Vec3& listener) {
+    frustum::EdgePath way;
+    way.wedge = edge == 0 ? sound.way.first : sound.way.second;
+    way.source_image = source;
+    way.listener_image = listener;
+    way.part = sound.parts[edge];
+    const std::size_t other = 1 - edge;
+    if (kind_of_other > 0 && kind_of_other != link_kind(sound.way, other)) {
+        const Wedge& wedge = wedges[other == 0 ? sound.way.first : sound.way.second];
+        const FacetId facet = wedge.faces[kind_of_other - 1].facet;
+        (edge == 0 ? way.after : way.before).push_back(facet);
+        Vec3& image = edge == 0 ? way.listener_image : way.source_image;
+        image = scene.facets.facets[facet].plane.mirror(image);
+    }
+    return way;
+}
+
+/// The sound over one edge that has the facets of a way and the length closest to `length`; where
+/// there is none its place is added.
+DiffractedSound& place_of(frustum::EdgePath way,
+                          double length,
+                          const frustum::SceneView& scene,
+                          std::span<const Wedge> wedges,
+                          const SpecularPaths& specular,
+                          const DiffractionModel& model,
+                          std::vector<DiffractedSound>& sounds) {
+    DiffractedSound* closest = nullptr;
+    for (DiffractedSound& sound : sounds) {
+        if (sound.way.wedge == way.wedge && sound.way.before == way.before &&
+            sound.way.after == way.after &&
+            (closest == nullptr ||
+             std::abs(sound.way.length - length) < std::abs(closest->way.length - length))) {
+            closest = &sound;
+        }
+    }
+    if (closest != nullptr) {
+        return *closest;
+    }
+    const Wedge& wedge = wedges[way.wedge];
+    EdgeDiffraction edge;
+    edge.open_angle = wedge.open_angle;
+    edge.source = geometry::wedge_coordinates(wedge, way.source_image);
+    edge.listener = geometry::wedge_coordinates(wedge, way.listener_image);
+    edge.z_begin = way.part.min;
+    edge.z_end = way.part.max;
+    way.length = shortest_length(edge);
+    DiffractedSound& added =
+        sounds.emplace_back(*diffracted_sound(std::move(way), scene, wedges, specular, model));
+    for (auto& of_kind : added.pressure) {
+        std::fill(of_kind.begin(), of_kind.end(), Complex(0.0));
+    }
+    return added;
+}
+
+/// What the product of two pressures is worth on average over a band.
+double coherence(double detour, std::size_t band, const DiffractionModel& model) {
+    const double width = model.bands.upper_edge_hz(band) - model.bands.lower_edge_hz(band);
+    const double x = math::kPi * width * std::abs(detour) / model.speed_of_sound;
+    return x >= math::kPi ? 0.0 : x < 1e-9 ? 1.0 : math::sin(x) / x;
+}
+
+/// Shares of a pressure, whose squares add up to 1: that of a sound which arrives as one with the
+/// first of two others to the degree c1 and with the second to the degree c2 is all in the one with
+/// degree 1.
+std::array<double, 3> shares(double c1, double c2) {
+    const double s1 = c1 * c1, s2 = c2 * c2;
+    const double all = 1.0 - s1 * s2;
+    if (all < 1e-12) {
+        const double half = std::sqrt(0.5);
+        return {half, half, 0.0};
+    }
+    return {std::sqrt(s1 * (1.0 - s2) / all),
+            std::sqrt(s2 * (1.0 - s1) / all),
+            std::sqrt((1.0 - s1) * (1.0 - s2) / all)};
+}
+
+}  // namespace
+
+std::vector<Arrival> join_mended_sounds(std::span<const DoublyDiffractedSound> sounds,
+                                        const frustum::SceneView& scene,
+                                        std::span<const Wedge> wedges,
+                                        const Vec3& source,
+                                        const Vec3& listener,
+                                        const SpecularPaths& specular,
+                                        const DiffractionModel& model,
+                                        std::vector<DiffractedSound>& first_order) {
+    std::vector<Arrival> arrivals;
+    for (const DoublyDiffractedSound& sound : sounds) {
+        std::vector<Complex> rest(model.bands.count());
+        for (std::size_t i = 0; i < kKinds; ++i) {
+            for (std::size_t k = 0; k < kKinds; ++k) {
+                if (!is_counted(sound.way, i, k, model.max_order)) {
+                    continue;
+                }
+                const auto place = [&](std::size_t edge, std::size_t kind) -> DiffractedSound& {
+                    return place_of(mended_way(sound, edge, kind, scene, wedges, source, listener),
+                                    sound.length,
+                                    scene,
+                                    wedges,
+                                    specular,
+                                    model,
+                                    first_order);
+                };
+                const double first_length = place(0, k).way.length;
+                DiffractedSound& over_second = place(1, i);
+                // Adding a place may have moved the other one.
+                DiffractedSound& over_first = place(0, k);
+                for (std::size_t band = 0; band < model.bands.count(); ++band) {
+                    const Complex& pressure = sound.pressure[i][k][band];
+                    const auto [to_first, to_second, own] =
+                        shares(coherence(sound.length - first_length, band, model),
+                               coherence(sound.length - over_second.way.length, band, model));
+                    over_first.pressure[i][band] += to_first * pressure;
+                    over_second.pressure[k][band] += to_second * pressure;
+                    rest[band] += own * pressure;
+                }
+            }
+        }
+        Arrival& arrival =
+            arrivals.emplace_back(Arrival{.delay = sound.length / model.speed_of_sound});
+        for (std::size_t band = 0; band < model.bands.count(); ++band) {
+            arrival.pressure[band] = std::sqrt(std::norm(rest[band]));
+        }
+    }
+    return arrivals;
+}
+
+}  // namespace earshot::propagation
