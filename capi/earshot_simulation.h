@@ -65,6 +65,9 @@ typedef struct es_simulation_options {
                           ///< the paths (0)
     int32_t diffraction;  ///< max edges that a path bends round: 1, beside its reflections, or 2
                           ///< in turn without any (0)
+    double min_diffraction_level_db;  ///< of a path round an edge in its loudest band, re the
+                                      ///< direct sound if nothing were in the way; -inf: no limit
+                                      ///< (-40)
 } es_simulation_options;
 
 /// Sets all members to their defaults, `struct_size` to `size`.

@@ -57,7 +57,8 @@ constexpr es_simulation_options kDefaults = {.struct_size = sizeof(es_simulation
                                              .sofa = 0,
                                              .paths = 1,
                                              .sensitivity = 0,
-                                             .diffraction = 0};
+                                             .diffraction = 0,
+                                             .min_diffraction_level_db = -40.0};
 
 void check_paths(const es_simulation_options& options) {
     require_time(options.time, "options->time");
@@ -70,6 +71,10 @@ void check_paths(const es_simulation_options& options) {
     require_in(options.max_length, 0.0, 1e9, "options->max_length");
     if (options.min_level_db != kNoLevel) {
         require_in(options.min_level_db, -1000.0, 1000.0, "options->min_level_db");
+    }
+    if (options.min_diffraction_level_db != kNoLevel) {
+        require_in(
+            options.min_diffraction_level_db, -1000.0, 1000.0, "options->min_diffraction_level_db");
     }
 }
 
@@ -157,6 +162,7 @@ propagation::Options simulator_options(const es_simulation_options& options) {
     return {
         .specular_order = options.order,
         .diffraction = options.diffraction,
+        .min_diffraction_level_db = options.min_diffraction_level_db,
         .mode = options.mode == ES_MODE_SAMPLED ? frustum::Mode::sampled : frustum::Mode::complete,
         .resolution = options.resolution,
         .report_paths = options.paths != 0,

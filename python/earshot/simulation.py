@@ -98,6 +98,7 @@ def _options(
     time: float = 0.0,
     order: int = 4,
     diffraction: int = 0,
+    min_diffraction_level_db: float = -40.0,
     mode: str = "complete",
     resolution: int = 0,
     transmission: bool = False,
@@ -133,6 +134,7 @@ def _options(
     options.time = number(time, "time")
     options.order = integer(order, "order")
     options.diffraction = integer(diffraction, "diffraction")
+    options.min_diffraction_level_db = number(min_diffraction_level_db, "min_diffraction_level_db")
     options.mode = choice(mode, {"complete": 0, "sampled": 1}, "mode")
     options.resolution = integer(resolution, "resolution")
     options.transmission = int(bool(transmission))
@@ -189,6 +191,9 @@ def simulate(scene: Scene, *, progress: Progress = None, **options: Any) -> Resu
     diffraction : int
         Highest number of edges that a path bends round: 1, beside its reflections, or 2 in turn
         without any (0).
+    min_diffraction_level_db : float
+        Leave out paths round an edge that are weaker in their loudest band, decibels re the direct
+        sound if nothing were in the way (-40).
     rays : int or 'auto'
         Rays of late sound; 0: none; 'auto': until T30 and level are certain, at most a million.
     rays_error : float

@@ -121,8 +121,10 @@ TEST_F(Agreement, BinauralResponsesAreThoseOfTheProgram) {
 }
 
 TEST_F(Agreement, DiffractedPathsAreThoseOfTheProgram) {
-    SimulatedCase run = {"scenes/door.gltf", "--diffraction 1 --time 1.5", defaults()};
+    SimulatedCase run = {
+        "scenes/door.gltf", "--diffraction 1 --min-diffraction-level -25 --time 1.5", defaults()};
     run.options.diffraction = 1;
+    run.options.min_diffraction_level_db = -25.0;
     run.options.time = 1.5;
     expect_same_files(run);
 }

@@ -14,6 +14,16 @@ es_status kept(Caller& c, es_status status, const std::uint64_t& handle) {
     return status;
 }
 
+/// The minimum level of a path, which may be -inf: no limit.
+double level(Caller& c, std::array<double, 2> good) {
+    const bool was_wrong = c.wrong;
+    const double level_db = c.number(-1000.0, 1000.0, good);
+    if (level_db == -std::numeric_limits<double>::infinity()) {
+        c.wrong = was_wrong;
+    }
+    return level_db;
+}
+
 /// Options of simulations that take a millisecond.
 es_simulation_options options(Caller& c) {
     es_simulation_options options;
@@ -28,11 +38,8 @@ es_simulation_options options(Caller& c) {
     options.diffraction = c.chance(0.9) ? 0 : c.choice(2);
     options.transmission = c.flag();
     options.max_length = c.number(0.0, 1e9, {0.0, 30.0});
-    const bool was_wrong = c.wrong;
-    options.min_level_db = c.number(-1000.0, 1000.0, {-90.0, -20.0});
-    if (options.min_level_db == -std::numeric_limits<double>::infinity()) {
-        c.wrong = was_wrong;  // no limit
-    }
+    options.min_level_db = level(c, {-90.0, -20.0});
+    options.min_diffraction_level_db = level(c, {-60.0, -10.0});
     options.rays = c.chance(0.03) ? 64 : 0;
     options.rays_error = c.chance(0.9) ? 0.0 : c.number(0.001, 1.0);
     options.temperature_c = c.number(-50.0, 70.0);

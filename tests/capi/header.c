@@ -14,7 +14,7 @@ HOLDS(sizeof(es_depth) == 48, depth_size);
 HOLDS(sizeof(es_load_options) == 40, load_options_size);
 HOLDS(sizeof(es_scene_arrays) == 96, scene_arrays_size);
 HOLDS(sizeof(es_material) == 56, material_size);
-HOLDS(sizeof(es_simulation_options) == 224, simulation_options_size);
+HOLDS(sizeof(es_simulation_options) == 232, simulation_options_size);
 HOLDS(offsetof(es_simulation_options, threads) == 200, simulation_options_threads);
 HOLDS(sizeof(es_contact_options) == 56, contact_options_size);
 HOLDS(sizeof(es_result_info) == 104, result_info_size);

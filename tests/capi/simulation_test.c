@@ -390,6 +390,7 @@ void test_simulation_options(void) {
     WRONG(max_length, -1.0, ES_ERROR_ARGUMENT, "options->max_length");
     WRONG(max_length, NAN, ES_ERROR_ARGUMENT, "options->max_length");
     WRONG(min_level_db, INFINITY, ES_ERROR_ARGUMENT, "options->min_level_db");
+    WRONG(min_diffraction_level_db, NAN, ES_ERROR_ARGUMENT, "options->min_diffraction_level_db");
     WRONG(rays, 1000000001, ES_ERROR_ARGUMENT, "options->rays");
     WRONG(rays_error, 1.5, ES_ERROR_ARGUMENT, "options->rays_error");
     WRONG(rays_error, NAN, ES_ERROR_ARGUMENT, "options->rays_error");

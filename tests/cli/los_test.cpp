@@ -58,7 +58,7 @@ TEST_F(Los, WritesHowMuchOfABallIsSeen) {
     std::ofstream(path("to.csv")) << "2,1,0\n2,2.5,0\n0,9,0\n";
     ASSERT_EQ(run({"--radius", "0.2", "--rays", "512"}, "shares.csv").status, 0);
     const std::string text = text_of("shares.csv");
-    EXPECT_TRUE(text.starts_with("0,") && text.ends_with(",1\n")) << text;
+    EXPECT_TRUE(text.starts_with("0.0,") && text.ends_with(",1.0\n")) << text;
     ASSERT_EQ(run({"--radius", "0.2"}, "shares.json").status, 0);
     const Json json = Json::parse(text_of("shares.json"));
     const Json& row = json["frames"][0]["shares"][0];

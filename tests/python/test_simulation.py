@@ -42,8 +42,10 @@ def test_files_are_the_programs(tmp_path, scenes, program):
           "--noise", "NC-30", "--speech-level", "raised", "--sample-rate", 16000],
          {"order": 1, "rays": 500, "length": 0.2, "format": "ambisonic:1", "seed": 7,
           "noise": "NC-30", "speech": "raised", "sample_rate": 16000}),
-        ("lroom.gltf", ["--order", 1, "--diffraction", 1, "--rays", 0, "--length", 0.2],
-         {"order": 1, "diffraction": 1, "rays": 0, "length": 0.2}),
+        ("lroom.gltf", ["--order", 1, "--diffraction", 2, "--min-diffraction-level", -30, "--rays", 0,
+                          "--length", 0.2],
+         {"order": 1, "diffraction": 2, "min_diffraction_level_db": -30, "rays": 0,
+          "length": 0.2}),
     ]:
         ours, theirs = tmp_path / "ours" / name, tmp_path / "theirs" / name
         program("ir", scenes / name, "-o", theirs, *more)
