@@ -137,25 +137,24 @@ CurveClusters::CurveClusters(std::span<const Aabb> boxes,
                              const CurveClusterOptions& options,
                              Executor& executor)
     : sorted_(sorted_by_morton_code(boxes, executor)) {
-    const std::vector<MortonRange> clusters =
-        find_clusters(boxes, sorted_, options.max_size, executor);
-    boxes_.resize(clusters.size());
-    first_node_.resize(clusters.size());
-    node_counts_.resize(clusters.size());
-    nodes_.resize(chunk_count(clusters.size(), kClustersPerChunk));
+    clusters_ = find_clusters(boxes, sorted_, options.max_size, executor);
+    boxes_.resize(clusters_.size());
+    first_node_.resize(clusters_.size());
+    node_counts_.resize(clusters_.size());
+    nodes_.resize(chunk_count(clusters_.size(), kClustersPerChunk));
     // Boxes lie in memory in another order than on the curve: they are asked for ahead.
     constexpr std::size_t kAhead = 4;
-    executor.for_each(clusters.size(), kClustersPerChunk, [&](std::size_t begin, std::size_t end) {
+    executor.for_each(clusters_.size(), kClustersPerChunk, [&](std::size_t begin, std::size_t end) {
         std::vector<Node>& nodes = nodes_[begin / kClustersPerChunk];
         nodes.reserve(16 * (end - begin));
         for (std::size_t i = begin; i < end; ++i) {
             if (i + kAhead < end) {
-                const MortonRange& next = clusters[i + kAhead];
+                const MortonRange& next = clusters_[i + kAhead];
                 prefetch_boxes(boxes, std::span(sorted_).subspan(next.begin, next.size()));
             }
             first_node_[i] = static_cast<std::uint32_t>(nodes.size());
             boxes_[i] = ClusterTree(boxes, sorted_, options.max_leaf_size, nodes)
-                            .write(0, clusters[i].begin, clusters[i].size(), 0);
+                            .write(0, clusters_[i].begin, clusters_[i].size(), 0);
             node_counts_[i] = static_cast<std::uint32_t>(nodes.size()) - first_node_[i];
         }
     });
@@ -171,12 +170,37 @@ Tree CurveClusters::tree_below(const Tree& top, Executor& executor) const {
                            : TopNode{.box = node.box, .left = node.first, .task = 0};
         }
     });
+    // The primitives of clusters follow each other as the leaves of `top` do, so that those below
+    // any node are neighbours.
+    std::vector<std::uint32_t> first_slots(clusters_.size());
+    std::uint32_t slots = 0;
+    for (const std::uint32_t cluster : top.primitives()) {
+        first_slots[cluster] = slots;
+        slots += clusters_[cluster].size();
+    }
     const auto node_of = [&](std::uint32_t cluster, std::uint32_t i) {
-        return nodes_[cluster / kClustersPerChunk][first_node_[cluster] + i];
+        Node node = nodes_[cluster / kClustersPerChunk][first_node_[cluster] + i];
+        if (node.is_leaf()) {
+            node.first = first_slots[cluster] + (node.first - clusters_[cluster].begin);
+        }
+        return node;
     };
     std::vector<Node> nodes =
         TreeAssembly(std::span<const TopNode>(upper), node_counts_, node_of).nodes(executor, 1024);
-    return Tree::from_nodes(std::move(nodes), indices_of(sorted_, executor));
+    return Tree::from_nodes(std::move(nodes), primitives_in(first_slots, executor));
+}
+
+std::vector<std::uint32_t> CurveClusters::primitives_in(std::span<const std::uint32_t> first_slots,
+                                                        Executor& executor) const {
+    std::vector<std::uint32_t> primitives(sorted_.size());
+    executor.for_each(clusters_.size(), kClustersPerChunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            for (std::uint32_t k = 0; k < clusters_[i].size(); ++k) {
+                primitives[first_slots[i] + k] = sorted_[clusters_[i].begin + k].index;
+            }
+        }
+    });
+    return primitives;
 }
 
 }  // namespace earshot::bvh

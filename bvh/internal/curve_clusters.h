@@ -39,7 +39,12 @@ public:
     Tree tree_below(const Tree& top, Executor& executor) const;
 
 private:
+    /// The primitives of all clusters, those of each from its first slot on.
+    std::vector<std::uint32_t> primitives_in(std::span<const std::uint32_t> first_slots,
+                                             Executor& executor) const;
+
     LargeArray<MortonPrimitive> sorted_;
+    std::vector<MortonRange> clusters_;
     std::vector<geometry::Aabb> boxes_;
     std::vector<std::uint32_t> first_node_, node_counts_;  // per cluster
     std::vector<std::vector<Node>> nodes_;  // of chunks of clusters: depth-first, child indices
