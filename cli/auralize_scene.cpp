@@ -71,12 +71,12 @@ void AuralizeScene::add_to(CLI::App& app) {
                step_,
                {1e-4, 1e3},
                "seconds between the instants at which paths are found; those that come or go fade "
-               "for as long");
+               "for as long; default: 0.05");
     add_number(app,
                "--late-step",
                late_step_,
                {1e-3, 1e3},
-               "seconds between the instants at which late sound is traced");
+               "seconds between the instants at which late sound is traced; default: 0.5");
     scene_choice_.add_reading_to(app);
     emitters_.add_to(app);
     materials_.add_to(app);

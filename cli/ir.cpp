@@ -179,8 +179,7 @@ private:
                    min_diffraction_level_db_,
                    {-1000.0, 1000.0},
                    "minimum level of a path round an edge in its loudest band, decibels re the "
-                   "direct sound if nothing were in the way")
-            ->capture_default_str();
+                   "direct sound if nothing were in the way; default: -40");
     }
 
     void add_visibility_options() {

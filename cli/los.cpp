@@ -75,7 +75,7 @@ public:
                     "--rays",
                     rays_,
                     {8, 1048576},
-                    "with --radius: maximum number of rays for a share");
+                    "with --radius: maximum number of rays for a share; default: 2048");
         app().footer(kFooter);
     }
 
