@@ -15,7 +15,7 @@ using namespace earshot::capi_fuzz;
 std::vector<WeightedCall> all_calls() {
     std::vector<WeightedCall> calls;
     for (const auto* some :
-         {&scene_calls(), &simulation_calls(), &query_calls(), &location_calls()}) {
+         {&scene_calls(), &simulation_calls(), &model_calls(), &query_calls(), &location_calls()}) {
         calls.insert(calls.end(), some->begin(), some->end());
     }
     return calls;

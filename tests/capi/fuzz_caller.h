@@ -96,6 +96,34 @@ private:
     std::deque<std::string> texts_;  // which stay where they are
 };
 
+/// Options of simulations that take a millisecond.
+es_simulation_options simulation_options_of(Caller& c);
+
+/// Keeps a handle that a call has made.
+inline es_status kept(Caller& c, es_status status, const std::uint64_t& handle) {
+    if (status == ES_OK) {
+        c.keep(handle);
+    }
+    return status;
+}
+
+/// What is given is not left out by the optimiser.
+inline void keep_reading(double value) {
+    static volatile double kept_value = 0.0;
+    kept_value = value;
+    static_cast<void>(kept_value);
+}
+
+/// Sums what a view shows, so that the sanitizer sees it read.
+template <typename T>
+double sum(const T* values, std::size_t count) {
+    double total = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+        total += static_cast<double>(values[i]);
+    }
+    return total;
+}
+
 /// Makes one call of a kind and returns its status; `wrong` says whether it had to fail.
 using Call = es_status (*)(Caller&);
 
@@ -107,6 +135,7 @@ struct WeightedCall {
 };
 const std::vector<WeightedCall>& scene_calls();
 const std::vector<WeightedCall>& simulation_calls();
+const std::vector<WeightedCall>& model_calls();
 const std::vector<WeightedCall>& query_calls();
 const std::vector<WeightedCall>& location_calls();
 

@@ -6,13 +6,6 @@
 namespace earshot::capi_fuzz {
 namespace {
 
-es_status kept(Caller& c, es_status status, const std::uint64_t& handle) {
-    if (status == ES_OK) {
-        c.keep(handle);
-    }
-    return status;
-}
-
 /// A size that no array has, now and then.
 std::size_t huge_or(Caller& c, std::size_t count) {
     if (count > 0 && c.chance(0.02)) {

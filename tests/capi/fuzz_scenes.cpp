@@ -27,13 +27,6 @@ std::size_t count_of(es_scene scene, std::int32_t item) {
     return es_scene_count(scene, item, &count) == ES_OK ? count : 0;
 }
 
-es_status kept(Caller& c, es_status status, const std::uint64_t& handle) {
-    if (status == ES_OK) {
-        c.keep(handle);
-    }
-    return status;
-}
-
 es_status load(Caller& c) {
     es_load_options options;
     es_load_options_init(&options, sizeof options);
