@@ -199,14 +199,10 @@ std::optional<DiffractedSound> diffracted_sound(frustum::EdgePath way,
 
 void radiate(const Spectrum& sent, DiffractedSound& sound) {
     for (auto& of_kind : sound.pressure) {
-        for (std::size_t band = 0; band < of_kind.size(); ++band) {
-            of_kind[band] *= sent[band];
-        }
+        multiply(of_kind, sent);
     }
-    for (std::size_t band = 0; band < sent.size(); ++band) {
-        sound.upright[band] *= sent[band];
-        sound.inverted[band] *= sent[band];
-    }
+    multiply(sound.upright, sent);
+    multiply(sound.inverted, sent);
 }
 
 Path describe(const DiffractedSound& sound,

@@ -197,15 +197,11 @@ std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::Edge
 void radiate(const Spectrum& sent, DoublyDiffractedSound& sound) {
     for (auto& of_first : sound.pressure) {
         for (auto& of_kinds : of_first) {
-            for (std::size_t band = 0; band < of_kinds.size(); ++band) {
-                of_kinds[band] *= sent[band];
-            }
+            multiply(of_kinds, sent);
         }
     }
-    for (std::size_t band = 0; band < sent.size(); ++band) {
-        sound.upright[band] *= sent[band];
-        sound.inverted[band] *= sent[band];
-    }
+    multiply(sound.upright, sent);
+    multiply(sound.inverted, sent);
 }
 
 Path describe(const DoublyDiffractedSound& sound,

@@ -62,6 +62,14 @@ std::optional<DiffractedSound> diffracted_sound(frustum::EdgePath way,
                                                 const DiffractionModel& model,
                                                 double min_pressure = 0.0);
 
+/// Multiplies the values of bands, which may be fewer than those of `sent`, by it.
+template <typename Values>
+void multiply(Values& values, const audio::Spectrum& sent) {
+    for (std::size_t band = 0; band < values.size(); ++band) {
+        values[band] *= sent[band];
+    }
+}
+
 /// Multiplies everything by what the source sends towards the edge.
 void radiate(const audio::Spectrum& sent, DiffractedSound& sound);
 
