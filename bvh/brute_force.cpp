@@ -4,22 +4,11 @@
 #include "earshot/geometry/intersect.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace earshot::bvh::brute_force {
 namespace {
 
-// As max_abs_coordinate() of a tree with this box.
-double max_abs_coordinate(const geometry::Aabb& box) noexcept {
-    double largest = 0.0;
-    for (std::size_t k = 0; k < 3 && !box.is_empty(); ++k) {
-        largest = std::max({largest,
-                            std::abs(static_cast<double>(box.lower[k])),
-                            std::abs(static_cast<double>(box.upper[k]))});
-    }
-    return largest;
-}
-
+// As max_abs_coordinate() of a tree over the same.
 double max_abs_coordinate(const geometry::MeshView& mesh) noexcept {
     geometry::Aabb box;
     for (const geometry::Triangle& triangle : mesh.triangles) {
@@ -27,7 +16,7 @@ double max_abs_coordinate(const geometry::MeshView& mesh) noexcept {
             box.include(mesh.positions[vertex]);
         }
     }
-    return max_abs_coordinate(box);
+    return box.max_abs_coordinate();
 }
 
 double max_abs_coordinate(const Instances& instances) noexcept {
@@ -35,7 +24,7 @@ double max_abs_coordinate(const Instances& instances) noexcept {
     for (const Instances::Instance& instance : instances.active_instances()) {
         box.include(instance.box);
     }
-    return max_abs_coordinate(box);
+    return box.max_abs_coordinate();
 }
 
 std::optional<geometry::Hit> hit_of(const geometry::PreparedRay& ray,

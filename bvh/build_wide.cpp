@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -333,12 +332,7 @@ WideTree WideTree::build(const Tree& tree,
 
 void WideTree::set_box(const Aabb& box) noexcept {
     box_ = box;
-    max_abs_coordinate_ = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        max_abs_coordinate_ = std::max({max_abs_coordinate_,
-                                        std::abs(static_cast<double>(box.lower[k])),
-                                        std::abs(static_cast<double>(box.upper[k]))});
-    }
+    max_abs_coordinate_ = box.max_abs_coordinate();
 }
 
 std::span<const std::uint32_t> WideTree::leaf_triangles(std::uint32_t child) const noexcept {

@@ -3,9 +3,7 @@
 
 #include "earshot/bvh/better_hit.h"
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace earshot::bvh {
 
@@ -13,16 +11,7 @@ using geometry::Hit;
 using geometry::TriangleId;
 
 double max_abs_coordinate(const Tree& tree) noexcept {
-    double largest = 0.0;
-    if (!tree.nodes().empty()) {
-        const geometry::Aabb& box = tree.nodes().front().box;
-        for (std::size_t k = 0; k < 3; ++k) {
-            largest = std::max({largest,
-                                std::abs(static_cast<double>(box.lower[k])),
-                                std::abs(static_cast<double>(box.upper[k]))});
-        }
-    }
-    return largest;
+    return tree.nodes().empty() ? 0.0 : tree.nodes().front().box.max_abs_coordinate();
 }
 
 std::optional<Hit> closest_hit(const Tree& tree,

@@ -177,16 +177,6 @@ void set_slab(BoxNode& node,
         std::max(high - static_cast<double>(middle), static_cast<double>(middle) - low));
 }
 
-double max_abs_coordinate_of(const Aabb& box) {
-    double largest = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        largest = std::max({largest,
-                            std::abs(static_cast<double>(box.lower[k])),
-                            std::abs(static_cast<double>(box.upper[k]))});
-    }
-    return largest;
-}
-
 }  // namespace
 
 Shape Shape::build(const geometry::MeshView& mesh,
@@ -219,7 +209,7 @@ void Shape::follow(const geometry::MeshView& mesh, Executor& executor) {
         ShapeCollapse(*this).place_all();
         version_ = bvh_.version();
     }
-    max_abs_coordinate_ = max_abs_coordinate_of(tree.nodes()[0].box);
+    max_abs_coordinate_ = tree.nodes()[0].box.max_abs_coordinate();
     if (!(max_abs_coordinate_ <= kMaxCoordinate)) {
         throw Error("mesh", "has a coordinate beyond 2^60 m", "scale it down");
     }

@@ -108,16 +108,6 @@ void set_box(SubpathBlock::Box& box, std::size_t lane, const Aabb& value) {
     }
 }
 
-double max_abs(const Aabb& box) {
-    double largest = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        largest = std::max({largest,
-                            std::abs(static_cast<double>(box.lower[k])),
-                            std::abs(static_cast<double>(box.upper[k]))});
-    }
-    return largest;
-}
-
 }  // namespace
 
 ConnectingLegs::ConnectingLegs(const Frustum& reflected,
@@ -150,8 +140,9 @@ SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths) {
         return;
     }
     for (const SubpathBounds& bounds : subpaths) {
-        max_coordinate_ =
-            std::max({max_coordinate_, max_abs(bounds.aperture), max_abs(bounds.image)});
+        max_coordinate_ = std::max({max_coordinate_,
+                                    bounds.aperture.max_abs_coordinate(),
+                                    bounds.image.max_abs_coordinate()});
     }
     numbers_ = sorted_along_curve(subpaths);
     std::vector<SubpathBounds> nodes;

@@ -3,8 +3,10 @@
 
 #include "earshot/geometry/types.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -42,6 +44,17 @@ struct Aabb {
         const double y = static_cast<double>(upper[1]) - static_cast<double>(lower[1]);
         const double z = static_cast<double>(upper[2]) - static_cast<double>(lower[2]);
         return x * y + y * z + z * x;
+    }
+
+    /// The largest absolute value of a coordinate, in metres; 0 for the empty box.
+    double max_abs_coordinate() const noexcept {
+        double largest = 0.0;
+        for (std::size_t k = 0; k < 3 && !is_empty(); ++k) {
+            largest = std::max({largest,
+                                std::abs(static_cast<double>(lower[k])),
+                                std::abs(static_cast<double>(upper[k]))});
+        }
+        return largest;
     }
 
     friend bool operator==(const Aabb&, const Aabb&) = default;

@@ -105,5 +105,13 @@ TEST(Aabb, HalvesTheSurfaceArea) {
     EXPECT_EQ(box.half_area(), 2.0 * 3.0 + 3.0 * 4.0 + 4.0 * 2.0);
 }
 
+TEST(Aabb, FindsItsLargestCoordinate) {
+    EXPECT_EQ(Aabb::empty().max_abs_coordinate(), 0.0);
+    Aabb box;
+    box.include(Vec3(-1.0, 3.0, -6.0));
+    box.include(Vec3(1.0, -2.0, 5.0));
+    EXPECT_EQ(box.max_abs_coordinate(), 6.0);
+}
+
 }  // namespace
 }  // namespace earshot::geometry
