@@ -60,7 +60,7 @@ ListenerBeams::ListenerBeams(const FacetIndex& index,
             }
         }
     }
-    place_images(listeners);
+    place_images(listeners, executor);
 }
 
 void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
@@ -197,19 +197,23 @@ void ListenerBeams::append_before_grazing(const Vec3& listener,
     }
 }
 
-void ListenerBeams::place_images(std::span<const Vec3> listeners) {
-    images_.reserve(subpaths_.size());
+void ListenerBeams::place_images(std::span<const Vec3> listeners, Executor& executor) {
+    images_.resize(subpaths_.size());
     std::vector<SubpathBounds> bounds(subpaths_.size());
-    for (const ListenerSubpath& subpath : subpaths_) {
-        Vec3 image = index_.plane(subpath.last).mirror(listeners[subpath.listener]);
-        if (subpath.has_two) {
-            image = index_.plane(subpath.first.facet).mirror(image);
+    constexpr std::size_t kImageGrain = 1024;
+    executor.for_each(subpaths_.size(), kImageGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const ListenerSubpath& subpath = subpaths_[i];
+            Vec3 image = index_.plane(subpath.last).mirror(listeners[subpath.listener]);
+            if (subpath.has_two) {
+                image = index_.plane(subpath.first.facet).mirror(image);
+            }
+            bounds[i].aperture = aperture_box(subpath);
+            bounds[i].image = box_around(image);
+            images_[i] = image;
         }
-        bounds[images_.size()].aperture = aperture_box(subpath);
-        bounds[images_.size()].image = box_around(image);
-        images_.push_back(image);
-    }
-    tree_ = SubpathTree(bounds);
+    });
+    tree_ = SubpathTree(bounds, executor);
 }
 
 // A box around the points of the first facet that lie in its aperture. It is the box of the facet

@@ -2,14 +2,17 @@
 #include "earshot/frustum/internal/subpath_tree.h"
 
 #include "earshot/base/parallel.h"
+#include "earshot/frustum/internal/subpath_order.h"
 #include "earshot/geometry/facets.h"
+#include "earshot/geometry/vector.h"
 
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <limits>
 
 namespace earshot::frustum {
 
@@ -20,86 +23,13 @@ namespace {
 
 constexpr std::size_t kWidth = SubpathBlock::kWidth;
 
-/// Relative to the coordinates: a bound of the rounding of a box in the axes of a frustum, with a
-/// margin of four (docs/algorithms/frustum.md).
+/// Relative to the coordinates: boxes grow by so much, which is more than the rounding of where
+/// they lie to a half-space, and in quotients more than theirs (docs/algorithms/frustum.md).
 constexpr double kBoxRounding = 0x1p-17;
 
-/// In (u, v): a bound of the rounding of quotients near the aperture.
-constexpr double kQuotientRounding = 0x1p-20;
-
-/// The centres of a subpath's bounds.
-using Place = std::array<float, 6>;
-
-Place place_of(const SubpathBounds& bounds) noexcept {
-    Place place;
-    for (std::size_t k = 0; k < 3; ++k) {
-        place[k] = 0.5F * (bounds.aperture.lower[k] + bounds.aperture.upper[k]);
-        place[3 + k] = 0.5F * (bounds.image.lower[k] + bounds.image.upper[k]);
-    }
-    return place;
-}
-
-/// Positions along a Morton curve through the places of subpaths, of ten bits per coordinate.
-class MortonCurve {
-public:
-    explicit MortonCurve(std::span<const SubpathBounds> subpaths) {
-        lower_ = place_of(subpaths.front());
-        Place upper = lower_;
-        for (const SubpathBounds& bounds : subpaths) {
-            const Place place = place_of(bounds);
-            for (std::size_t k = 0; k < place.size(); ++k) {
-                lower_[k] = std::min(lower_[k], place[k]);
-                upper[k] = std::max(upper[k], place[k]);
-            }
-        }
-        float size = 0.0F;
-        for (std::size_t k = 0; k < upper.size(); ++k) {
-            size = std::max(size, upper[k] - lower_[k]);
-        }
-        scale_ = size > 0.0F ? static_cast<float>(kSteps - 1) / size : 0.0F;
-        for (std::size_t step = 0; step < kSteps; ++step) {
-            for (unsigned bit = 0; bit < kBits; ++bit) {
-                spread_[step] |= ((std::uint64_t{step} >> bit) & 1U) << (lower_.size() * bit);
-            }
-        }
-    }
-
-    std::uint64_t position(const SubpathBounds& bounds) const noexcept {
-        const Place place = place_of(bounds);
-        std::uint64_t code = 0;
-        for (std::size_t k = 0; k < place.size(); ++k) {
-            const auto step = static_cast<std::size_t>(scale_ * (place[k] - lower_[k]));
-            code |= spread_[std::min(step, kSteps - 1)] << k;
-        }
-        return code;
-    }
-
-private:
-    static constexpr unsigned kBits = 10;
-    static constexpr std::size_t kSteps = std::size_t{1} << kBits;
-
-    Place lower_{};
-    float scale_ = 0.0F;
-    std::array<std::uint64_t, kSteps> spread_{};  // bits of a step, six places apart
-};
-
-/// The numbers of the subpaths along the curve, so that neighbours are close.
-std::vector<std::uint32_t> sorted_along_curve(std::span<const SubpathBounds> subpaths) {
-    const MortonCurve curve(subpaths);
-    std::vector<std::pair<std::uint64_t, std::uint32_t>> positions;
-    positions.reserve(subpaths.size());
-    for (const SubpathBounds& bounds : subpaths) {
-        positions.emplace_back(curve.position(bounds),
-                               static_cast<std::uint32_t>(positions.size()));
-    }
-    std::sort(positions.begin(), positions.end());
-    std::vector<std::uint32_t> numbers;
-    numbers.reserve(positions.size());
-    for (const auto& position : positions) {
-        numbers.push_back(position.second);
-    }
-    return numbers;
-}
+/// All directions of an aperture that is projected advance at least so far along the axis, at a
+/// length of 1 to 1.8.
+constexpr double kMinAdvance = 1.0 / 8.0;
 
 void set_box(SubpathBlock::Box& box, std::size_t lane, const Aabb& value) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -110,32 +40,95 @@ void set_box(SubpathBlock::Box& box, std::size_t lane, const Aabb& value) {
 
 }  // namespace
 
+// A point p of a leg is apex + t d for a direction d = forward + u right + v up of the aperture.
 ConnectingLegs::ConnectingLegs(const Frustum& reflected,
                                const geometry::Plane& plane,
                                double position_error,
                                double max_coordinate,
                                double longest) noexcept {
-    const Vec3* rows[] = {&reflected.right, &reflected.up, &reflected.forward};
     double farthest = 0.0;
     for (int k = 0; k < 3; ++k) {
         farthest = std::max(farthest, std::abs(reflected.apex[k]));
-        apex[k] = static_cast<float>(reflected.apex[k]);
-        normal[k] = static_cast<float>(reflected.side * plane.normal[k]);
-        for (int axis = 0; axis < 3; ++axis) {
-            axes[axis][k] = static_cast<float>((*rows[axis])[k]);
-        }
     }
-    for (int k = 0; k < 2; ++k) {
-        lower[k] = geometry::round_down(reflected.rect.lower[k] - kQuotientRounding);
-        upper[k] = geometry::round_up(reflected.rect.upper[k] + kQuotientRounding);
+    const double margin = kBoxRounding * (max_coordinate + farthest) + position_error;
+    for (int k = 0; k < 3; ++k) {
+        low_apex[k] = geometry::round_down(reflected.apex[k] - margin);
+        high_apex[k] = geometry::round_up(reflected.apex[k] + margin);
     }
-    offset = static_cast<float>(reflected.side * plane.offset);
-    margin = geometry::round_up(kBoxRounding * (max_coordinate + farthest) + position_error);
-    min_depth = geometry::round_down(reflected.min_depth);
     max_length = geometry::round_up(longest);
+    add_half_space(reflected.side * plane.normal, reflected.side * plane.offset, margin);
+    project(reflected);
+    const auto follows_axis = [](const Vec3& direction) {
+        constexpr double kAlmostOne = 1.0 - 0x1p-20;
+        return geometry::max_abs(direction) > kAlmostOne;
+    };
+    if (axis >= 0 && follows_axis(reflected.forward) && follows_axis(reflected.right)) {
+        return;  // the sides tell no more than the projected aperture
+    }
+    const auto add_side = [&](const Vec3& normal) {
+        add_half_space(normal, glm::dot(normal, reflected.apex), margin);
+    };
+    add_side(reflected.right - reflected.rect.lower.x * reflected.forward);
+    add_side(reflected.rect.upper.x * reflected.forward - reflected.right);
+    add_side(reflected.up - reflected.rect.lower.y * reflected.forward);
+    add_side(reflected.rect.upper.y * reflected.forward - reflected.up);
 }
 
-SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths) {
+void ConnectingLegs::add_half_space(const Vec3& towards, double offset, double margin) noexcept {
+    HalfSpace& half_space = half_spaces[half_space_count++];
+    double norm = 0.0;
+    for (int k = 0; k < 3; ++k) {
+        half_space.normal[k] = static_cast<float>(towards[k]);
+        norm += std::abs(towards[k]);
+    }
+    half_space.offset = geometry::round_down(offset - margin * norm);
+}
+
+// Projects the aperture from the apex along the coordinate axis that all of its directions follow
+// the most. A direction is a sum of the corners' directions with positive weights, so its quotients
+// lie between those of the corners.
+void ConnectingLegs::project(const Frustum& reflected) noexcept {
+    std::array<Vec3, 4> corners;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Rect& rect = reflected.rect;
+        corners[i] = reflected.forward +
+                     (i % 2 == 0 ? rect.lower.x : rect.upper.x) * reflected.right +
+                     (i / 2 == 0 ? rect.lower.y : rect.upper.y) * reflected.up;
+    }
+    double min_advance = kMinAdvance;
+    for (int k = 0; k < 3; ++k) {
+        for (const double direction : {1.0, -1.0}) {
+            double advance = std::numeric_limits<double>::infinity();
+            for (const Vec3& corner : corners) {
+                advance = std::min(advance, direction * corner[k]);
+            }
+            if (advance > min_advance) {
+                min_advance = advance;
+                axis = k;
+                sign = static_cast<float>(direction);
+            }
+        }
+    }
+    if (axis < 0) {
+        return;
+    }
+    for (int k = 0; k < 2; ++k) {
+        const int across = (axis + 1 + k) % 3;
+        double low = std::numeric_limits<double>::infinity();
+        double high = -low;
+        for (const Vec3& corner : corners) {
+            const double quotient = corner[across] / std::abs(corner[axis]);
+            low = std::min(low, quotient);
+            high = std::max(high, quotient);
+        }
+        lower[k] = geometry::round_down(low);
+        upper[k] = geometry::round_up(high);
+    }
+    constexpr double kRoundedDown = 1.0 - 0x1p-40;
+    min_depth = geometry::round_down(kRoundedDown * min_advance * reflected.min_depth);
+}
+
+SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths, Executor& executor) {
     if (subpaths.empty()) {
         return;
     }
@@ -144,7 +137,7 @@ SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths) {
                                     bounds.aperture.max_abs_coordinate(),
                                     bounds.image.max_abs_coordinate()});
     }
-    numbers_ = sorted_along_curve(subpaths);
+    numbers_ = order_subpaths(subpaths, executor);
     std::vector<SubpathBounds> nodes;
     nodes.reserve(subpaths.size());
     for (const std::uint32_t number : numbers_) {

@@ -15,117 +15,125 @@ namespace earshot::frustum::HWY_NAMESPACE {
 
 using namespace earshot::HWY_NAMESPACE;
 
-/// A vector for eight boxes. Members have names, as the compiler keeps no array in registers here.
-struct Triple {
-    Float8 x, y, z;
-};
-
-HWY_INLINE Triple repeated(const float (&vector)[3]) {
-    return {Float8(vector[0]), Float8(vector[1]), Float8(vector[2])};
-}
-HWY_INLINE Float8 dot(const Triple& a, const Triple& b) {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-HWY_INLINE Triple abs_of(const Triple& a) {
-    return {abs(a.x), abs(a.y), abs(a.z)};
-}
-
-/// ConnectingLegs in every lane.
+/// ConnectingLegs in every lane, and where their boxes' sides lie in memory.
 struct WideLegs {
     explicit WideLegs(const ConnectingLegs& legs)
-        : apex(repeated(legs.apex)),
-          right(repeated(legs.axes[0])),
-          up(repeated(legs.axes[1])),
-          forward(repeated(legs.axes[2])),
-          normal(repeated(legs.normal)),
-          height(Float8(legs.normal[0] * legs.apex[0] + legs.normal[1] * legs.apex[1] +
-                        legs.normal[2] * legs.apex[2] - legs.offset)),
+        : narrow(legs),
           lower_u(legs.lower[0]),
           lower_v(legs.lower[1]),
           upper_u(legs.upper[0]),
           upper_v(legs.upper[1]),
-          margin(legs.margin),
           min_depth(legs.min_depth),
-          max_length(legs.max_length) {}
+          max_length(legs.max_length),
+          sign(legs.sign) {
+        for (int i = 0; i < legs.half_space_count; ++i) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                farthest[i][k] = row(k, legs.half_spaces[i].normal[k] > 0.0F);
+            }
+        }
+        if (legs.axis >= 0) {
+            const bool is_forward = legs.sign > 0.0F;
+            const auto axis = static_cast<std::size_t>(legs.axis);
+            depth_rows[0] = row(axis, !is_forward);
+            depth_rows[1] = row(axis, is_forward);
+            near_apex = sign * Float8(is_forward ? legs.high_apex[axis] : legs.low_apex[axis]);
+            far_apex = sign * Float8(is_forward ? legs.low_apex[axis] : legs.high_apex[axis]);
+            u = (axis + 1) % 3;
+            v = (axis + 2) % 3;
+        }
+    }
 
-    Triple apex, right, up, forward, normal;
-    Float8 height;  // of the apex above the plane
+    /// Of the lower or upper sides along an axis in a box of a block.
+    static std::size_t row(std::size_t axis, bool is_upper) {
+        return SubpathBlock::kWidth * (is_upper ? 3 + axis : axis);
+    }
+
+    const ConnectingLegs& narrow;
     Float8 lower_u, lower_v, upper_u, upper_v;
-    Float8 margin, min_depth, max_length;
+    Float8 min_depth, max_length;
+    Float8 sign, near_apex, far_apex;
+    std::size_t farthest[5][3];  // sides along the normals of half-spaces
+    std::size_t depth_rows[2];   // near and far sides along the axis
+    std::size_t u = 0, v = 0;    // the axes across
 };
 
-/// Eight boxes in the axes of a frustum: bounds of (u, v) and of the depth.
-struct LocalBoxes {
+/// Eight boxes projected from the apex along an axis: bounds of quotients and of the depth.
+struct ProjectedBoxes {
     Float8 lower_u, upper_u, lower_v, upper_v;
     Float8 min_depth, max_depth;
-    Float8::Mask is_behind;  // the plane of the frustum's start
 };
 
-HWY_INLINE Float8 quotient(Float8 value, Float8 if_negative, Float8 if_positive) {
-    return value * select(value < Float8(0.0F), if_negative, if_positive);
-}
-
-HWY_INLINE LocalBoxes local_boxes(const WideLegs& legs, const SubpathBlock::Box& box) {
-    const Float8 one_half(0.5F);
-    const Triple low = {
-        Float8::load(box.lower[0]), Float8::load(box.lower[1]), Float8::load(box.lower[2])};
-    const Triple high = {
-        Float8::load(box.upper[0]), Float8::load(box.upper[1]), Float8::load(box.upper[2])};
-    const Triple centre = {one_half * (low.x + high.x) - legs.apex.x,
-                           one_half * (low.y + high.y) - legs.apex.y,
-                           one_half * (low.z + high.z) - legs.apex.z};
-    const Triple half = {
-        one_half * (high.x - low.x), one_half * (high.y - low.y), one_half * (high.z - low.z)};
-    const Float8 u = dot(legs.right, centre);
-    const Float8 v = dot(legs.up, centre);
-    const Float8 depth = dot(legs.forward, centre);
-    const Float8 size_u = dot(abs_of(legs.right), half) + legs.margin;
-    const Float8 size_v = dot(abs_of(legs.up), half) + legs.margin;
-    const Float8 size = dot(abs_of(legs.forward), half) + legs.margin;
-    LocalBoxes result;
-    result.is_behind =
-        legs.height + dot(legs.normal, centre) + (dot(abs_of(legs.normal), half) + legs.margin) <
-        Float8(0.0F);
-    result.min_depth = depth - size;
-    result.max_depth = depth + size;
+HWY_INLINE ProjectedBoxes projected(const WideLegs& legs, const SubpathBlock::Box& box) {
+    const float* sides = box.lower[0];
+    ProjectedBoxes result;
+    result.min_depth = legs.sign * Float8::load(sides + legs.depth_rows[0]) - legs.near_apex;
+    result.max_depth = legs.sign * Float8::load(sides + legs.depth_rows[1]) - legs.far_apex;
     // A box that reaches the apex's depth has points in front of it at any small depth.
     const Float8 tiny(0x1p-100F);
     const Float8 near_scale = Float8(1.0F) / max(result.min_depth, tiny);
     const Float8 far_scale = Float8(1.0F) / max(result.max_depth, tiny);
-    result.lower_u = quotient(u - size_u, near_scale, far_scale);
-    result.upper_u = quotient(u + size_u, far_scale, near_scale);
-    result.lower_v = quotient(v - size_v, near_scale, far_scale);
-    result.upper_v = quotient(v + size_v, far_scale, near_scale);
+    const Float8 low_u = Float8::load(box.lower[legs.u]) - Float8(legs.narrow.high_apex[legs.u]);
+    const Float8 high_u = Float8::load(box.upper[legs.u]) - Float8(legs.narrow.low_apex[legs.u]);
+    const Float8 low_v = Float8::load(box.lower[legs.v]) - Float8(legs.narrow.high_apex[legs.v]);
+    const Float8 high_v = Float8::load(box.upper[legs.v]) - Float8(legs.narrow.low_apex[legs.v]);
+    result.lower_u = min(low_u * near_scale, low_u * far_scale);
+    result.upper_u = max(high_u * near_scale, high_u * far_scale);
+    result.lower_v = min(low_v * near_scale, low_v * far_scale);
+    result.upper_v = max(high_v * near_scale, high_v * far_scale);
     return result;
+}
+
+/// The boxes of which no corner is in some half-space.
+HWY_INLINE Float8::Mask lie_outside(const WideLegs& legs, const SubpathBlock::Box& box, int i) {
+    const float* sides = box.lower[0];
+    const ConnectingLegs::HalfSpace& half_space = legs.narrow.half_spaces[i];
+    const std::size_t* rows = legs.farthest[i];
+    return Float8(half_space.normal[0]) * Float8::load(sides + rows[0]) +
+               Float8(half_space.normal[1]) * Float8::load(sides + rows[1]) +
+               Float8(half_space.normal[2]) * Float8::load(sides + rows[2]) <
+           Float8(half_space.offset);
+}
+HWY_INLINE std::uint32_t bits_outside(const WideLegs& legs, const SubpathBlock::Box& box) {
+    Float8::Mask outside = lie_outside(legs, box, 0);
+    for (int i = 1; i < legs.narrow.half_space_count; ++i) {
+        outside = outside | lie_outside(legs, box, i);
+    }
+    return bits(outside);
 }
 
 /// Bits of the subpaths or nodes that a leg may connect: a direction from the apex passes the
 /// frustum's aperture, the aperture of the subpath and, not closer, the image.
+template <bool kIsProjected>
 HWY_INLINE std::uint32_t bits_connected(const WideLegs& legs, const SubpathBlock& block) {
-    const Float8 rounding(0x1p-20F);
-    const LocalBoxes aperture = local_boxes(legs, block.aperture);
-    const Float8 lower_u = max(aperture.lower_u, legs.lower_u);
-    const Float8 upper_u = min(aperture.upper_u, legs.upper_u) + rounding;
-    const Float8 lower_v = max(aperture.lower_v, legs.lower_v);
-    const Float8 upper_v = min(aperture.upper_v, legs.upper_v) + rounding;
-    const Float8::Mask beside = aperture.is_behind | (aperture.max_depth < legs.min_depth) |
-                                (upper_u < lower_u) | (upper_v < lower_v);
-    if (bits(beside) == 0xffU) {
-        return 0;
+    constexpr std::uint32_t kAll = 0xffU;
+    if constexpr (!kIsProjected) {
+        const std::uint32_t beside = bits_outside(legs, block.aperture);
+        return beside == kAll ? 0 : ~(beside | bits_outside(legs, block.image)) & kAll;
+    } else {
+        const ProjectedBoxes aperture = projected(legs, block.aperture);
+        const Float8 lower_u = max(aperture.lower_u, legs.lower_u);
+        const Float8 upper_u = min(aperture.upper_u, legs.upper_u);
+        const Float8 lower_v = max(aperture.lower_v, legs.lower_v);
+        const Float8 upper_v = min(aperture.upper_v, legs.upper_v);
+        const std::uint32_t beside = bits((aperture.max_depth < legs.min_depth) |
+                                          (upper_u < lower_u) | (upper_v < lower_v)) |
+                                     bits_outside(legs, block.aperture);
+        if (beside == kAll) {
+            return 0;
+        }
+        const ProjectedBoxes image = projected(legs, block.image);
+        const Float8::Mask outside = (image.max_depth < max(aperture.min_depth, legs.min_depth)) |
+                                     (legs.max_length < image.min_depth) |
+                                     (image.upper_u < lower_u) | (upper_u < image.lower_u) |
+                                     (image.upper_v < lower_v) | (upper_v < image.lower_v);
+        return ~(beside | bits(outside) | bits_outside(legs, block.image)) & kAll;
     }
-    const LocalBoxes image = local_boxes(legs, block.image);
-    const Float8::Mask outside = beside | image.is_behind |
-                                 (image.max_depth < max(aperture.min_depth, legs.min_depth)) |
-                                 (legs.max_length < image.min_depth) |
-                                 (image.upper_u + rounding < lower_u) | (upper_u < image.lower_u) |
-                                 (image.upper_v + rounding < lower_v) | (upper_v < image.lower_v);
-    return ~bits(outside) & 0xffU;
 }
 
-void find_connected(const SubpathTree& tree,
-                    const ConnectingLegs& narrow,
-                    std::vector<std::uint32_t>& found) {
-    const WideLegs legs(narrow);
+template <bool kIsProjected>
+void visit_connected(const SubpathTree& tree,
+                     const WideLegs& legs,
+                     std::vector<std::uint32_t>& found) {
     constexpr std::size_t kWidth = SubpathBlock::kWidth;
     constexpr std::size_t kMaxLevels = 12;
     struct Entry {
@@ -137,7 +145,8 @@ void find_connected(const SubpathTree& tree,
     while (size > 0) {
         const auto [level, block] = stack[--size];
         const SubpathTree::Level& nodes = tree.levels()[level];
-        std::uint32_t bits = bits_connected(legs, tree.blocks()[nodes.first_block + block]);
+        std::uint32_t bits =
+            bits_connected<kIsProjected>(legs, tree.blocks()[nodes.first_block + block]);
         const std::size_t first = kWidth * block;
         if (nodes.count - first < kWidth) {
             bits &= (1U << (nodes.count - first)) - 1;
@@ -150,6 +159,17 @@ void find_connected(const SubpathTree& tree,
                 stack[size++] = {level - 1, node};
             }
         }
+    }
+}
+
+void find_connected(const SubpathTree& tree,
+                    const ConnectingLegs& narrow,
+                    std::vector<std::uint32_t>& found) {
+    const WideLegs legs(narrow);
+    if (narrow.axis >= 0) {
+        visit_connected<true>(tree, legs, found);
+    } else {
+        visit_connected<false>(tree, legs, found);
     }
 }
 

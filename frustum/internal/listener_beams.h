@@ -99,7 +99,7 @@ private:
     void append_before_grazing(const geometry::Vec3& listener,
                                const ListenerSubpath& grazing,
                                int max_order);
-    void place_images(std::span<const geometry::Vec3> listeners);
+    void place_images(std::span<const geometry::Vec3> listeners, Executor& executor);
     geometry::Aabb aperture_box(const ListenerSubpath& subpath) const;
 
     const FacetIndex& index_;

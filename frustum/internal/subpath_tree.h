@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/floating_point.h"
+#include "earshot/base/parallel.h"
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/geometry/aabb.h"
 #include "earshot/geometry/types.h"
@@ -21,7 +22,9 @@ struct SubpathBounds {
     geometry::Aabb image;
 };
 
-/// The legs from one image source through an aperture, in single precision.
+/// The legs from one image source through an aperture, in single precision. They are described
+/// twice, and either way holds more than them: by half-spaces, and by the quotients of coordinates
+/// relative to the apex where they are projected along a coordinate axis.
 struct ConnectingLegs {
     /// Of a mirrored frustum. `plane`: where it starts; `position_error`: of images, metres;
     /// `max_coordinate`: of the subpaths' bounds.
@@ -31,13 +34,24 @@ struct ConnectingLegs {
                    double max_coordinate,
                    double max_length) noexcept;
 
-    float apex[3];
-    float axes[3][3];  ///< right, up, forward
-    float lower[2], upper[2];
-    float normal[3];  ///< of the plane, towards the side of the legs
-    float offset;
-    float margin;  ///< metres: boxes grow by it
-    float min_depth, max_length;
+    /// The points with dot(normal, point) >= offset.
+    struct HalfSpace {
+        float normal[3];
+        float offset;
+    };
+
+    HalfSpace half_spaces[5];  ///< beyond the plane and, unless the axes suffice, between the sides
+    int half_space_count = 0;
+    int axis = -1;      ///< along which the aperture is projected; negative: it is too wide for any
+    float sign = 1.0F;  ///< of the legs' direction along the axis
+    float low_apex[3], high_apex[3];     ///< the apex less and plus a margin, metres
+    float lower[2] = {}, upper[2] = {};  ///< quotients of the two axes that follow
+    float min_depth = 0.0F;              ///< along the axis: no point of a leg is closer
+    float max_length = 0.0F;
+
+private:
+    void add_half_space(const geometry::Vec3& towards, double offset, double margin) noexcept;
+    void project(const Frustum& reflected) noexcept;
 };
 
 /// Eight pairs of boxes, side by side.
@@ -55,7 +69,7 @@ struct alignas(64) SubpathBlock {
 class SubpathTree {
 public:
     SubpathTree() = default;
-    explicit SubpathTree(std::span<const SubpathBounds> subpaths);
+    SubpathTree(std::span<const SubpathBounds> subpaths, Executor& executor);
 
     /// Appends the numbers of a superset of the subpaths that a leg may connect, in an order that
     /// depends on the subpaths alone. The same numbers on every instruction set.

@@ -81,7 +81,7 @@ TEST(SubpathTree, FindsEverySubpathOnARayOfTheFrustumAndFewOthers) {
             const std::uint64_t number = 5000 * seed + i;
             subpaths.push_back(i % 7 == 0 ? on_a_ray(from, number, size) : anywhere(number, size));
         }
-        const SubpathTree tree(subpaths);
+        const SubpathTree tree(subpaths, Executor::serial());
         const ConnectingLegs legs(
             from.frustum, from.plane, 1e-12 * size, tree.max_coordinate(), 1e300);
         std::vector<std::uint32_t> expected;
@@ -110,6 +110,56 @@ TEST(SubpathTree, FindsEverySubpathOnARayOfTheFrustumAndFewOthers) {
     EXPECT_LT(others, all_others / 200);
 }
 
+/// A leg whose ends' coordinates are floats, so that no rounding of boxes makes room, through a
+/// corner of a frustum's aperture, in the plane of its start and no farther than its least depth.
+struct ExactLeg {
+    explicit ExactLeg(std::uint64_t seed) {
+        const auto dice = [&](std::uint64_t i) { return random_between(seed, 90, i, -1.0, 1.0); };
+        const auto point = [&](std::uint64_t i) {
+            return Vec3(Vec3(dice(i), dice(i + 1), dice(i + 2)) * size);
+        };
+        const Vec3 meets = as_floats(point(0)), image = as_floats(3.0 * point(3));
+        Frustum& frustum = from.frustum;
+        frustum.apex = meets + std::exp2(2.0 * dice(6)) * (meets - image);
+        const Vec3 way = glm::normalize(image - meets);
+        frustum.forward = glm::normalize(way + 0.55 * Vec3(dice(7), dice(8), dice(9)));
+        frustum.right = glm::normalize(glm::cross(frustum.forward, Vec3(dice(10), 1.0, dice(11))));
+        frustum.up = glm::cross(frustum.right, frustum.forward);
+        const Vec3 local = frustum.local(meets);
+        const glm::dvec2 corner = {local.x / local.z, local.y / local.z};
+        const glm::dvec2 width = std::exp2(4.0 * dice(12)) * glm::dvec2(dice(13), dice(14));
+        frustum.rect = {.lower = glm::min(corner, corner + width),
+                        .upper = glm::max(corner, corner + width)};
+        frustum.min_depth = (1.0 - 0x1p-50) * local.z;
+        from.plane.normal = glm::normalize(way + 0.55 * Vec3(dice(15), dice(16), dice(17)));
+        from.plane.offset = glm::dot(from.plane.normal, meets);
+        bounds.aperture.include(meets);
+        bounds.image.include(image);
+    }
+
+    static Vec3 as_floats(const Vec3& point) { return Vec3(glm::vec3(point)); }
+
+    static constexpr double size = 10.0;
+    RandomFrustum from{1, size};
+    SubpathBounds bounds;
+};
+
+TEST(SubpathTree, FindsLegsInTheBordersOfAFrustum) {
+    std::size_t projected = 0, too_wide = 0;
+    for (std::uint64_t seed = 0; seed < 20000; ++seed) {
+        const ExactLeg leg(seed);
+        const SubpathTree tree(std::span(&leg.bounds, 1), Executor::serial());
+        const ConnectingLegs legs(
+            leg.from.frustum, leg.from.plane, 0.0, tree.max_coordinate(), 1e300);
+        (legs.axis >= 0 ? projected : too_wide) += 1;
+        std::vector<std::uint32_t> found;
+        tree.find(legs, found);
+        EXPECT_EQ(found.size(), 1U) << seed;
+    }
+    EXPECT_GT(projected, 2000U);
+    EXPECT_GT(too_wide, 500U);
+}
+
 TEST(SubpathTree, LeavesOutWhatIsBehindOrTooFar) {
     RandomFrustum from(1, 1.0);
     from.frustum.apex = Vec3(0.0);
@@ -127,7 +177,7 @@ TEST(SubpathTree, LeavesOutWhatIsBehindOrTooFar) {
     };
     const std::vector<SubpathBounds> subpaths = {
         at(2, 4), at(4, 2), at(0.5, 4), at(-2, -4), at(2, -4), at(2, 40), at(1, 1)};
-    const SubpathTree tree(subpaths);
+    const SubpathTree tree(subpaths, Executor::serial());
     const auto found = [&](double max_length) {
         std::vector<std::uint32_t> numbers;
         tree.find({from.frustum, from.plane, 1e-12, tree.max_coordinate(), max_length}, numbers);
