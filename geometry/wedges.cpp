@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/wedges.h"
 
-#include "earshot/base/math.h"
+#include "earshot/geometry/disjoint_sets.h"
 #include "earshot/geometry/internal/border_lines.h"
+#include "earshot/geometry/internal/border_segments.h"
 #include "earshot/geometry/internal/box_tree.h"
+#include "earshot/geometry/internal/line_wedges.h"
 #include "earshot/geometry/vector.h"
 
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
+#include <bit>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -23,298 +23,47 @@
 namespace earshot::geometry {
 namespace {
 
+constexpr std::uint32_t kNone = BorderSegments::kNone;
+
 /// Ends of outline edges lie within the tolerance of where they were meant to be, outlines leave
 /// out vertices within another one, and so does the outline that the line is taken from.
 constexpr double kLineTolerances = 3.0;
 
-/// Radians. Half-planes closer than this are layers of one surface; they bound no air of their own.
-constexpr double kLayerAngle = 1e-3;
-
-/// A facet beside a line, as it looks along the line.
-struct HalfPlane {
-    FacetId facet = 0;
-    Vec3 inward{0.0};    // unit vector, perpendicular to the line
-    double angle = 0.0;  // about the line, from any zero
+/// What wedges depend on of a facet beside its outline.
+struct KnownFacet {
+    TriangleId first_triangle = 0;
+    Plane plane{};
+    double deviation = 0.0;
+    bool is_one_sided = false;
+    Box box{};
 };
 
-/// Layers of one surface, ascending by facet.
-using Layers = std::vector<HalfPlane>;
-
-class LineWedges {
-public:
-    LineWedges(const Facets& facets,
-               const WedgeOptions& options,
-               const BorderLine& line,
-               double tolerance)
-        : facets_(facets), options_(options), line_(line), tolerance_(tolerance) {
-        low_ = std::numeric_limits<double>::infinity();
-        high_ = -low_;
-        for (const BorderEdge& edge : line.edges) {
-            for (const Vec3& end : {edge.from, edge.to}) {
-                add_break(end);
-            }
-        }
-    }
-
-    /// Call for facets whose boxes touch box().
-    void add_facet_nearby(FacetId facet);
-    Box box() const noexcept {
-        const Vec3 a = point_at(low_);
-        const Vec3 b = point_at(high_);
-        return {glm::min(a, b) - tolerance_, glm::max(a, b) + tolerance_};
-    }
-    void find(std::vector<Wedge>& wedges);
-
-private:
-    struct Break {
-        double z = 0.0;
-        Vec3 point{0.0};
-    };
-
-    void add_break(const Vec3& point) {
-        const double z = z_of(point);
-        breaks_.push_back({z, point});
-        low_ = std::min(low_, z);
-        high_ = std::max(high_, z);
-    }
-    double z_of(const Vec3& point) const noexcept {
-        return glm::dot(point - line_.origin, line_.direction);
-    }
-    Vec3 point_at(double z) const noexcept { return line_.origin + z * line_.direction; }
-    void sort_breaks();
-    HalfPlane half_plane(FacetId facet, const Vec3& inward) const;
-    std::vector<HalfPlane> half_planes_at(double z) const;
-    bool contains(FacetId facet, const Vec3& point) const;
-    std::vector<Layers> layers_at(double z) const;
-    std::optional<std::pair<HalfPlane, WedgeFace>> face_of(const Layers& layers,
-                                                           const Vec3& into_air) const;
-    std::optional<Wedge> sector(const Layers& first, const Layers& second) const;
-    void finish(std::vector<Wedge>& wedges, std::size_t first) const;
-
-    const Facets& facets_;
-    const WedgeOptions& options_;
-    const BorderLine& line_;
-    double tolerance_;
-    double low_ = 0.0, high_ = 0.0;
-    std::vector<Break> breaks_;
-    std::vector<FacetId> through_;  // facets in whose plane the line lies
+/// A line on which outlines run, and its wedges.
+struct KnownLine {
+    FacetId first_facet = 0;
+    Vec3 origin{0.0};
+    Vec3 direction{0.0};
+    Box box{};
+    std::uint32_t group = 0;  // of segments: the connected ones, named by one of them
+    std::vector<Wedge> wedges{};
 };
 
-// A facet that the line passes through has air on neither side of the line in its own plane. Where
-// the line enters and leaves it, what bounds the air changes.
-void LineWedges::add_facet_nearby(FacetId facet) {
-    const Facet& surface = facets_.facets[facet];
-    const double flatness = tolerance_ + surface.deviation;
-    if ((!options_.transmissive.empty() && options_.transmissive[facet] != 0) ||
-        std::abs(surface.plane.distance(point_at(low_))) > flatness ||
-        std::abs(surface.plane.distance(point_at(high_))) > flatness) {
-        return;
-    }
-    through_.push_back(facet);
-    const double low = low_;
-    const double high = high_;
-    const Vec3 across = glm::cross(surface.plane.normal, line_.direction);
-    for (const Loop& loop : surface.loops) {
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Vec3& a = loop[i];
-            const Vec3& b = loop[(i + 1) % loop.size()];
-            const double before = glm::dot(a - line_.origin, across);
-            const double after = glm::dot(b - line_.origin, across);
-            if ((before < -tolerance_ && after > tolerance_) ||
-                (before > tolerance_ && after < -tolerance_)) {
-                const double z = z_of(a + before / (before - after) * (b - a));
-                if (z > low && z < high) {
-                    add_break(point_at(z));
-                }
-            } else if (std::abs(before) <= tolerance_ && z_of(a) > low && z_of(a) < high) {
-                add_break(a);
-            }
-        }
-    }
-}
+/// All that is known of one pose.
+struct KnownPose {
+    std::vector<KnownFacet> facets{};
+    std::vector<FacetId> of_triangle{};
+    BorderSegments segments{};
+    std::vector<std::uint32_t> group_of_segment{};
+    std::vector<KnownLine> lines{};  // in the order of the wedges
+    std::size_t kept_lines = 0;
+};
 
-void LineWedges::sort_breaks() {
-    std::sort(breaks_.begin(), breaks_.end(), [](const Break& a, const Break& b) {
-        return a.z != b.z ? a.z < b.z : lexicographic_less(a.point, b.point);
-    });
-    const auto is_same = [&](const Break& a, const Break& b) { return b.z - a.z <= tolerance_; };
-    breaks_.erase(std::unique(breaks_.begin(), breaks_.end(), is_same), breaks_.end());
-}
-
-HalfPlane LineWedges::half_plane(FacetId facet, const Vec3& inward) const {
-    // Any frame will do, as long as one line has one.
-    const Vec3& t = line_.direction;
-    const Vec3 size = glm::abs(t);
-    const Vec3 axis = size.x <= size.y && size.x <= size.z ? Vec3(1.0, 0.0, 0.0)
-                      : size.y <= size.z                   ? Vec3(0.0, 1.0, 0.0)
-                                                           : Vec3(0.0, 0.0, 1.0);
-    const Vec3 e1 = normalized(axis - glm::dot(axis, t) * t);
-    const Vec3 e2 = glm::cross(t, e1);
-    const Vec3 unit = normalized(inward - glm::dot(inward, t) * t);
-    return {facet, unit, math::atan2(glm::dot(unit, e2), glm::dot(unit, e1))};
-}
-
-// By the winding of the outline's projection, as facets may overlap themselves.
-bool LineWedges::contains(FacetId facet, const Vec3& point) const {
-    const Facet& surface = facets_.facets[facet];
-    const Vec3 u = glm::cross(surface.plane.normal, line_.direction);
-    int winding = 0;
-    for (const Loop& loop : surface.loops) {
-        for (std::size_t i = 0; i < loop.size(); ++i) {
-            const Vec3 a = loop[i] - point;
-            const Vec3 b = loop[(i + 1) % loop.size()] - point;
-            const double before = glm::dot(a, u);
-            const double after = glm::dot(b, u);
-            if ((before >= 0.0) == (after >= 0.0)) {
-                continue;
-            }
-            const Vec3 crossing = a + before / (before - after) * (b - a);
-            if (glm::dot(crossing, line_.direction) > 0.0) {
-                winding += before < after ? 1 : -1;
-            }
-        }
-    }
-    return winding != 0;
-}
-
-std::vector<HalfPlane> LineWedges::half_planes_at(double z) const {
-    std::vector<HalfPlane> found;
-    for (const BorderEdge& edge : line_.edges) {
-        const double from = z_of(edge.from);
-        const double to = z_of(edge.to);
-        if (std::min(from, to) < z && z < std::max(from, to)) {
-            // The facet lies to the left of its outline.
-            const Vec3 inward = glm::cross(facets_.facets[edge.facet].plane.normal,
-                                           from < to ? line_.direction : -line_.direction);
-            found.push_back(half_plane(edge.facet, inward));
-        }
-    }
-    const std::size_t borders = found.size();
-    for (const FacetId facet : through_) {
-        const bool has_border =
-            std::any_of(found.begin(),
-                        found.begin() + static_cast<std::ptrdiff_t>(borders),
-                        [&](const HalfPlane& border) { return border.facet == facet; });
-        if (!has_border && contains(facet, point_at(z))) {
-            const Vec3 inward = glm::cross(facets_.facets[facet].plane.normal, line_.direction);
-            found.push_back(half_plane(facet, inward));
-            found.push_back(half_plane(facet, -inward));
-        }
-    }
-    return found;
-}
-
-std::vector<Layers> LineWedges::layers_at(double z) const {
-    std::vector<HalfPlane> half_planes = half_planes_at(z);
-    std::sort(half_planes.begin(), half_planes.end(), [](const HalfPlane& a, const HalfPlane& b) {
-        return a.angle != b.angle ? a.angle < b.angle : a.facet < b.facet;
-    });
-    std::vector<Layers> layers;
-    for (const HalfPlane& half : half_planes) {
-        if (layers.empty() || half.angle - layers.back().front().angle > kLayerAngle) {
-            layers.emplace_back();
-        }
-        layers.back().push_back(half);
-    }
-    // The last may continue at the first, a whole turn on.
-    if (layers.size() > 1 &&
-        layers.front().front().angle + 2.0 * math::kPi - layers.back().front().angle <=
-            kLayerAngle) {
-        layers.front().insert(layers.front().end(), layers.back().begin(), layers.back().end());
-        layers.pop_back();
-    }
-    for (Layers& surface : layers) {
-        std::sort(surface.begin(), surface.end(), [](const HalfPlane& a, const HalfPlane& b) {
-            return a.facet < b.facet;
-        });
-    }
-    return layers;
-}
-
-// The lowest of the layers that sound sees from the air.
-std::optional<std::pair<HalfPlane, WedgeFace>> LineWedges::face_of(const Layers& layers,
-                                                                   const Vec3& into_air) const {
-    for (const HalfPlane& half : layers) {
-        const Vec3& normal = facets_.facets[half.facet].plane.normal;
-        const bool is_front = glm::dot(normal, into_air) > 0.0;
-        if (is_front || options_.one_sided.empty() || options_.one_sided[half.facet] == 0) {
-            return std::pair(half, WedgeFace{half.facet, is_front});
-        }
-    }
-    return std::nullopt;
-}
-
-// The air between two surfaces, counter-clockwise about the line from the first to the second.
-std::optional<Wedge> LineWedges::sector(const Layers& first, const Layers& second) const {
-    const Vec3& t = line_.direction;
-    const auto from = face_of(first, glm::cross(t, first.front().inward));
-    const auto to = face_of(second, -glm::cross(t, second.front().inward));
-    if (!from || !to) {
-        return std::nullopt;
-    }
-    Wedge wedge;
-    wedge.faces = {from->second, to->second};
-    wedge.tangent = from->first.inward;
-    if (&first == &second) {
-        wedge.open_angle = 2.0 * math::kPi;
-        return wedge;
-    }
-    const Vec3& u = from->first.inward;
-    const Vec3& v = to->first.inward;
-    const double angle = math::atan2(glm::dot(glm::cross(u, v), t), glm::dot(u, v));
-    wedge.open_angle = angle > 0.0 ? angle : angle + 2.0 * math::kPi;
-    if (std::abs(math::sin(math::kPi * math::kPi / wedge.open_angle)) <= kMinWedgeSine) {
-        return std::nullopt;
-    }
-    return wedge;
-}
-
-void LineWedges::find(std::vector<Wedge>& wedges) {
-    sort_breaks();
-    const std::size_t first = wedges.size();
-    std::vector<std::size_t> previous;  // the wedges that end where the interval begins
-    for (std::size_t i = 0; i + 1 < breaks_.size(); ++i) {
-        const std::vector<Layers> layers = layers_at(0.5 * (breaks_[i].z + breaks_[i + 1].z));
-        std::vector<std::size_t> current;
-        for (std::size_t k = 0; k < layers.size(); ++k) {
-            auto wedge = sector(layers[k], layers[(k + 1) % layers.size()]);
-            if (!wedge) {
-                continue;
-            }
-            const auto same = std::find_if(previous.begin(), previous.end(), [&](std::size_t p) {
-                return wedges[p].faces == wedge->faces &&
-                       std::abs(wedges[p].open_angle - wedge->open_angle) <= kLayerAngle;
-            });
-            if (same != previous.end()) {
-                wedges[*same].end = breaks_[i + 1].point;
-                current.push_back(*same);
-                continue;
-            }
-            wedge->begin = breaks_[i].point;
-            wedge->end = breaks_[i + 1].point;
-            current.push_back(wedges.size());
-            wedges.push_back(*wedge);
-        }
-        previous = std::move(current);
-    }
-    finish(wedges, first);
-}
-
-void LineWedges::finish(std::vector<Wedge>& wedges, std::size_t first) const {
-    for (std::size_t i = first; i < wedges.size(); ++i) {
-        Wedge& wedge = wedges[i];
-        wedge.direction = normalized(wedge.end - wedge.begin);
-        wedge.tangent =
-            normalized(wedge.tangent - glm::dot(wedge.tangent, wedge.direction) * wedge.direction);
-        wedge.normal = glm::cross(wedge.direction, wedge.tangent);
-    }
-}
-
-std::vector<Box> facet_boxes(const Facets& facets) {
-    std::vector<Box> boxes;
-    boxes.reserve(facets.facets.size());
-    for (const Facet& facet : facets.facets) {
-        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+std::vector<KnownFacet> known_facets(const Facets& facets, const WedgeOptions& options) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    std::vector<KnownFacet> known;
+    known.reserve(facets.facets.size());
+    for (std::size_t i = 0; i < facets.facets.size(); ++i) {
+        const Facet& facet = facets.facets[i];
         Box box{Vec3(kInfinity), Vec3(-kInfinity)};
         for (const Loop& loop : facet.loops) {
             for (const Vec3& corner : loop) {
@@ -322,25 +71,266 @@ std::vector<Box> facet_boxes(const Facets& facets) {
                 box.upper = glm::max(box.upper, corner);
             }
         }
-        boxes.push_back(box);
+        known.push_back({.first_triangle = facet.triangles.front(),
+                         .plane = facet.plane,
+                         .deviation = facet.deviation,
+                         .is_one_sided = !options.one_sided.empty() && options.one_sided[i] != 0,
+                         .box = box});
+    }
+    return known;
+}
+
+// What is kept of a facet goes into wedges bit by bit, and 0 equals -0.
+bool same_bits(double a, double b) noexcept {
+    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+bool same_bits(const Vec3& a, const Vec3& b) noexcept {
+    return same_bits(a.x, b.x) && same_bits(a.y, b.y) && same_bits(a.z, b.z);
+}
+
+bool is_unchanged(const KnownPose& now, FacetId i, const KnownPose& before, FacetId k) {
+    const KnownFacet& a = now.facets[i];
+    const KnownFacet& b = before.facets[k];
+    return a.first_triangle == b.first_triangle && a.is_one_sided == b.is_one_sided &&
+           same_bits(a.plane.normal, b.plane.normal) && same_bits(a.plane.offset, b.plane.offset) &&
+           same_bits(a.deviation, b.deviation) &&
+           // Facets that transmit have no edges here.
+           std::ranges::equal(now.segments.edges_of(i),
+                              before.segments.edges_of(k),
+                              [](const BorderEdge& e, const BorderEdge& f) {
+                                  return same_bits(e.from, f.from) && same_bits(e.to, f.to);
+                              });
+}
+
+/// Per facet the equal one before, or kNone. Both are in the order of their lowest triangles, so
+/// facets that stay are in one order.
+std::vector<FacetId> facets_before(const KnownPose& now, const KnownPose& before) {
+    std::vector<FacetId> numbers(now.facets.size(), kNone);
+    if (now.segments.tolerance != before.segments.tolerance) {
+        return numbers;
+    }
+    for (FacetId i = 0; i < numbers.size(); ++i) {
+        const TriangleId triangle = now.facets[i].first_triangle;
+        if (triangle < before.of_triangle.size() &&
+            is_unchanged(now, i, before, before.of_triangle[triangle])) {
+            numbers[i] = before.of_triangle[triangle];
+        }
+    }
+    return numbers;
+}
+
+/// Per number before the one now, or kNone.
+std::vector<std::uint32_t> inverse_of(std::span<const std::uint32_t> before, std::size_t count) {
+    std::vector<std::uint32_t> after(count, kNone);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+        if (before[i] != kNone) {
+            after[before[i]] = static_cast<std::uint32_t>(i);
+        }
+    }
+    return after;
+}
+
+std::vector<Box> boxes_of(std::span<const KnownFacet> facets) {
+    std::vector<Box> boxes;
+    boxes.reserve(facets.size());
+    for (const KnownFacet& facet : facets) {
+        boxes.push_back(facet.box);
     }
     return boxes;
 }
 
+/// Finds the lines of a pose, of which all but lines and groups is known, from those of another.
+class LineUpdate {
+public:
+    LineUpdate(const Facets& facets, const WedgeOptions& options, KnownPose& now, KnownPose& before)
+        : facets_(facets),
+          options_(options),
+          now_(now),
+          before_(before),
+          facet_before_(facets_before(now, before)),
+          facet_after_(inverse_of(facet_before_, before.facets.size())),
+          segment_after_(inverse_of(now.segments.before, before.segments.segments.size())),
+          is_kept_(before.segments.segments.size(), 1) {}
+
+    void run();
+
+private:
+    void find_groups();
+    void drop_group_of(std::uint32_t segment_before) {
+        if (segment_before != kNone) {
+            is_kept_[before_.group_of_segment[segment_before]] = 0;
+        }
+    }
+    void drop_changed_groups();
+    void drop_groups_near_changed_facets();
+    void keep_lines();
+    void add_other_lines();
+
+    const Facets& facets_;
+    const WedgeOptions& options_;
+    KnownPose& now_;
+    KnownPose& before_;
+    std::vector<FacetId> facet_before_, facet_after_;
+    std::vector<std::uint32_t> segment_after_;
+    std::vector<std::uint8_t> is_kept_;  // per group before, by its segment
+};
+
+void LineUpdate::run() {
+    find_groups();
+    drop_changed_groups();
+    drop_groups_near_changed_facets();
+    keep_lines();
+    add_other_lines();
+    std::sort(now_.lines.begin(), now_.lines.end(), [](const KnownLine& a, const KnownLine& b) {
+        return a.first_facet != b.first_facet ? a.first_facet < b.first_facet
+               : a.origin != b.origin         ? lexicographic_less(a.origin, b.origin)
+                                              : lexicographic_less(a.direction, b.direction);
+    });
+}
+
+void LineUpdate::find_groups() {
+    DisjointSets sets(now_.segments.segments.size());
+    for (const BorderSegments::Contact& contact : now_.segments.contacts) {
+        sets.unite(contact[0], contact[1]);
+    }
+    now_.group_of_segment.resize(now_.segments.segments.size());
+    for (std::uint32_t i = 0; i < now_.group_of_segment.size(); ++i) {
+        now_.group_of_segment[i] = sets.find(i);
+    }
+}
+
+// A group is the same if each of its segments is there as before with the same edges of the same
+// facets, and no other has come to it.
+void LineUpdate::drop_changed_groups() {
+    for (std::uint32_t i = 0; i < segment_after_.size(); ++i) {
+        if (segment_after_[i] == kNone) {
+            drop_group_of(i);
+        }
+    }
+    const std::span contacts(now_.segments.contacts);
+    for (const auto& contact : contacts.subspan(now_.segments.known_contacts)) {
+        drop_group_of(now_.segments.before[contact[0]]);
+        drop_group_of(now_.segments.before[contact[1]]);
+    }
+    for (std::size_t i = 0; i < before_.segments.edges.size(); ++i) {
+        if (facet_after_[before_.segments.edges[i].facet] == kNone) {
+            drop_group_of(before_.segments.segment_of_edge[i]);
+        }
+    }
+    for (std::size_t i = 0; i < now_.segments.edges.size(); ++i) {
+        if (facet_before_[now_.segments.edges[i].facet] == kNone) {
+            drop_group_of(now_.segments.before[now_.segments.segment_of_edge[i]]);
+        }
+    }
+}
+
+// A facet that a line passes through has no edge on it.
+void LineUpdate::drop_groups_near_changed_facets() {
+    std::vector<Box> changed;
+    for (std::size_t i = 0; i < facet_before_.size(); ++i) {
+        if (facet_before_[i] == kNone) {
+            changed.push_back(now_.facets[i].box);
+        }
+    }
+    for (std::size_t i = 0; i < facet_after_.size(); ++i) {
+        if (facet_after_[i] == kNone) {
+            changed.push_back(before_.facets[i].box);
+        }
+    }
+    const BoxTree tree(changed);
+    for (const KnownLine& line : before_.lines) {
+        if (is_kept_[line.group] != 0 && tree.any_overlapping(line.box)) {
+            is_kept_[line.group] = 0;
+        }
+    }
+}
+
+void LineUpdate::keep_lines() {
+    for (KnownLine& line : before_.lines) {
+        if (is_kept_[line.group] == 0) {
+            continue;
+        }
+        line.group = now_.group_of_segment[segment_after_[line.group]];
+        line.first_facet = facet_after_[line.first_facet];
+        for (Wedge& wedge : line.wedges) {
+            for (WedgeFace& face : wedge.faces) {
+                face.facet = facet_after_[face.facet];
+            }
+        }
+        now_.lines.push_back(std::move(line));
+    }
+    now_.kept_lines = now_.lines.size();
+}
+
+void LineUpdate::add_other_lines() {
+    std::vector<std::vector<BorderEdge>> edges_of_group(now_.segments.segments.size());
+    for (std::size_t i = 0; i < now_.segments.edges.size(); ++i) {
+        const std::uint32_t segment = now_.segments.segment_of_edge[i];
+        const std::uint32_t before = now_.segments.before[segment];
+        if (before == kNone || is_kept_[before_.group_of_segment[before]] == 0) {
+            edges_of_group[now_.group_of_segment[segment]].push_back(now_.segments.edges[i]);
+        }
+    }
+    const double tolerance = now_.segments.tolerance;
+    std::optional<BoxTree> boxes;
+    std::vector<BorderLine> lines;
+    for (std::uint32_t group = 0; group < edges_of_group.size(); ++group) {
+        lines.clear();
+        split_into_lines(std::move(edges_of_group[group]), tolerance, lines);
+        if (!lines.empty() && !boxes) {
+            boxes.emplace(boxes_of(now_.facets));
+        }
+        for (const BorderLine& line : lines) {
+            KnownLine& known = now_.lines.emplace_back();
+            known = {.first_facet = line.edges.front().facet,
+                     .origin = line.origin,
+                     .direction = line.direction,
+                     .box = line.box(tolerance),
+                     .group = group};
+            find_line_wedges(
+                facets_, options_, line, boxes->overlapping(known.box), tolerance, known.wedges);
+        }
+    }
+}
+
 }  // namespace
 
-std::vector<Wedge> find_wedges(const Facets& facets, const WedgeOptions& options) {
-    const double tolerance = kLineTolerances * facets.tolerance;
-    const BoxTree boxes(facet_boxes(facets));
+struct WedgeFinder::State {
+    KnownPose pose;
     std::vector<Wedge> wedges;
-    for (const BorderLine& line : find_border_lines(facets, options.transmissive, tolerance)) {
-        LineWedges of_line(facets, options, line, tolerance);
-        for (const std::uint32_t facet : boxes.overlapping(of_line.box())) {
-            of_line.add_facet_nearby(facet);
-        }
-        of_line.find(wedges);
+};
+
+WedgeFinder::WedgeFinder() : state_(std::make_unique<State>()) {}
+WedgeFinder::WedgeFinder(WedgeFinder&&) noexcept = default;
+WedgeFinder& WedgeFinder::operator=(WedgeFinder&&) noexcept = default;
+WedgeFinder::~WedgeFinder() = default;
+
+const std::vector<Wedge>& WedgeFinder::find(const Facets& facets, const WedgeOptions& options) {
+    KnownPose before = std::exchange(state_->pose, {});
+    KnownPose now{
+        .facets = known_facets(facets, options),
+        .of_triangle = facets.of_triangle,
+        .segments = find_border_segments(
+            facets, options.transmissive, kLineTolerances * facets.tolerance, before.segments)};
+    LineUpdate(facets, options, now, before).run();
+    state_->wedges.clear();
+    for (const KnownLine& line : now.lines) {
+        state_->wedges.insert(state_->wedges.end(), line.wedges.begin(), line.wedges.end());
     }
-    return wedges;
+    state_->pose = std::move(now);
+    return state_->wedges;
+}
+
+std::size_t WedgeFinder::lines() const noexcept {
+    return state_->pose.lines.size();
+}
+
+std::size_t WedgeFinder::kept_lines() const noexcept {
+    return state_->pose.kept_lines;
+}
+
+std::vector<Wedge> find_wedges(const Facets& facets, const WedgeOptions& options) {
+    return WedgeFinder().find(facets, options);
 }
 
 }  // namespace earshot::geometry

@@ -5,7 +5,9 @@
 #include "earshot/geometry/facets.h"
 #include "earshot/geometry/wedge.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -32,10 +34,31 @@ inline constexpr double kMinWedgeSine = 1e-3;
 /// their own; coplanar neighbours make no edge; pieces of a line between the same faces are one
 /// wedge.
 ///
-/// The result depends on the facets alone: it is found anew for every pose of a mesh, and is the
-/// same bits however axis-aligned walls are cut into triangles. Ordered by the lowest facet of the
-/// line, then along the line, then by angle. O(n log n) in the edges of outlines unless many
-/// facets lie in one place.
+/// The result depends on the facets alone, and is the same bits however axis-aligned walls are cut
+/// into triangles. Ordered by the lowest facet of the line, then along the line, then by angle.
+/// O(n log n) in the edges of outlines unless many facets lie in one place.
 std::vector<Wedge> find_wedges(const Facets& facets, const WedgeOptions& options = {});
+
+/// find_wedges() for facets that move: what their positions leave alone is kept.
+class WedgeFinder {
+public:
+    WedgeFinder();
+    WedgeFinder(WedgeFinder&&) noexcept;
+    WedgeFinder& operator=(WedgeFinder&&) noexcept;
+    ~WedgeFinder();
+
+    /// The bits of find_wedges(), whatever was found before; valid until the next call. An edge
+    /// whose ends stay is not sought again among the others, and a line is kept with its wedges
+    /// while all facets that touch it stay as they are and where they are.
+    const std::vector<Wedge>& find(const Facets& facets, const WedgeOptions& options = {});
+
+    /// Of the last call: lines with outline edges, and how many of these were kept.
+    std::size_t lines() const noexcept;
+    std::size_t kept_lines() const noexcept;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 }  // namespace earshot::geometry

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/geometry/internal/border_lines.h"
 
-#include "earshot/geometry/disjoint_sets.h"
-#include "earshot/geometry/internal/point_tree.h"
 #include "earshot/geometry/vector.h"
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace earshot::geometry {
@@ -16,21 +16,6 @@ namespace {
 
 double squared_length(const BorderEdge& edge) noexcept {
     return glm::dot(edge.to - edge.from, edge.to - edge.from);
-}
-
-std::vector<BorderEdge> border_edges(const Facets& facets, std::span<const std::uint8_t> excluded) {
-    std::vector<BorderEdge> edges;
-    for (std::size_t i = 0; i < facets.facets.size(); ++i) {
-        if (!excluded.empty() && excluded[i] != 0) {
-            continue;
-        }
-        for (const Loop& loop : facets.facets[i].loops) {
-            for (std::size_t k = 0; k < loop.size(); ++k) {
-                edges.push_back({loop[k], loop[(k + 1) % loop.size()], static_cast<FacetId>(i)});
-            }
-        }
-    }
-    return edges;
 }
 
 /// The line of an edge, the same whichever way the edge runs.
@@ -67,8 +52,26 @@ bool is_longer(const BorderEdge& a, const BorderEdge& b) noexcept {
     return low_a != low_b ? lexicographic_less(low_a, low_b) : lexicographic_less(high_a, high_b);
 }
 
-/// Edges that touch are on one line if the shorter lies on the line of the longer. Chains of such
-/// pairs may bend slowly: what is off the line of the longest edge becomes a line of its own.
+}  // namespace
+
+double BorderLine::z_of(const Vec3& point) const noexcept {
+    return glm::dot(point - origin, direction);
+}
+
+Box BorderLine::box(double margin) const noexcept {
+    double low = std::numeric_limits<double>::infinity();
+    double high = -low;
+    for (const BorderEdge& edge : edges) {
+        for (const Vec3& end : {edge.from, edge.to}) {
+            low = std::min(low, z_of(end));
+            high = std::max(high, z_of(end));
+        }
+    }
+    const Vec3 a = point_at(low);
+    const Vec3 b = point_at(high);
+    return {glm::min(a, b) - margin, glm::max(a, b) + margin};
+}
+
 void split_into_lines(std::vector<BorderEdge> edges,
                       double tolerance,
                       std::vector<BorderLine>& lines) {
@@ -81,52 +84,6 @@ void split_into_lines(std::vector<BorderEdge> edges,
         edges = std::move(others);
         lines.push_back(std::move(line));
     }
-}
-
-}  // namespace
-
-std::vector<BorderLine> find_border_lines(const Facets& facets,
-                                          std::span<const std::uint8_t> excluded,
-                                          double tolerance) {
-    const std::vector<BorderEdge> edges = border_edges(facets, excluded);
-    std::vector<PointTree::Point> ends;
-    ends.reserve(2 * edges.size());
-    for (std::size_t i = 0; i < edges.size(); ++i) {
-        ends.push_back({edges[i].from, static_cast<VertexId>(i)});
-        ends.push_back({edges[i].to, static_cast<VertexId>(i)});
-    }
-    const PointTree tree(std::move(ends));
-
-    // Of two edges that touch or overlap on a line, an end of one lies on the other.
-    DisjointSets sets(edges.size());
-    for (std::uint32_t i = 0; i < edges.size(); ++i) {
-        const BorderLine line = line_of(edges[i]);
-        tree.near_segment(
-            {edges[i].from, edges[i].to}, tolerance, [&](const PointTree::Point& point) {
-                const BorderEdge& other = edges[point.vertex];
-                if (point.vertex != i &&
-                    (is_longer(other, edges[i]) ? lies_on(edges[i], line_of(other), tolerance)
-                                                : lies_on(other, line, tolerance))) {
-                    sets.unite(i, point.vertex);
-                }
-            });
-    }
-    std::vector<std::vector<BorderEdge>> groups(edges.size());
-    for (std::uint32_t i = 0; i < edges.size(); ++i) {
-        groups[sets.find(i)].push_back(edges[i]);
-    }
-    std::vector<BorderLine> lines;
-    for (std::vector<BorderEdge>& group : groups) {
-        split_into_lines(std::move(group), tolerance, lines);
-    }
-    std::sort(lines.begin(), lines.end(), [](const BorderLine& a, const BorderLine& b) {
-        const FacetId first = a.edges.front().facet;
-        const FacetId second = b.edges.front().facet;
-        return first != second        ? first < second
-               : a.origin != b.origin ? lexicographic_less(a.origin, b.origin)
-                                      : lexicographic_less(a.direction, b.direction);
-    });
-    return lines;
 }
 
 }  // namespace earshot::geometry

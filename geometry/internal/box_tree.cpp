@@ -3,6 +3,8 @@
 
 #include <glm/common.hpp>
 
+#include <array>
+#include <cstddef>
 #include <numeric>
 
 namespace earshot::geometry {
@@ -41,32 +43,47 @@ void BoxTree::build(std::span<const Box> boxes, std::uint32_t begin, std::uint32
     build(boxes, middle, end);
 }
 
-std::vector<std::uint32_t> BoxTree::overlapping(const Box& query) const {
-    std::vector<std::uint32_t> found;
-    std::vector<std::uint32_t> stack;
-    if (!nodes_.empty()) {
-        stack.push_back(0);
-    }
-    while (!stack.empty()) {
-        const std::uint32_t index = stack.back();
-        stack.pop_back();
+template <typename Visit>
+void BoxTree::visit_overlapping(const Box& query, const Visit& visit) const {
+    // Median splits divide 2^32 boxes at most 32 times; the stack holds one node of each level.
+    std::array<std::uint32_t, 40> stack{};
+    std::size_t count = nodes_.empty() ? 0 : 1;
+    while (count > 0) {
+        const std::uint32_t index = stack[--count];
         const Node& node = nodes_[index];
         if (!node.box.overlaps(query)) {
             continue;
         }
         if (node.right != 0) {
-            stack.push_back(node.right);
-            stack.push_back(index + 1);
+            stack[count++] = node.right;
+            stack[count++] = index + 1;
             continue;
         }
         for (std::uint32_t i = node.begin; i < node.end; ++i) {
-            if (boxes_[order_[i]].overlaps(query)) {
-                found.push_back(order_[i]);
+            if (boxes_[order_[i]].overlaps(query) && !visit(order_[i])) {
+                return;
             }
         }
     }
+}
+
+std::vector<std::uint32_t> BoxTree::overlapping(const Box& query) const {
+    std::vector<std::uint32_t> found;
+    visit_overlapping(query, [&](std::uint32_t box) {
+        found.push_back(box);
+        return true;
+    });
     std::sort(found.begin(), found.end());
     return found;
+}
+
+bool BoxTree::any_overlapping(const Box& query) const {
+    bool is_any = false;
+    visit_overlapping(query, [&](std::uint32_t) {
+        is_any = true;
+        return false;
+    });
+    return is_any;
 }
 
 }  // namespace earshot::geometry

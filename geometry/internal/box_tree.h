@@ -33,6 +33,8 @@ public:
 
     /// The boxes that touch the query, ascending.
     std::vector<std::uint32_t> overlapping(const Box& query) const;
+    /// Whether a box touches the query.
+    bool any_overlapping(const Box& query) const;
 
 private:
     struct Node {
@@ -42,6 +44,9 @@ private:
     };
 
     void build(std::span<const Box> boxes, std::uint32_t begin, std::uint32_t end);
+    /// Calls visit(box) for boxes that touch the query until it returns false.
+    template <typename Visit>
+    void visit_overlapping(const Box& query, const Visit& visit) const;
 
     std::vector<Box> boxes_;
     std::vector<std::uint32_t> order_;

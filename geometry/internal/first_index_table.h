@@ -21,7 +21,7 @@ constexpr std::uint64_t mixed_hash(std::uint64_t hash, std::uint64_t value) noex
 class FirstIndexTable {
 public:
     /// For up to `count` things.
-    explicit FirstIndexTable(std::size_t count) : slots_(std::bit_ceil(2 * count + 1), kFree) {}
+    explicit FirstIndexTable(std::size_t count) : slots_(std::bit_ceil(2 * count + 1), kNone) {}
 
     /// The index of the first thing added that equals this one: `index` itself if there is none.
     /// equals(i) tells whether thing i does; equal things have equal hashes.
@@ -29,7 +29,7 @@ public:
     std::uint32_t add(std::uint64_t hash, std::uint32_t index, const Equals& equals) {
         const std::size_t mask = slots_.size() - 1;
         for (std::size_t slot = hash & mask;; slot = (slot + 1) & mask) {
-            if (slots_[slot] == kFree) {
+            if (slots_[slot] == kNone) {
                 slots_[slot] = index;
                 return index;
             }
@@ -39,8 +39,19 @@ public:
         }
     }
 
+    /// The index of the first thing added of which equals(i) is true, or kNone.
+    template <typename Equals>
+    std::uint32_t find(std::uint64_t hash, const Equals& equals) const {
+        const std::size_t mask = slots_.size() - 1;
+        std::size_t slot = hash & mask;
+        while (slots_[slot] != kNone && !equals(slots_[slot])) {
+            slot = (slot + 1) & mask;
+        }
+        return slots_[slot];
+    }
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
 private:
-    static constexpr std::uint32_t kFree = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> slots_;
 };
 

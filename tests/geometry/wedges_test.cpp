@@ -12,8 +12,11 @@
 #include "support/rooms.h"
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace earshot::geometry {
@@ -393,6 +396,129 @@ TEST(Wedges, AreTheSectorsOfAirAboutEveryTriangleEdge) {
     }
     EXPECT_GT(compared, 5000U);
     EXPECT_GT(with_wedges, 1000U);
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (std::bit_cast<std::uint64_t>(a[axis]) != std::bit_cast<std::uint64_t>(b[axis])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void expect_same_bits(const std::vector<Wedge>& found, const std::vector<Wedge>& expected) {
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].faces, expected[i].faces);
+        EXPECT_TRUE(same_bits(found[i].begin, expected[i].begin));
+        EXPECT_TRUE(same_bits(found[i].end, expected[i].end));
+        EXPECT_TRUE(same_bits(found[i].direction, expected[i].direction));
+        EXPECT_TRUE(same_bits(found[i].tangent, expected[i].tangent));
+        EXPECT_TRUE(same_bits(found[i].normal, expected[i].normal));
+        EXPECT_EQ(std::bit_cast<std::uint64_t>(found[i].open_angle),
+                  std::bit_cast<std::uint64_t>(expected[i].open_angle));
+    }
+}
+
+/// Moves some vertices of a room from pose to pose, also back to where they were, by far or by less
+/// than the tolerance, or all of them.
+void move_vertices(const Mesh& at_rest, support::Dice& dice, Mesh& mesh) {
+    const auto count = static_cast<int>(mesh.positions.size());
+    const int kind = dice.below(6);
+    const int moved = kind == 0 ? 0 : kind == 1 ? count : 1 + dice.below(4);
+    const double size = kind == 2 ? 1e-8 : 0.2;
+    for (int i = 0; i < moved; ++i) {
+        const auto v = static_cast<std::size_t>(moved == count ? i : dice.below(count));
+        if (kind == 3) {
+            mesh.positions[v] = at_rest.positions[v];
+            continue;
+        }
+        for (int axis = 0; axis < 3; ++axis) {
+            mesh.positions[v][axis] += dice.between(-size, size);
+        }
+    }
+}
+
+// Also with triangles that come to nothing in a pose, with other materials, and in another room.
+TEST(Wedges, OfFacetsThatMoveAreThoseFoundAfresh) {
+    WedgeFinder finder;
+    std::size_t lines = 0, kept = 0;
+    for (std::uint64_t seed = 0; seed < 3 * support::kRoomFamilies; ++seed) {
+        const Mesh at_rest = support::random_room(seed).mesh;
+        Room room = support::random_room(seed);
+        support::Dice dice(seed + 300);
+        for (int pose = 0; pose < 12; ++pose) {
+            SCOPED_TRACE(room.kind + " seed " + std::to_string(seed) + " pose " +
+                         std::to_string(pose));
+            if (pose > 0) {
+                move_vertices(at_rest, dice, room.mesh);
+            }
+            const Facets facets = facets_of_room(room);
+            std::vector<std::uint8_t> one_sided(facets.facets.size(), 0);
+            std::vector<std::uint8_t> transmissive(facets.facets.size(), 0);
+            if (dice.chance(0.2)) {
+                one_sided[static_cast<std::size_t>(
+                    dice.below(static_cast<int>(one_sided.size())))] = 1;
+                transmissive[static_cast<std::size_t>(
+                    dice.below(static_cast<int>(transmissive.size())))] = 1;
+            }
+            const WedgeOptions options{.one_sided = one_sided, .transmissive = transmissive};
+            expect_same_bits(finder.find(facets, options), find_wedges(facets, options));
+            lines += finder.lines();
+            kept += finder.kept_lines();
+        }
+    }
+    EXPECT_GT(4 * kept, lines);
+    EXPECT_LT(kept, lines);
+}
+
+// A door of one facet turns in a room: the lines of the room away from it stay.
+TEST(Wedges, LinesAwayFromWhatMovesAreKept) {
+    Room room = support::box_room({0, 0, 0}, {6, 3, 5});
+    support::add_hexahedron(room, support::box_corners({4, 0.5, 3}, {5, 1, 4}), Facing::outward, 6);
+    const std::size_t first = room.mesh.positions.size();
+    support::add_polygon(
+        room, std::array{Vec3(1, 0.5, 1), Vec3(2, 0.5, 1), Vec3(2, 2, 1), Vec3(1, 2, 1)}, 12, true);
+    WedgeFinder finder;
+    finder.find(facets_of_room(room));
+    EXPECT_EQ(finder.lines(), 12U + 12U + 4U);
+    EXPECT_EQ(finder.kept_lines(), 0U);
+    room.mesh.positions[first + 1].z += 0.2;
+    room.mesh.positions[first + 2].z += 0.2;
+    const Facets facets = facets_of_room(room);
+    expect_same_bits(finder.find(facets), find_wedges(facets));
+    EXPECT_EQ(finder.kept_lines(), 12U + 12U);
+    finder.find(facets);
+    EXPECT_EQ(finder.kept_lines(), 12U + 12U + 4U);
+}
+
+// Edges far apart on one line are lines of their own, whatever lies beside them.
+TEST(Wedges, DoNotDependOnWhatLiesFarAlongTheirLine) {
+    const auto sheet = [](Room& room, double x) {
+        support::add_polygon(room,
+                             std::array{Vec3(x, 0.1, 0.3),
+                                        Vec3(x + 0.7, 0.24, 0.3),
+                                        Vec3(x + 0.7, 1.24, 0.3),
+                                        Vec3(x, 1.1, 0.3)},
+                             0,
+                             true);
+    };
+    Room alone;
+    sheet(alone, 0.1);
+    Room both;
+    sheet(both, 0.1);
+    support::add_polygon(
+        both,
+        std::array{
+            Vec3(1.6, 0.4, 0.3), Vec3(3.6, 0.8, 0.3), Vec3(3.6, 1.8, 0.3), Vec3(1.6, 1.4, 0.3)},
+        0,
+        true);
+    const std::vector<Wedge> expected = wedges_of(alone);
+    std::vector<Wedge> found = wedges_of(both);
+    ASSERT_EQ(found.size(), 2 * expected.size());
+    found.resize(expected.size());
+    expect_same_bits(found, expected);
 }
 
 TEST(Wedges, CoordinatesAboutAnEdge) {
