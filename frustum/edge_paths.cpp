@@ -223,9 +223,46 @@ void sort_paths(std::vector<EdgePath>& paths) {
     });
 }
 
+/// What some points reach, by point.
+class KeptSides {
+public:
+    /// Null if nothing is kept of the point. Else it counts as used.
+    EdgeSides* find(const Vec3& point) {
+        for (Entry& entry : entries_) {
+            if (entry.sides->point() == point) {
+                entry.is_used = true;
+                return entry.sides.get();
+            }
+        }
+        return nullptr;
+    }
+    void add(std::unique_ptr<EdgeSides> sides) {
+        bytes_ += sides->bytes();
+        entries_.push_back({std::move(sides), true});
+    }
+    /// Discards what is not used since the last call.
+    void discard_unused() {
+        std::erase_if(entries_, [](const Entry& entry) { return !entry.is_used; });
+        bytes_ = 0;
+        for (Entry& entry : entries_) {
+            bytes_ += entry.sides->bytes();
+            entry.is_used = false;
+        }
+    }
+    std::size_t bytes() const noexcept { return bytes_; }
+
+private:
+    struct Entry {
+        std::unique_ptr<EdgeSides> sides;
+        bool is_used = false;
+    };
+    std::vector<Entry> entries_;
+    std::size_t bytes_ = 0;
+};
+
 }  // namespace
 
-/// What is kept from source to source.
+/// What is kept from call to call.
 struct EdgePathFinder::State {
     State(const SceneView& the_scene,
           std::span<const Wedge> the_wedges,
@@ -243,13 +280,40 @@ struct EdgePathFinder::State {
                   .max_length = the_options.max_length,
                   .min_pressure = the_options.min_pressure}) {}
 
+    /// What a point reaches: as it is kept in `kept`, or from now on if memory allows, or in `own`.
+    EdgeSides& sides_of(const Vec3& point,
+                        KeptSides& kept,
+                        std::unique_ptr<EdgeSides>& own,
+                        EdgeStatistics& statistics,
+                        Executor& executor);
+
     EdgePathOptions options;
     std::span<const Wedge> wedges;
     FacetIndex index;
     PathVerifier verifier;
     EdgeTracer tracer;
-    std::vector<std::unique_ptr<EdgeSides>> listeners;  // of the last source
+    // Apart: parts are decided for one side at a time, also where source and listener are one
+    // point.
+    KeptSides sources, listeners;
 };
+
+EdgeSides& EdgePathFinder::State::sides_of(const Vec3& point,
+                                           KeptSides& kept,
+                                           std::unique_ptr<EdgeSides>& own,
+                                           EdgeStatistics& statistics,
+                                           Executor& executor) {
+    constexpr std::size_t kMaxKeptBytes = std::size_t{1} << 30;
+    if (EdgeSides* known = kept.find(point)) {
+        return *known;
+    }
+    own = std::make_unique<EdgeSides>(tracer.trace(point, statistics, executor));
+    EdgeSides& sides = *own;
+    const bool is_kept = &kept == &listeners || options.keep_traces;
+    if (is_kept && sources.bytes() + listeners.bytes() + sides.bytes() <= kMaxKeptBytes) {
+        kept.add(std::move(own));
+    }
+    return sides;
+}
 
 EdgePathFinder::EdgePathFinder(const SceneView& scene,
                                std::span<const Wedge> wedges,
@@ -267,29 +331,28 @@ EdgePathResult EdgePathFinder::find(const Vec3& source,
                                     std::span<const Vec3> listeners,
                                     const EdgePathFilter* filter,
                                     Executor& executor) {
-    constexpr std::size_t kMaxKeptBytes = std::size_t{1} << 30;
     State& state = *state_;
     EdgePathResult result;
-    EdgeSides from_source = state.tracer.trace(source, result.statistics, executor);
-    std::vector<std::unique_ptr<EdgeSides>> before = std::move(state.listeners);
-    state.listeners.clear();
-    std::size_t kept_bytes = 0;
+    std::unique_ptr<EdgeSides> own_source;
+    EdgeSides& from_source =
+        state.sides_of(source, state.sources, own_source, result.statistics, executor);
     for (std::size_t i = 0; i < listeners.size(); ++i) {
-        const auto known = std::find_if(before.begin(), before.end(), [&](const auto& sides) {
-            return sides != nullptr && sides->point() == listeners[i];
-        });
-        std::unique_ptr<EdgeSides> sides = known != before.end()
-                                               ? std::move(*known)
-                                               : std::make_unique<EdgeSides>(state.tracer.trace(
-                                                     listeners[i], result.statistics, executor));
-        join_all(state.wedges, state.options, filter, from_source, *sides, i, result, executor);
-        kept_bytes += sides->bytes();
-        if (kept_bytes <= kMaxKeptBytes) {
-            state.listeners.push_back(std::move(sides));
-        }
+        std::unique_ptr<EdgeSides> own;
+        EdgeSides& to_listener =
+            state.sides_of(listeners[i], state.listeners, own, result.statistics, executor);
+        join_all(
+            state.wedges, state.options, filter, from_source, to_listener, i, result, executor);
+    }
+    if (!state.options.keep_traces) {
+        discard_unused();
     }
     sort_paths(result.paths);
     return result;
+}
+
+void EdgePathFinder::discard_unused() {
+    state_->sources.discard_unused();
+    state_->listeners.discard_unused();
 }
 
 EdgePathResult find_edge_paths(const SceneView& scene,

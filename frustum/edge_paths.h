@@ -59,12 +59,15 @@ struct EdgePathOptions {
     /// Ways are left out whose reflections multiply the pressure by less than this times the length
     /// in metres. 0: none.
     double min_pressure = 0.0;
+    /// What sources reach is kept, too, until discard_unused(): for sources and listeners of which
+    /// some move. Changes time and memory only.
+    bool keep_traces = false;
 };
 
 /// Counts of work.
 struct EdgeStatistics {
-    std::uint64_t frusta = 0;      ///< traced from both sides
-    std::uint64_t candidates = 0;  ///< wedges with a sequence of one side that may be reached
+    std::uint64_t frusta = 0;      ///< traced from both sides, without what was kept
+    std::uint64_t candidates = 0;  ///< likewise: wedges with a sequence of one side
     std::uint64_t pairs = 0;       ///< of candidates of both sides that passed the filter
 };
 
@@ -81,7 +84,7 @@ struct EdgePathResult {
 /// pass the filter need is verified. Sound that passes transmissive facets on its way to an edge is
 /// left out, and so is an edge seen along a face that it borders.
 ///
-/// What listeners reach is kept for the next source as far as memory allows.
+/// What listeners reach is kept for the next source as far as memory allows, a GiB.
 class EdgePathFinder {
 public:
     /// Everything must outlive it. Throws Error if an option is out of range. Preconditions: the
@@ -98,6 +101,10 @@ public:
                         std::span<const geometry::Vec3> listeners,
                         const EdgePathFilter* filter = nullptr,
                         Executor& executor = Executor::serial());
+
+    /// With EdgePathOptions::keep_traces: discards what points reach that no call of find() has
+    /// named since the last discard_unused().
+    void discard_unused();
 
 private:
     struct State;

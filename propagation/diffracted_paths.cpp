@@ -3,7 +3,6 @@
 
 #include "earshot/frustum/edge_paths.h"
 #include "earshot/geometry/vector.h"
-#include "earshot/geometry/wedges.h"
 #include "earshot/propagation/internal/doubly_diffracted_sound.h"
 #include "earshot/propagation/internal/edge_level.h"
 
@@ -60,14 +59,14 @@ DiffractedPaths::DiffractedPaths(const Scene& scene,
       geometry_(geometry),
       settings_(settings),
       view_(geometry.scene_view(executor)),
-      wedges_(geometry::find_wedges(
-          view_.facets, {.one_sided = view_.one_sided, .transmissive = view_.transmissive})),
+      wedges_(geometry.wedges(executor)),
       facet_of_triangle_(scene.mesh.triangles().size(), 0),
       finder_(view_,
               wedges_,
               {.max_reflections = settings.max_order,
                .max_length = settings.max_length,
-               .min_pressure = 0.5 * settings.min_pressure / loudest_source(scene)},
+               .min_pressure = 0.5 * settings.min_pressure / loudest_source(scene),
+               .keep_traces = settings.keep_traces},
               executor) {
     for (std::size_t i = 0; i < geometry.kept().size(); ++i) {
         facet_of_triangle_[geometry.kept()[i]] = view_.facets.of_triangle[i];

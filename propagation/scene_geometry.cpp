@@ -38,6 +38,7 @@ bool SceneGeometry::move(double time, double queries, Executor& executor) {
     }
     positions_.swap(moved_);
     has_facets_ = false;
+    wedges_ = nullptr;
     report_.reset();
     bool same_triangles = clean_.update(mesh_of_scene(), executor);
     if (!same_triangles) {
@@ -124,6 +125,16 @@ frustum::SceneView SceneGeometry::scene_view(Executor& executor) const {
             .one_sided = one_sided_,
             .transmissive = transmissive_,
             .max_pressure_factor = max_pressure_factor_};
+}
+
+const std::vector<geometry::Wedge>& SceneGeometry::wedges(Executor& executor) const {
+    const geometry::Facets& of_facets = facets(executor);
+    const std::scoped_lock lock(on_demand_);
+    if (wedges_ == nullptr) {
+        wedges_ = &wedge_finder_.find(of_facets,
+                                      {.one_sided = one_sided_, .transmissive = transmissive_});
+    }
+    return *wedges_;
 }
 
 geometry::CleanReport SceneGeometry::clean_report(Executor& executor) const {

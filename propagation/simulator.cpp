@@ -306,6 +306,7 @@ void Simulator::State::add_diffracted_paths(const RaySource& sender,
             .air_absorption = options.air_absorption,
             .max_order = options.specular_order,
             .max_edges = options.diffraction,
+            .keep_traces = options.keep_traces,
             .max_length = options.max_length,
             .min_pressure = min_pressure,
             .min_pressure_ratio = math::pow10(options.min_diffraction_level_db / 20.0)};
@@ -460,6 +461,9 @@ void Simulator::for_each_pair(const VisitPair& visit, Executor& executor, Progre
                 pair.paths.clear();
             }
         }
+    }
+    if (state.diffracted && state.options.keep_traces) {
+        state.diffracted->discard_unused();
     }
     // Late sound: rays.
     for (std::size_t source = 0; source < sources.size(); ++source) {

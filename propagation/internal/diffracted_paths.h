@@ -26,8 +26,9 @@ struct DiffractionSettings {
     std::span<const audio::Spectrum> reflection;  ///< pressure factor per material
     double speed_of_sound = 0.0;
     bool air_absorption = true;
-    int max_order = 0;  ///< of specular paths, and of reflections beside an edge
-    int max_edges = 1;  ///< of a path, 1 or 2
+    int max_order = 0;         ///< of specular paths, and of reflections beside an edge
+    int max_edges = 1;         ///< of a path, 1 or 2
+    bool keep_traces = false;  ///< see frustum::EdgePathOptions
     double max_length = 0.0;
     double min_pressure = 0.0;  ///< of the loudest band of a path
     /// The loudest band of a path is at least this times the source's free field at the listener's
@@ -38,7 +39,7 @@ struct DiffractionSettings {
 /// The diffracted paths of a scene at one instant.
 class DiffractedPaths {
 public:
-    /// Finds the wedges. Everything must outlive it.
+    /// Everything must outlive it, and the geometry stay in its pose.
     DiffractedPaths(const Scene& scene,
                     const SceneGeometry& geometry,
                     const DiffractionSettings& settings,
@@ -51,6 +52,10 @@ public:
              std::span<const geometry::Vec3> listeners,
              std::span<PairResult> pairs,
              Executor& executor);
+
+    /// With DiffractionSettings::keep_traces: discards what is kept of points that no call of add()
+    /// has named since the last discard_unused().
+    void discard_unused() { finder_.discard_unused(); }
 
 private:
     SpecularPaths specular_paths(const PairResult& pair) const;
@@ -83,7 +88,7 @@ private:
     const SceneGeometry& geometry_;
     DiffractionSettings settings_;
     frustum::SceneView view_;
-    std::vector<geometry::Wedge> wedges_;
+    std::span<const geometry::Wedge> wedges_;
     std::vector<geometry::FacetId> facet_of_triangle_;  // by the numbers of the scene
     std::vector<audio::Spectrum> reflection_of_facet_;
     std::vector<double> max_reflection_of_facet_;

@@ -7,6 +7,7 @@
 #include "earshot/frustum/scene_view.h"
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/facets.h"
+#include "earshot/geometry/wedges.h"
 #include "earshot/propagation/late_energy.h"
 #include "earshot/propagation/scene.h"
 
@@ -55,6 +56,8 @@ public:
     /// Made when it is asked for first.
     const geometry::Facets& facets(Executor& executor) const;
     frustum::SceneView scene_view(Executor& executor) const;
+    /// The edges that diffract, likewise.
+    const std::vector<geometry::Wedge>& wedges(Executor& executor) const;
     geometry::CleanReport clean_report(Executor& executor) const;
 
     /// How the hierarchy over the triangles has followed them, and how many have been built.
@@ -86,6 +89,8 @@ private:
     mutable geometry::Facets facets_;
     mutable std::vector<std::uint8_t> one_sided_, transmissive_;  // per facet
     mutable std::vector<double> max_pressure_factor_;             // likewise
+    mutable geometry::WedgeFinder wedge_finder_;
+    mutable const std::vector<geometry::Wedge>* wedges_ = nullptr;  // its last, if it is of now
     mutable std::optional<geometry::CleanReport> report_;
 };
 

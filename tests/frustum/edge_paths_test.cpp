@@ -277,6 +277,46 @@ TEST(EdgePaths, AFilterLeavesOutWhatItRefusesOnly) {
     EXPECT_LT(wanted, all);
 }
 
+// Sources and listeners move by turns. What a point reaches is traced when it is new, and once.
+TEST(EdgePaths, KeptTracesGiveThePathsOfFreshOnes) {
+    std::size_t paths = 0;
+    for (std::uint64_t seed = 0; seed < support::kRoomFamilies; ++seed) {
+        const LabelledRoom labelled(seed);
+        const Room& room = labelled.room;
+        const MeshedScene scene(room.mesh, room.labels);
+        const auto wedges = geometry::find_wedges(scene.facets());
+        support::Dice dice(seed + 3000);
+        std::array sources{support::random_air_point(room, dice),
+                           support::random_air_point(room, dice)};
+        // One listener is where a source is.
+        std::array listeners{support::random_air_point(room, dice), sources[1]};
+        const SceneView view = scene.scene_view();
+        EdgePathFinder keeping(view, wedges, {.max_reflections = 1, .keep_traces = true});
+        SCOPED_TRACE("seed " + std::to_string(seed));
+        for (int step = 0; step < 6; ++step) {
+            const bool source_moves = step == 2 || step == 4;
+            const bool listener_moves = step == 3 || step == 4;
+            if (source_moves) {
+                sources[0] = support::random_air_point(room, dice);
+            }
+            if (listener_moves) {
+                listeners[0] = support::random_air_point(room, dice);
+            }
+            for (std::size_t i = 0; i < sources.size(); ++i) {
+                const auto fresh =
+                    find_edge_paths(view, wedges, sources[i], listeners, {.max_reflections = 1});
+                const auto kept = keeping.find(sources[i], listeners);
+                expect_same(kept.paths, fresh.paths);
+                const bool is_new = step == 0 || (i == 0 && (source_moves || listener_moves));
+                EXPECT_EQ(kept.statistics.frusta > 0, is_new) << "step " << step;
+                paths += kept.paths.size();
+            }
+            keeping.discard_unused();
+        }
+    }
+    EXPECT_GT(paths, 5000U);
+}
+
 /// What the oracle knows of the ways from a point to places beside edges: per place the sequences
 /// of facets, with how certain each is.
 using Reached = std::vector<std::map<Sequence, double>>;

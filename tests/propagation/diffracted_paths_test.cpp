@@ -205,6 +205,45 @@ TEST(DiffractedPaths, AreTheSameForAnyNumberOfThreads) {
     }
 }
 
+void expect_same(const std::vector<PairResult>& found, const std::vector<PairResult>& expected) {
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        ASSERT_EQ(found[i].paths.size(), expected[i].paths.size());
+        for (std::size_t k = 0; k < found[i].paths.size(); ++k) {
+            EXPECT_EQ(found[i].paths[k].points, expected[i].paths[k].points);
+            EXPECT_EQ(found[i].paths[k].pressure, expected[i].paths[k].pressure);
+            EXPECT_EQ(found[i].paths[k].triangles, expected[i].paths[k].triangles);
+        }
+        ASSERT_EQ(found[i].energy_arrivals.size(), expected[i].energy_arrivals.size());
+        for (std::size_t k = 0; k < found[i].energy_arrivals.size(); ++k) {
+            EXPECT_EQ(found[i].energy_arrivals[k].delay, expected[i].energy_arrivals[k].delay);
+            EXPECT_EQ(found[i].energy_arrivals[k].pressure,
+                      expected[i].energy_arrivals[k].pressure);
+        }
+    }
+}
+
+TEST(DiffractedPaths, KeptTracesFollowSourcesAndListenersThatMove) {
+    Scene scene = screen_scene();
+    scene.sources.push_back({.name = "t", .node = -1, .position = {0.9, 0.8, 1.0}});
+    // One listener on the floor, whose pairs are moved off it.
+    scene.listeners.push_back({.name = "m", .node = -1, .position = {0.5, 0.0, -2.0}});
+    const Options options{.specular_order = 2, .diffraction = 1};
+    Options keep = options;
+    keep.keep_traces = true;
+    Simulator keeping(scene, keep);
+    for (int step = 0; step < 6; ++step) {
+        if (step % 2 == 1) {
+            scene.listeners[0].position.x -= 0.3;
+        }
+        if (step % 3 == 2) {
+            scene.sources[1].position.y += 0.4;
+        }
+        Simulator fresh(scene, options);
+        expect_same(keeping.run(), fresh.run());
+    }
+}
+
 // Along the screen, from its left edge to its upper one, on the source's side and on the other.
 TEST(DiffractedPaths, OverTwoEdgesHaveThePressureOfTheDoubleIntegral) {
     const Scene scene = screen_alone();

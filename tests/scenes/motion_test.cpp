@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/geometry/clean.h"
+#include "earshot/geometry/facets.h"
+#include "earshot/geometry/wedges.h"
 #include "earshot/io/scene_file.h"
+#include "earshot/propagation/simulator.h"
 #include "earshot/scenes/models.h"
 
 #include "scenes/generated_mesh.h"
 #include "support/test_paths.h"
 #include <cmath>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace earshot::scenes {
 namespace {
@@ -96,6 +102,79 @@ TEST(Motion, CurtainIsDrawnToOneSide) {
     EXPECT_NEAR(width(0.0), 7.4, 1e-5);
     EXPECT_NEAR(width(0.7), 7.4, 1e-5) << "swaying does not draw it";
     EXPECT_NEAR(width(5.0), 1.5, 1e-5);
+}
+
+std::vector<propagation::PairResult> diffraction_at(propagation::Simulator& simulator,
+                                                    double time) {
+    simulator.set_time(time);
+    return simulator.run();
+}
+
+// What a simulator keeps from instant to instant, edges among it, is what a fresh one finds.
+void expect_diffraction_as_afresh(const std::string& name, int order, int diffraction) {
+    const propagation::Scene scene = load(name);
+    const propagation::Options options{.specular_order = order, .diffraction = diffraction};
+    propagation::Options keep = options;
+    keep.keep_traces = true;
+    propagation::Simulator following(scene, keep);
+    std::size_t diffracted = 0;
+    // Forth, back, and at rest.
+    for (const double time : {0.0, 0.3, 0.4, 0.4, 1.7, 0.3, 3.0, 0.0}) {
+        propagation::Simulator fresh(scene, options);
+        const auto expected = diffraction_at(fresh, time);
+        const auto found = diffraction_at(following, time);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i) {
+            ASSERT_EQ(found[i].paths.size(), expected[i].paths.size()) << name << " at " << time;
+            for (std::size_t k = 0; k < found[i].paths.size(); ++k) {
+                const propagation::Path& path = found[i].paths[k];
+                EXPECT_EQ(path.points, expected[i].paths[k].points);
+                EXPECT_EQ(path.pressure, expected[i].paths[k].pressure);
+                EXPECT_EQ(path.triangles, expected[i].paths[k].triangles);
+                diffracted += path.kind == propagation::PathKind::diffracted ? 1 : 0;
+            }
+        }
+    }
+    EXPECT_GT(diffracted, 100U) << name;
+}
+
+TEST(Motion, DiffractionOfADoorIsThatFoundAfresh) {
+    expect_diffraction_as_afresh("door.gltf", 1, 1);
+}
+
+TEST(Motion, DiffractionOfACurtainIsThatFoundAfresh) {
+    expect_diffraction_as_afresh("curtain.gltf", 1, 1);
+}
+
+// The edges alone, to the last bit, at instants in which the curtain moves and the hall does not.
+TEST(Motion, WedgesAreThoseFoundAfresh) {
+    for (const std::string name : {"door.gltf", "curtain.gltf"}) {
+        const propagation::Scene scene = load(name);
+        geometry::WedgeFinder finder;
+        for (const double time : {0.0, 0.1, 0.2, 0.2, 1.3, 2.5, 0.1, 0.0}) {
+            geometry::Mesh mesh{.positions = scene.mesh.positions_at(time), .triangles = {}};
+            const std::vector<geometry::Triangle>& all = scene.mesh.triangles();
+            const geometry::CleanMesh clean = geometry::clean({mesh.positions, all});
+            std::vector<std::uint32_t> labels;
+            for (const geometry::TriangleId triangle : clean.kept) {
+                mesh.triangles.push_back(all[triangle]);
+                labels.push_back(scene.material_of_triangle[triangle]);
+            }
+            const geometry::Facets facets = geometry::find_facets(mesh.view(), clean.weld, labels);
+            const std::vector<geometry::Wedge> expected = geometry::find_wedges(facets);
+            const std::vector<geometry::Wedge>& found = finder.find(facets);
+            ASSERT_EQ(found.size(), expected.size()) << name << " at " << time;
+            for (std::size_t i = 0; i < found.size(); ++i) {
+                EXPECT_EQ(found[i].faces, expected[i].faces);
+                EXPECT_EQ(found[i].begin, expected[i].begin);
+                EXPECT_EQ(found[i].end, expected[i].end);
+                EXPECT_EQ(found[i].tangent, expected[i].tangent);
+                EXPECT_EQ(found[i].normal, expected[i].normal);
+                EXPECT_EQ(found[i].open_angle, expected[i].open_angle);
+            }
+        }
+        EXPECT_GT(finder.kept_lines(), 0U) << name;
+    }
 }
 
 }  // namespace
