@@ -6,6 +6,7 @@
 #include "earshot/cli/values.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <span>
@@ -154,6 +155,19 @@ std::string expected_value(const std::string& kind, Limits<Number> limits) {
     return text.str();
 }
 
+// Shows the value that `option` has when it is not given, unless its description does, or the value
+// stands for none, being one that nobody can give.
+template <typename Number>
+CLI::Option* show_default(CLI::Option* option, Number value, Limits<Number> limits) {
+    if (option->get_description().find("default") == std::string::npos && value >= limits.min &&
+        value <= limits.max && std::isfinite(static_cast<double>(value))) {
+        std::ostringstream text;
+        text << value;
+        option->default_str(text.str());
+    }
+    return option;
+}
+
 std::vector<std::string> simd_names() {
     std::vector<std::string> names = simd_targets();
     names.insert(names.begin(), "auto");
@@ -239,14 +253,16 @@ CLI::Option* add_integer(CLI::App& command,
                          std::int64_t& target,
                          Limits<std::int64_t> limits,
                          const std::string& description) {
-    return add_checked<std::int64_t>(command,
-                                     names,
-                                     description,
-                                     expected_value("a whole number", limits),
-                                     parse_integer,
-                                     limits,
-                                     [&target](std::int64_t value) { target = value; })
-        ->type_name("N");
+    CLI::Option* option =
+        add_checked<std::int64_t>(command,
+                                  names,
+                                  description,
+                                  expected_value("a whole number", limits),
+                                  parse_integer,
+                                  limits,
+                                  [&target](std::int64_t value) { target = value; })
+            ->type_name("N");
+    return show_default(option, target, limits);
 }
 
 CLI::Option* add_number(CLI::App& command,
@@ -254,14 +270,15 @@ CLI::Option* add_number(CLI::App& command,
                         double& target,
                         Limits<double> limits,
                         const std::string& description) {
-    return add_checked<double>(command,
-                               names,
-                               description,
-                               expected_value("a number", limits),
-                               parse_number,
-                               limits,
-                               [&target](double value) { target = value; })
-        ->type_name("X");
+    CLI::Option* option = add_checked<double>(command,
+                                              names,
+                                              description,
+                                              expected_value("a number", limits),
+                                              parse_number,
+                                              limits,
+                                              [&target](double value) { target = value; })
+                              ->type_name("X");
+    return show_default(option, target, limits);
 }
 
 CLI::Option* add_repeatable(CLI::App& command,

@@ -163,5 +163,14 @@ TEST(Program, TakesAReaderThatHasGoneAwayForContent) {
     EXPECT_EQ(result.err, "0\n");
 }
 
+TEST(Program, HelpShowsTheDefaultsOfNumbers) {
+    const std::string help = run_earshot({"ir", "--help"}).out;
+    EXPECT_NE(help.find("--sample-rate N=48000"), std::string::npos) << help;
+    EXPECT_NE(help.find("--pressure X=101.325"), std::string::npos) << help;
+    // None by default, and a default that the description tells.
+    EXPECT_NE(help.find("--min-level X "), std::string::npos) << help;
+    EXPECT_NE(help.find("--threads N "), std::string::npos) << help;
+}
+
 }  // namespace
 }  // namespace earshot::test
