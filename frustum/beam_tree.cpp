@@ -20,6 +20,16 @@ namespace {
 constexpr int kCompleteResolution = 8;
 constexpr int kSampledResolution = 32;
 
+/// How finely the frusta around a source are searched. What the search spares are frusta of the
+/// first reflection, or where none are traced, connections with subpaths. Paths of up to two
+/// reflections have too few of either.
+int primary_pieces(const TraceOptions& options, int orders) noexcept {
+    if (options.mode != Mode::complete || options.resolution > 0 || options.max_order < 3) {
+        return 1;
+    }
+    return orders > 1 ? kPrimaryPieces : kPrimaryPieces / 2;
+}
+
 }  // namespace
 
 BeamTracer::BeamTracer(const FacetIndex& index,
@@ -33,7 +43,8 @@ BeamTracer::BeamTracer(const FacetIndex& index,
       contact_radius_(contact_radius),
       max_radius_(max_radius),
       orders_(orders),
-      grazing_facets_(grazing_facets) {}
+      grazing_facets_(grazing_facets),
+      primary_pieces_(primary_pieces(options, orders)) {}
 
 VisibleFacets BeamTracer::make_search() const {
     return {index_, options_.mode, contact_radius_, max_radius_, grazing_facets_};
@@ -81,10 +92,10 @@ bool BeamTracer::is_followed(const Frustum& frustum, std::size_t order) const {
                   bits(frustum.apex.z) + frustum.facet) < sample_.share;
 }
 
-void BeamRecorder::visit(const VisibleFacets& search) {
+void BeamRecorder::record(const VisibleFacets& search, bool is_continued) {
     const std::size_t begin = tree_.visible.size();
     tree_.visible.insert(tree_.visible.end(), search.found().begin(), search.found().end());
-    tree_.nodes.push_back({search.frustum(), order_, begin, tree_.visible.size()});
+    tree_.nodes.push_back({search.frustum(), order_, begin, tree_.visible.size(), is_continued});
 }
 
 }  // namespace earshot::frustum

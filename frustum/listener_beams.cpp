@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/listener_beams.h"
 
+#include "earshot/frustum/internal/primary_facets.h"
+
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
@@ -72,21 +74,29 @@ void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
         const auto around = frusta_around(listener, 1, kGridSide, min_depth);
         frusta_.insert(frusta_.end(), around.begin(), around.end());
     }
-    // Facets visible from each listener, frustum by frustum.
-    std::vector<Found> found(frusta_.size());
-    executor.for_each(found.size(), 1, [&](std::size_t begin, std::size_t end) {
-        VisibleFacets search(
+    // Facets visible from each listener, some of a frustum at a time.
+    const auto make_search = [&] {
+        return VisibleFacets(
             index_, Mode::complete, contact_radius, max_radius_, GrazingFacets::keep);
+    };
+    const auto visible = find_primary_facets(
+        frusta_, subpath_reflections > 1 ? kPrimaryPieces : 1, make_search, executor);
+    const std::vector<FacetRange> ranges = divide_facets(visible);
+    std::vector<Found> found(ranges.size());
+    executor.for_each(found.size(), 1, [&](std::size_t begin, std::size_t end) {
+        VisibleFacets search = make_search();
         for (std::size_t i = begin; i < end; ++i) {
-            const auto listener = static_cast<std::uint32_t>(i / kFrustaPerListener);
-            search.search(frusta_[i]);
-            for (const VisibleFacet& visible : search.found()) {
-                found[i].subpaths.push_back({.first = visible,
-                                             .last = visible.facet,
+            const FacetRange& range = ranges[i];
+            const auto listener = static_cast<std::uint32_t>(range.frustum / kFrustaPerListener);
+            search.set_frustum(frusta_[range.frustum]);
+            for (std::size_t k = range.begin; k < range.end; ++k) {
+                const VisibleFacet& facet = visible[range.frustum][k];
+                found[i].subpaths.push_back({.first = facet,
+                                             .last = facet.facet,
                                              .listener = listener,
-                                             .frustum = static_cast<std::uint32_t>(i)});
-                if (subpath_reflections > 1 && !visible.grazing) {
-                    found[i].reflected.push_back(search.reflect(visible));
+                                             .frustum = static_cast<std::uint32_t>(range.frustum)});
+                if (subpath_reflections > 1 && !facet.grazing) {
+                    found[i].reflected.push_back(search.reflect(facet));
                     found[i].listeners.push_back(listener);
                 }
             }
@@ -96,11 +106,11 @@ void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
     if (subpath_reflections == 0) {
         return;
     }
-    for (const Found& of_frustum : found) {
-        subpaths_.insert(subpaths_.end(), of_frustum.subpaths.begin(), of_frustum.subpaths.end());
-        frusta_.insert(frusta_.end(), of_frustum.reflected.begin(), of_frustum.reflected.end());
+    for (const Found& of_range : found) {
+        subpaths_.insert(subpaths_.end(), of_range.subpaths.begin(), of_range.subpaths.end());
+        frusta_.insert(frusta_.end(), of_range.reflected.begin(), of_range.reflected.end());
         listener_of_reflected_.insert(
-            listener_of_reflected_.end(), of_frustum.listeners.begin(), of_frustum.listeners.end());
+            listener_of_reflected_.end(), of_range.listeners.begin(), of_range.listeners.end());
     }
 }
 
@@ -108,8 +118,8 @@ void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
 void ListenerBeams::append_last_reflections(std::span<const Vec3> listeners,
                                             const std::vector<Found>& found) {
     std::vector<VisiblePair> pairs;
-    for (const Found& of_frustum : found) {
-        for (const ListenerSubpath& subpath : of_frustum.subpaths) {
+    for (const Found& of_range : found) {
+        for (const ListenerSubpath& subpath : of_range.subpaths) {
             pairs.push_back({subpath.listener, subpath.last});
         }
     }

@@ -66,6 +66,9 @@ public:
     std::size_t order() const { return generator_.order(); }
     void visit(const VisibleFacets& search) {
         ++frusta_;
+        visit_more(search);
+    }
+    void visit_more(const VisibleFacets& search) {
         generator_.generate_from(search, search.found());
     }
     TaskResult take_result() {
@@ -178,7 +181,10 @@ const Vec3& SourceBeamTree::source() const noexcept {
 std::size_t SourceBeamTree::frusta() const noexcept {
     std::size_t count = 0;
     for (const BeamTree& part : kept_->parts) {
-        count += part.nodes.size();
+        count += static_cast<std::size_t>(
+            std::count_if(part.nodes.begin(), part.nodes.end(), [](const BeamNode& node) {
+                return !node.is_continued;
+            }));
     }
     return count;
 }

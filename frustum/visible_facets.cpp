@@ -90,6 +90,11 @@ void VisibleFacets::set_frustum(const Frustum& frustum) {
     visible_facets_.clear();
 }
 
+void VisibleFacets::set_frustum(const Frustum& frustum, std::span<const VisibleFacet> visible) {
+    set_frustum(frustum);
+    visible_facets_.assign(visible.begin(), visible.end());
+}
+
 void VisibleFacets::filter(std::span<const std::uint8_t> mask) {
     std::erase_if(visible_facets_,
                   [&](const VisibleFacet& visible) { return mask[visible.facet] == 0; });

@@ -6,6 +6,7 @@
 #include "earshot/base/stage_progress.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
+#include "earshot/frustum/internal/primary_facets.h"
 #include "earshot/frustum/internal/visible_facets.h"
 #include "earshot/frustum/path_finder.h"
 #include "earshot/frustum/paths.h"
@@ -23,6 +24,7 @@ struct BeamNode {
     Frustum frustum;
     std::size_t order = 0;  ///< reflections so far
     std::size_t visible_begin = 0, visible_end = 0;
+    bool is_continued = false;  ///< the same frustum as that of another node, with further facets
 };
 
 /// A part of the beam tree of a point (Heckbert and Hanrahan 1984; Funkhouser et al. 1998). The
@@ -64,6 +66,8 @@ public:
     /// and task.pop() around those of higher order. Frusta around the source and the subtrees of
     /// order 1 are divided among tasks, made by make_task() and returned in order. `mask`: facets
     /// that may reflect first; empty: all. Reports the stage "tracing", subtree by subtree.
+    /// If tasks have a member visit_more(search), the facets visible in a frustum around the source
+    /// may be divided: it is called for all but the first of them, and occluders are not known.
     template <typename Task, typename MakeTask>
     std::vector<Task> trace(const geometry::Vec3& source,
                             std::span<const std::uint8_t> mask,
@@ -78,7 +82,21 @@ public:
 private:
     static constexpr std::size_t kGrain = 4;
 
+    template <typename Task>
+    static constexpr bool divides_facets() {
+        return requires(Task & task, const VisibleFacets& search) {
+            task.visit_more(search);
+        };
+    }
+
     std::vector<Frustum> frusta_around_source(const geometry::Vec3& source) const;
+    /// The frusta around the source, and what they reflect.
+    template <typename Task, typename MakeTask>
+    std::vector<std::optional<Task>> trace_primary(std::span<const Frustum> primary,
+                                                   std::span<const std::uint8_t> mask,
+                                                   MakeTask&& make_task,
+                                                   std::vector<std::vector<Frustum>>& reflections,
+                                                   Executor& executor) const;
     bool may_reflect(const Frustum& frustum, const VisibleFacet& visible) const;
     /// Whether a frustum is of the share that is followed.
     bool is_followed(const Frustum& frustum, std::size_t order) const;
@@ -93,6 +111,7 @@ private:
     double max_radius_;
     int orders_;
     GrazingFacets grazing_facets_;
+    int primary_pieces_;
     BeamSample sample_{};
 };
 
@@ -102,10 +121,13 @@ public:
     void push(geometry::FacetId) { ++order_; }
     void pop() { --order_; }
     std::size_t order() const { return order_; }
-    void visit(const VisibleFacets& search);
+    void visit(const VisibleFacets& search) { record(search, false); }
+    void visit_more(const VisibleFacets& search) { record(search, true); }
     BeamTree take_tree() { return std::move(tree_); }
 
 private:
+    void record(const VisibleFacets& search, bool is_continued);
+
     BeamTree tree_;
     std::size_t order_ = 0;
 };
@@ -133,6 +155,70 @@ void BeamTracer::trace_subtree(const Frustum& frustum,
 }
 
 template <typename Task, typename MakeTask>
+std::vector<std::optional<Task>> BeamTracer::trace_primary(
+    std::span<const Frustum> primary,
+    std::span<const std::uint8_t> mask,
+    MakeTask&& make_task,
+    std::vector<std::vector<Frustum>>& reflections,
+    Executor& executor) const {
+    const auto visit_and_reflect = [&](VisibleFacets& search, Task& task, bool is_first) {
+        if constexpr (divides_facets<Task>()) {
+            is_first ? task.visit(search) : task.visit_more(search);
+        } else {
+            task.visit(search);
+        }
+        std::vector<Frustum> reflected;
+        for (const VisibleFacet& visible : search.found()) {
+            if (orders_ > 1 && may_reflect(search.frustum(), visible)) {
+                const Frustum child = search.reflect(visible);
+                if (is_followed(child, 1)) {
+                    reflected.push_back(child);
+                }
+            }
+        }
+        return reflected;
+    };
+    std::vector<std::optional<Task>> tasks;
+    if constexpr (divides_facets<Task>()) {
+        auto visible = find_primary_facets(
+            primary, primary_pieces_, [&] { return make_search(); }, executor);
+        for (std::vector<VisibleFacet>& facets : visible) {
+            std::erase_if(facets, [&](const VisibleFacet& facet) {
+                return !mask.empty() && mask[facet.facet] == 0;
+            });
+        }
+        const std::vector<FacetRange> ranges = divide_facets(visible);
+        reflections.resize(ranges.size());
+        tasks.resize(ranges.size());
+        executor.for_each(ranges.size(), 1, [&](std::size_t begin, std::size_t end) {
+            VisibleFacets search = make_search();
+            for (std::size_t i = begin; i < end; ++i) {
+                const FacetRange& range = ranges[i];
+                search.set_frustum(primary[range.frustum],
+                                   std::span(visible[range.frustum])
+                                       .subspan(range.begin, range.end - range.begin));
+                reflections[i] =
+                    visit_and_reflect(search, tasks[i].emplace(make_task()), range.begin == 0);
+            }
+        });
+    } else {
+        reflections.resize(primary.size());
+        tasks.resize(primary.size());
+        executor.for_each(primary.size(), 1, [&](std::size_t begin, std::size_t end) {
+            VisibleFacets search = make_search();
+            for (std::size_t i = begin; i < end; ++i) {
+                search.search(primary[i]);
+                if (!mask.empty()) {
+                    search.filter(mask);
+                }
+                reflections[i] = visit_and_reflect(search, tasks[i].emplace(make_task()), true);
+            }
+        });
+    }
+    return tasks;
+}
+
+template <typename Task, typename MakeTask>
 std::vector<Task> BeamTracer::trace(const geometry::Vec3& source,
                                     std::span<const std::uint8_t> mask,
                                     MakeTask&& make_task,
@@ -140,28 +226,9 @@ std::vector<Task> BeamTracer::trace(const geometry::Vec3& source,
                                     Progress* progress) const {
     EARSHOT_ASSERT(mask.empty() || mask.size() == index_.size());
     // The frusta around the source, and their reflections.
-    const auto roots = frusta_around_source(source);
-    std::vector<std::vector<Frustum>> reflections(roots.size());
-    std::vector<std::optional<Task>> root_tasks(chunk_count(roots.size(), kGrain));
-    executor.for_each(roots.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        VisibleFacets search = make_search();
-        Task& task = root_tasks[begin / kGrain].emplace(make_task());
-        for (std::size_t i = begin; i < end; ++i) {
-            search.search(roots[i]);
-            if (!mask.empty()) {
-                search.filter(mask);
-            }
-            task.visit(search);
-            for (const VisibleFacet& visible : search.found()) {
-                if (orders_ > 1 && may_reflect(search.frustum(), visible)) {
-                    const Frustum child = search.reflect(visible);
-                    if (is_followed(child, 1)) {
-                        reflections[i].push_back(child);
-                    }
-                }
-            }
-        }
-    });
+    std::vector<std::vector<Frustum>> reflections;
+    auto root_tasks =
+        trace_primary<Task>(frusta_around_source(source), mask, make_task, reflections, executor);
     // The subtrees of the reflections, in the order of the roots.
     std::vector<Frustum> subtrees;
     for (const auto& of_root : reflections) {

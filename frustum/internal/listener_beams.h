@@ -82,7 +82,7 @@ private:
         std::uint32_t listener = 0;
         geometry::FacetId facet = 0;
     };
-    /// What is visible in some frusta.
+    /// Some of what is visible in a frustum.
     struct Found {
         std::vector<ListenerSubpath> subpaths;
         std::vector<Frustum> reflected;

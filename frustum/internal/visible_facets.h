@@ -64,6 +64,9 @@ public:
     /// Makes this the current frustum without a search: it has no visible facets and no occluders.
     void set_frustum(const Frustum& frustum);
 
+    /// The same with facets that are known to be visible in it.
+    void set_frustum(const Frustum& frustum, std::span<const VisibleFacet> visible);
+
     /// Makes this the current frustum and finds the facets that are visible in it.
     void search(const Frustum& frustum);
 

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/visible_facets.h"
 
+#include "earshot/frustum/internal/primary_facets.h"
+#include "earshot/frustum/path_finder.h"
 #include "earshot/frustum/path_verifier.h"
 
 #include <gtest/gtest.h>
 
 #include "frustum/quad_room.h"
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
+#include <vector>
 
 namespace earshot::frustum {
 namespace {
@@ -68,6 +73,94 @@ TEST(VisibleFacets, EveryFirstHitOfARayIsFound) {
         }
     }
     EXPECT_GT(rays, 30000);
+}
+
+/// A room with many small boxes, so that frusta are searched in pieces.
+struct CrowdedRoom {
+    explicit CrowdedRoom(std::uint64_t seed, int boxes) {
+        const auto dice = [&](int box, std::uint64_t i, double low, double high) {
+            return random_between(seed, 700 + static_cast<std::uint64_t>(box), i, low, high);
+        };
+        room.add_box({-5, -2, -4}, {10, 0, 0}, {0, 4, 0}, {0, 0, 8}, true);
+        for (int box = 0; box < boxes; ++box) {
+            const Vec3 corner = {
+                dice(box, 0, -4.9, 4.2), dice(box, 1, -1.9, 1.2), dice(box, 2, -3.9, 3.2)};
+            if (glm::length(corner) < 1.2) {
+                continue;  // air around the source
+            }
+            const double angle = box % 2 == 0 ? 0.0 : dice(box, 3, 0.0, 6.0);
+            const double size = dice(box, 4, 0.1, 0.6);
+            room.add_box(corner,
+                         size * Vec3(std::cos(angle), 0, std::sin(angle)),
+                         dice(box, 5, 0.1, 0.6) * Vec3(0, 1, 0),
+                         dice(box, 6, 0.1, 0.6) * Vec3(-std::sin(angle), 0, std::cos(angle)));
+        }
+        room.finish();
+    }
+    QuadRoom room;
+};
+
+TEST(PrimaryFacets, EveryFirstHitOfARayIsFoundInTheWholeFrustum) {
+    std::size_t whole = 0, in_pieces = 0;
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+        const CrowdedRoom crowded(seed, 300);
+        const SceneView scene_view = crowded.room.scene_view();
+        const FacetIndex index(scene_view);
+        const PathVerifier verifier(scene_view);
+        const Vec3 source = 0.3 * Vec3(random_between(seed, 1, 0, -1.0, 1.0), 0.1, 0.2);
+        const auto frusta = frusta_around(source, 1, 8, 1e-12);
+        const int pieces = 4 << (seed % 3);
+        const auto make_search = [&] {
+            return VisibleFacets(index, Mode::complete, verifier.contact_radius(), 20.0);
+        };
+        const auto visible = find_primary_facets(frusta, pieces, make_search, Executor::serial());
+        VisibleFacets search = make_search();
+        for (std::size_t i = 0; i < frusta.size(); ++i) {
+            search.search(frusta[i]);
+            whole += search.found().size();
+            in_pieces += visible[i].size();
+            for (std::uint64_t ray = 0; ray < 100; ++ray) {
+                const auto dice = [&](std::uint64_t k) {
+                    const double at = random_between(seed, 900 + 100 * i + ray, k, -1.0, 1.0);
+                    return ray % 4 == k ? std::round(at * pieces) / pieces : at;  // in a border
+                };
+                const Vec3 direction =
+                    frusta[i].forward + dice(0) * frusta[i].right + dice(1) * frusta[i].up;
+                const auto facet = first_facet(scene_view, source, direction);
+                if (!facet) {
+                    continue;
+                }
+                const auto found = std::find_if(
+                    visible[i].begin(), visible[i].end(), [&](const VisibleFacet& candidate) {
+                        return candidate.facet == *facet;
+                    });
+                ASSERT_NE(found, visible[i].end()) << "seed " << seed << " ray " << ray;
+                EXPECT_TRUE(may_pass(frusta[i], *found, source + 30.0 * direction, 1e-12))
+                    << "seed " << seed << " ray " << ray;
+            }
+        }
+    }
+    EXPECT_LT(in_pieces, whole * 9 / 10);
+}
+
+TEST(PrimaryFacets, PathsAreThoseOfWholeFrusta) {
+    const CrowdedRoom crowded(9, 220);
+    const SceneView scene_view = crowded.room.scene_view();
+    const std::vector<Vec3> listeners = {{0.4, 0.3, -0.2}, {-0.3, -0.5, 0.1}};
+    const auto find = [&](bool forward_only, int resolution) {
+        const PathFinder finder(
+            scene_view,
+            {.trace = {.max_order = 3, .resolution = resolution}, .forward_only = forward_only});
+        return finder.find(Vec3(0.1, -0.2, 0.15), finder.trace_listeners(listeners));
+    };
+    const TraceResult expected = find(true, 8);
+    EXPECT_GT(expected.paths.size(), 50U);
+    const TraceResult found = find(false, 0);
+    ASSERT_EQ(found.paths.size(), expected.paths.size());
+    for (std::size_t i = 0; i < found.paths.size(); ++i) {
+        EXPECT_EQ(found.paths[i].triangles, expected.paths[i].triangles);
+        EXPECT_EQ(found.paths[i].length, expected.paths[i].length);
+    }
 }
 
 TEST(VisibleFacets, AWallHidesWhatStandsBehindIt) {
