@@ -48,11 +48,34 @@ Scene hall_with(support::Room obstacle) {
     return scene;
 }
 
+/// With plates, each given by its corners.
+Scene hall_with_plates(const std::vector<std::vector<Vec3>>& plates) {
+    support::Room room;
+    for (const std::vector<Vec3>& corners : plates) {
+        support::add_polygon(room, corners, 0);
+    }
+    return hall_with(room);
+}
+
 Scene hall_with_screen() {
-    support::Room screen;
-    support::add_polygon(
-        screen, std::array{Vec3(6, 0.4, 5), Vec3(6, 0.4, 7), Vec3(6, 2.2, 7), Vec3(6, 2.2, 5)}, 0);
-    return hall_with(screen);
+    return hall_with_plates({{Vec3(6, 0.4, 5), Vec3(6, 0.4, 7), Vec3(6, 2.2, 7), Vec3(6, 2.2, 5)}});
+}
+
+/// An L-shaped room, whose corner stands between the source and one end.
+Scene room_with_corner() {
+    support::Room room = support::plan_room(std::array{glm::dvec2(0, 0),
+                                                       glm::dvec2(9, 0),
+                                                       glm::dvec2(9, 9),
+                                                       glm::dvec2(4, 9),
+                                                       glm::dvec2(4, 5),
+                                                       glm::dvec2(0, 5)},
+                                            3.0);
+    Scene scene = hall_with_screen();
+    scene.name = "corner";
+    scene.material_of_triangle.assign(room.mesh.triangles.size(), 0);
+    scene.sources[0].position = {7.1, 1.4, -7.9};
+    scene.mesh = geometry::AnimatedMesh::fixed(std::move(room.mesh));
+    return scene;
 }
 
 /// A barrier 1 m thick, whose top is the plane y = 0, in the open.
@@ -174,6 +197,38 @@ TEST(DiffractionSweep, MetricsAreContinuousRoundAScreen) {
     expect_continuous({hall_with_screen(), {7.0, 1.0, 6.1}, {7.5, 4.5, 6.3}});
     expect_continuous({hall_with_screen(), {9.0, 0.4, 6.0}, {7.0, 1.8, 2.0}});
     expect_continuous({hall_with_screen(), {5.0, 1.5, 6.0}, {4.5, 1.6, 10.5}});
+}
+
+// Six more geometries, in which no listener or image of one crosses the plane of a plate beside it.
+TEST(DiffractionSweep, SlowMetricsAreContinuousPastOtherShapes) {
+    const auto plates = [](std::vector<std::vector<Vec3>> corners) {
+        return hall_with_plates(corners);
+    };
+    // A triangle, a screen on the floor, half a wall, a gap between two walls, a reflector
+    // overhead, and a corner.
+    expect_continuous({plates({{Vec3(6, 0.5, 5), Vec3(6, 0.5, 7.3), Vec3(6, 2.6, 6.1)}}),
+                       {8.0, 1.3, 5.0},
+                       {7.0, 1.6, 9.0}});
+    expect_continuous(
+        {plates({{Vec3(6, 0, 5), Vec3(6, 0, 7.2), Vec3(6, 1.8, 7.2), Vec3(6, 1.8, 5)}}),
+         {7.5, 0.8, 6.0},
+         {8.2, 4.0, 6.3}});
+    expect_continuous({plates({{Vec3(6, 0, 0), Vec3(6, 0, 7), Vec3(6, 6, 7), Vec3(6, 6, 0)}}),
+                       {8.0, 1.3, 6.0},
+                       {8.4, 1.5, 10.0}});
+    expect_continuous({plates({{Vec3(6, 0, 0), Vec3(6, 0, 5.8), Vec3(6, 6, 5.8), Vec3(6, 6, 0)},
+                               {Vec3(6, 0, 7), Vec3(6, 0, 12), Vec3(6, 6, 12), Vec3(6, 6, 7)}}),
+                       {8.0, 1.3, 4.0},
+                       {8.4, 1.5, 8.5}});
+    expect_continuous({plates({{Vec3(5, 4.5, 5),
+                                Vec3(7, 4.5, 5),
+                                Vec3(7.5, 4.5, 6),
+                                Vec3(7, 4.5, 7.1),
+                                Vec3(5, 4.5, 7.1),
+                                Vec3(4.5, 4.5, 6)}}),
+                       {7.5, 1.3, 6.0},
+                       {12.0, 1.5, 7.0}});
+    expect_continuous({room_with_corner(), {1.0, 1.3, -3.0}, {3.6, 1.5, -1.0}});
 }
 
 // When a listener crosses the plane of the top, the path over the near edge is cut by the far one,
