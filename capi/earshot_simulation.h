@@ -48,7 +48,7 @@ typedef struct es_simulation_options {
     int32_t metrics;          ///< 1: metrics, for which responses are made, too (1)
     int32_t histograms;       ///< 1: keep the energy histograms of late sound (0)
     int32_t keep_traces;      ///< 1: an es_simulator keeps beam trees from run to run: for points
-                              ///< that move in geometry that does not. Changes no result (0)
+                              ///< and parts of the geometry that move. Changes no result (0)
     int32_t speech;          ///< 1: STI of speech of the level below in the noise below; 0: of loud
                              ///< speech in a quiet room (0)
     double speech_level_db;  ///< A-weighted, 1 m in front of the talker, -200 ... 200 (60)

@@ -125,9 +125,7 @@ private:
     }
 
     void add_statistics(const propagation::Simulator& simulator) {
-        summary_.statistics.frusta += simulator.statistics().frusta;
-        summary_.statistics.candidates += simulator.statistics().candidates;
-        summary_.statistics.paths += simulator.statistics().paths;
+        summary_.statistics += simulator.statistics();
     }
 
     std::optional<propagation::RoomStatistics> room_at(double time,

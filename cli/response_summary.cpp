@@ -110,6 +110,11 @@ std::string summary_text(const ResponseJob& job, const ResponseSummary& summary)
     text += line("frusta",
                  std::to_string(summary.statistics.frusta) + " traced, " +
                      std::to_string(summary.statistics.candidates) + " sequences verified");
+    if (job.is_sequence) {
+        text += line("kept",
+                     std::to_string(summary.statistics.kept_frusta) + " frusta, " +
+                         std::to_string(summary.statistics.kept_candidates) + " sequences");
+    }
     text += line("time",
                  "prepare " + seconds_text(summary.prepare_seconds) + ", trace " +
                      seconds_text(summary.trace_seconds) + ", responses " +
@@ -157,6 +162,8 @@ std::string summary_json(const ResponseJob& job, const ResponseSummary& summary)
                  {"paths_per_order", summary.paths_of_order},
                  {"frusta", summary.statistics.frusta},
                  {"candidates", summary.statistics.candidates},
+                 {"kept_frusta", summary.statistics.kept_frusta},
+                 {"kept_candidates", summary.statistics.kept_candidates},
                  {"hierarchy", update_json(summary.hierarchies.updates)},
                  {"seconds",
                   {{"prepare", summary.prepare_seconds},

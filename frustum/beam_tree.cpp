@@ -2,6 +2,7 @@
 #include "earshot/frustum/internal/beam_tree.h"
 
 #include "earshot/base/random.h"
+#include "earshot/frustum/internal/kept_frusta.h"
 
 #include <glm/geometric.hpp>
 
@@ -96,6 +97,14 @@ void BeamRecorder::record(const VisibleFacets& search, bool is_continued) {
     const std::size_t begin = tree_.visible.size();
     tree_.visible.insert(tree_.visible.end(), search.found().begin(), search.found().end());
     tree_.nodes.push_back({search.frustum(), order_, begin, tree_.visible.size(), is_continued});
+}
+
+void BeamRecorder::keep(const Frustum& frustum,
+                        std::span<const VisibleFacet> visible_before,
+                        const GeometryChange& change) {
+    const std::size_t begin = tree_.visible.size();
+    append_renumbered(visible_before, change, tree_.visible);
+    tree_.nodes.push_back({frustum, order_, begin, tree_.visible.size()});
 }
 
 }  // namespace earshot::frustum

@@ -15,8 +15,8 @@ using geometry::Vec3;
 
 void TaskResult::append(TaskResult&& other) {
     std::move(other.paths.begin(), other.paths.end(), std::back_inserter(paths));
-    statistics.frusta += other.statistics.frusta;
-    statistics.candidates += other.statistics.candidates;
+    statistics += other.statistics;
+    verdicts.append(std::move(other.verdicts));
 }
 
 CandidateGenerator::CandidateGenerator(const FacetIndex& index,
@@ -54,12 +54,39 @@ void CandidateGenerator::verify_candidate(std::size_t listener) {
     if (!within_limits(glm::distance(images_.back(), position))) {
         return;
     }
-    ++result_.statistics.candidates;
-    auto path = verifier_.verify(sequence_, images_, position);
+    auto path = path_to(listener);
     if (path && path->triangles.size() <= static_cast<std::size_t>(options_.max_order)) {
-        path->listener = listener;
         result_.paths.push_back(std::move(*path));
     }
+}
+
+// By a verdict that still holds, or by verification.
+std::optional<SpecularPath> CandidateGenerator::path_to(std::size_t listener) {
+    if (former_ != nullptr) {
+        if (const auto verdict = former_->find(sequence_, listener)) {
+            ++result_.statistics.kept_candidates;
+            if (verdict->rejection) {
+                result_.verdicts.add(sequence_, listener, *verdict->rejection);
+                return std::nullopt;
+            }
+            result_.verdicts.add(sequence_, listener, *verdict->path);
+            return *verdict->path;
+        }
+    }
+    ++result_.statistics.candidates;
+    Rejection rejection;
+    auto path = verifier_.verify(sequence_, images_, listeners_.positions[listener], &rejection);
+    if (path) {
+        path->listener = listener;
+    }
+    if (former_ != nullptr) {
+        if (path) {
+            result_.verdicts.add(sequence_, listener, *path);
+        } else {
+            result_.verdicts.add(sequence_, listener, rejection);
+        }
+    }
+    return path;
 }
 
 bool CandidateGenerator::within_limits(double length) const noexcept {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/listener_beams.h"
 
+#include "earshot/frustum/internal/geometry_change.h"
+#include "earshot/frustum/internal/kept_frusta.h"
 #include "earshot/frustum/internal/primary_facets.h"
 
 #include <glm/common.hpp>
@@ -51,10 +53,39 @@ ListenerBeams::ListenerBeams(const FacetIndex& index,
                              int subpath_reflections,
                              Executor& executor)
     : index_(index), max_radius_(max_radius) {
-    trace_first_beams(listeners, contact_radius, subpath_reflections, executor);
+    trace(listeners, contact_radius, max_order, subpath_reflections, {}, executor);
+}
+
+ListenerBeams::ListenerBeams(const FacetIndex& index,
+                             double contact_radius,
+                             double max_radius,
+                             int max_order,
+                             std::span<const Vec3> listeners,
+                             int subpath_reflections,
+                             const ListenerBeams& before,
+                             const GeometryChange& change,
+                             Executor& executor)
+    : index_(index), max_radius_(max_radius) {
+    // Without subpaths nothing is kept but six frusta, whose facets are not told apart.
+    const bool keeps_frusta = subpath_reflections > 0;
+    trace(listeners,
+          contact_radius,
+          max_order,
+          subpath_reflections,
+          keeps_frusta ? Before{&before, &change} : Before{},
+          executor);
+}
+
+void ListenerBeams::trace(std::span<const Vec3> listeners,
+                          double contact_radius,
+                          int max_order,
+                          int subpath_reflections,
+                          const Before& before,
+                          Executor& executor) {
+    trace_first_beams(listeners, contact_radius, subpath_reflections, before, executor);
     if (subpath_reflections > 1) {
         const std::size_t of_one_reflection = subpaths_.size();
-        trace_reflected_beams(contact_radius, executor);
+        trace_reflected_beams(contact_radius, before, executor);
         for (std::size_t i = 0; i < of_one_reflection; ++i) {
             const ListenerSubpath subpath = subpaths_[i];
             if (subpath.first.grazing) {
@@ -65,22 +96,69 @@ ListenerBeams::ListenerBeams(const FacetIndex& index,
     place_images(listeners, executor);
 }
 
+std::size_t ListenerBeams::bytes() const noexcept {
+    constexpr std::size_t kInTree = sizeof(SubpathBounds) + sizeof(Vec3);
+    return frusta_.size() * sizeof(Frustum) +
+           subpaths_.size() * (sizeof(ListenerSubpath) + kInTree);
+}
+
+std::vector<VisibleFacet> ListenerBeams::visible_in(std::size_t frustum) const {
+    std::vector<VisibleFacet> visible;
+    for (std::size_t i = first_subpath_[frustum]; i < first_subpath_[frustum + 1]; ++i) {
+        visible.push_back(subpaths_[i].first);
+    }
+    return visible;
+}
+
+// The facets that are visible in a frustum, which becomes the current one of the search; whether
+// they are those that were visible before the change, in the frustum `old`.
+bool ListenerBeams::find_visible(std::size_t frustum,
+                                 std::optional<std::size_t> old,
+                                 const Before& before,
+                                 VisibleFacets& search,
+                                 std::vector<VisibleFacet>& visible) const {
+    visible.clear();
+    if (old) {
+        search.set_frustum(frusta_[frustum]);
+        const std::vector<VisibleFacet> visible_before = before.beams->visible_in(*old);
+        if (are_still_visible(search, visible_before, *before.change)) {
+            append_renumbered(visible_before, *before.change, visible);
+            return true;
+        }
+    }
+    search.search(frusta_[frustum]);
+    visible = search.found();
+    return false;
+}
+
 void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
                                       double contact_radius,
                                       int subpath_reflections,
+                                      const Before& before,
                                       Executor& executor) {
     const double min_depth = 0.5 * kRounding * index_.extent();
     for (const Vec3& listener : listeners) {
         const auto around = frusta_around(listener, 1, kGridSide, min_depth);
         frusta_.insert(frusta_.end(), around.begin(), around.end());
     }
-    // Facets visible from each listener, some of a frustum at a time.
+    // Facets visible from each listener, some of a frustum at a time. The frusta around it are as
+    // before a change.
     const auto make_search = [&] {
         return VisibleFacets(
             index_, Mode::complete, contact_radius, max_radius_, GrazingFacets::keep);
     };
-    const auto visible = find_primary_facets(
-        frusta_, subpath_reflections > 1 ? kPrimaryPieces : 1, make_search, executor);
+    const int pieces = subpath_reflections > 1 ? kPrimaryPieces : 1;
+    std::vector<std::vector<VisibleFacet>> visible_before;
+    for (std::size_t i = 0; before.beams != nullptr && i < frusta_.size(); ++i) {
+        visible_before.push_back(before.beams->visible_in(i));
+    }
+    PrimaryFacets primary =
+        before.beams != nullptr
+            ? update_primary_facets(
+                  frusta_, visible_before, *before.change, pieces, make_search, executor)
+            : PrimaryFacets{find_primary_facets(frusta_, pieces, make_search, executor)};
+    kept_frusta_ = primary.kept_frusta;
+    const auto& visible = primary.visible;
     const std::vector<FacetRange> ranges = divide_facets(visible);
     std::vector<Found> found(ranges.size());
     executor.for_each(found.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -106,12 +184,16 @@ void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
     if (subpath_reflections == 0) {
         return;
     }
-    for (const Found& of_range : found) {
-        subpaths_.insert(subpaths_.end(), of_range.subpaths.begin(), of_range.subpaths.end());
-        frusta_.insert(frusta_.end(), of_range.reflected.begin(), of_range.reflected.end());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        if (ranges[i].begin == 0) {
+            first_subpath_.push_back(static_cast<std::uint32_t>(subpaths_.size()));
+        }
+        subpaths_.insert(subpaths_.end(), found[i].subpaths.begin(), found[i].subpaths.end());
+        frusta_.insert(frusta_.end(), found[i].reflected.begin(), found[i].reflected.end());
         listener_of_reflected_.insert(
-            listener_of_reflected_.end(), of_range.listeners.begin(), of_range.listeners.end());
+            listener_of_reflected_.end(), found[i].listeners.begin(), found[i].listeners.end());
     }
+    first_subpath_.push_back(static_cast<std::uint32_t>(subpaths_.size()));
 }
 
 // A facet may be visible in several of a listener's frusta: once per listener.
@@ -139,29 +221,55 @@ void ListenerBeams::append_last_reflections(std::span<const Vec3> listeners,
     last_reflections_ = {index_.size(), entries};
 }
 
-void ListenerBeams::trace_reflected_beams(double contact_radius, Executor& executor) {
+void ListenerBeams::trace_reflected_beams(double contact_radius,
+                                          const Before& before,
+                                          Executor& executor) {
+    // Frusta of different listeners have different apexes, so one table serves all.
+    FrustumLookup lookup;
+    if (before.beams != nullptr) {
+        const std::vector<Frustum>& old = before.beams->frusta_;
+        for (std::size_t i = old.size() - before.beams->listener_of_reflected_.size();
+             i < old.size();
+             ++i) {
+            lookup.add(old[i], i, *before.change);
+        }
+        lookup.finish();
+    }
     const std::size_t first_reflected = frusta_.size() - listener_of_reflected_.size();
-    std::vector<std::vector<ListenerSubpath>> of_chunk(
-        chunk_count(listener_of_reflected_.size(), kGrain));
+    struct Chunk {
+        std::vector<VisibleFacet> visible;
+        std::vector<std::size_t> ends;  // per frustum, into `visible`
+        std::size_t kept_frusta = 0;
+    };
+    std::vector<Chunk> chunks(chunk_count(listener_of_reflected_.size(), kGrain));
     executor.for_each(
         listener_of_reflected_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+            Chunk& chunk = chunks[begin / kGrain];
             VisibleFacets search(
                 index_, Mode::complete, contact_radius, max_radius_, GrazingFacets::keep);
-            for (std::size_t i = begin; i < end; ++i) {
-                const Frustum& frustum = frusta_[first_reflected + i];
-                search.search(frustum);
-                for (const VisibleFacet& visible : search.found()) {
-                    of_chunk[begin / kGrain].push_back(
-                        {.first = visible,
-                         .last = frustum.facet,
-                         .listener = listener_of_reflected_[i],
-                         .frustum = static_cast<std::uint32_t>(first_reflected + i),
-                         .has_two = true});
-                }
+            std::vector<VisibleFacet> visible;
+            for (std::size_t i = first_reflected + begin; i < first_reflected + end; ++i) {
+                const auto old = lookup.find(frusta_[i]);
+                chunk.kept_frusta += find_visible(i, old, before, search, visible) ? 1 : 0;
+                chunk.visible.insert(chunk.visible.end(), visible.begin(), visible.end());
+                chunk.ends.push_back(chunk.visible.size());
             }
         });
-    for (const auto& subpaths : of_chunk) {
-        subpaths_.insert(subpaths_.end(), subpaths.begin(), subpaths.end());
+    std::size_t frustum = first_reflected;
+    for (const Chunk& chunk : chunks) {
+        kept_frusta_ += chunk.kept_frusta;
+        std::size_t begin = 0;
+        for (const std::size_t end : chunk.ends) {
+            for (; begin < end; ++begin) {
+                subpaths_.push_back({.first = chunk.visible[begin],
+                                     .last = frusta_[frustum].facet,
+                                     .listener = listener_of_reflected_[frustum - first_reflected],
+                                     .frustum = static_cast<std::uint32_t>(frustum),
+                                     .has_two = true});
+            }
+            first_subpath_.push_back(static_cast<std::uint32_t>(subpaths_.size()));
+            ++frustum;
+        }
     }
 }
 

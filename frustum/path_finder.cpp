@@ -4,12 +4,8 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
 #include "earshot/base/stage_progress.h"
-#include "earshot/frustum/internal/beam_tree.h"
 #include "earshot/frustum/internal/box_arrivals.h"
-#include "earshot/frustum/internal/box_lattice.h"
-#include "earshot/frustum/internal/candidate_sequences.h"
-#include "earshot/frustum/internal/facet_index.h"
-#include "earshot/frustum/internal/path_order.h"
+#include "earshot/frustum/internal/path_finder_state.h"
 
 #include <glm/geometric.hpp>
 
@@ -28,34 +24,6 @@ namespace {
 // Forward-only tracing in complete mode: beams are traced from up to so many listeners; more are
 // looked up by position.
 constexpr std::size_t kMaxListenersWithBeams = 64;
-
-/// How deep beam trees are traced.
-struct Depths {
-    int source_orders = 0;        // frusta of this order and above are not traced
-    int subpath_reflections = 0;  // of the listeners' beam trees
-    int connecting_order() const { return subpath_reflections > 0 ? source_orders - 1 : -1; }
-};
-
-/// Forward-only tracing looks for listeners in the reflections of the last frusta. Bidirectional
-/// tracing connects facets visible in the source's last frusta with subpaths of the listeners. A
-/// second reflection of subpaths costs each listener what it spares every source: about 16 times as
-/// many frusta of the highest order.
-Depths depths_of(const FinderOptions& options, bool bidirectional) {
-    const int order = options.trace.max_order;
-    if (!bidirectional || order < 2) {
-        return {.source_orders = order};
-    }
-    constexpr int kReflectionsPerFrustum = 16;
-    constexpr std::size_t kMaxListeners = 64;
-    std::size_t max_listeners = order < 3 ? 0 : 1;
-    for (int i = 3; i < order && max_listeners < kMaxListeners; ++i) {
-        max_listeners *= kReflectionsPerFrustum;
-    }
-    const int subpath_reflections =
-        options.listener_count <= std::min(max_listeners, kMaxListeners) ? 2 : 1;
-    return {.source_orders = order - subpath_reflections,
-            .subpath_reflections = subpath_reflections};
-}
 
 /// A task of BeamTracer::trace that generates candidates without recording the tree.
 class CandidateTask {
@@ -84,90 +52,26 @@ private:
 
 }  // namespace
 
-struct SourceBeamTree::Kept {
-    Vec3 source{0.0};
-    std::vector<BeamTree> parts;  // one per task of the trace
-    bool is_in_box = false;       // no beam tree is needed
-};
-
-struct ListenerBeamTree::Kept {
-    std::vector<Vec3> listeners;
-    std::optional<ListenerBeams> beams;
-    std::optional<ListenerPoints> points;
-    int connecting_order = -1;
-
-    ListenerSet set() const {
-        return {.positions = listeners,
-                .beams = beams ? &*beams : nullptr,
-                .points = points ? &*points : nullptr,
-                .connecting_order = connecting_order};
+// Forward-only tracing looks for listeners in the reflections of the last frusta. Bidirectional
+// tracing connects facets visible in the source's last frusta with subpaths of the listeners. A
+// second reflection of subpaths costs each listener what it spares every source: about 16 times as
+// many frusta of the highest order.
+Depths depths_of(const FinderOptions& options, bool bidirectional) {
+    const int order = options.trace.max_order;
+    if (!bidirectional || order < 2) {
+        return {.source_orders = order};
     }
-};
-
-struct PathFinder::State {
-    State(const SceneView& the_scene, const FinderOptions& options, FacetIndex the_index)
-        : scene(the_scene),
-          index(std::move(the_index)),
-          verifier(the_scene),
-          trace(options.trace),
-          bidirectional(options.trace.mode == Mode::complete && !options.forward_only),
-          depths(depths_of(options, bidirectional)),
-          max_radius(options.max_radius > 0.0 ? options.max_radius : 16.0 * index.extent()),
-          tracer(index, trace, verifier.contact_radius(), max_radius, depths.source_orders),
-          box(trace.box_lattice && trace.mode == Mode::complete
-                  ? BoxLattice::make(the_scene, verifier, trace)
-                  : std::nullopt) {
-        tracer.set_sample(options.sample);
+    constexpr int kReflectionsPerFrustum = 16;
+    constexpr std::size_t kMaxListeners = 64;
+    std::size_t max_listeners = order < 3 ? 0 : 1;
+    for (int i = 3; i < order && max_listeners < kMaxListeners; ++i) {
+        max_listeners *= kReflectionsPerFrustum;
     }
-
-    SceneView scene;
-    FacetIndex index;
-    PathVerifier verifier;
-    TraceOptions trace;
-    bool bidirectional;
-    Depths depths;
-    double max_radius;
-    BeamTracer tracer;
-    std::optional<BoxLattice> box;  // refers to the verifier
-
-    /// Whether frusta from the point are not needed, if those at the other end are not.
-    bool is_in_box(const Vec3& point) const { return box && box->contains(point); }
-    bool is_in_box(std::span<const Vec3> points) const {
-        return std::all_of(
-            points.begin(), points.end(), [&](const Vec3& point) { return is_in_box(point); });
-    }
-
-    ListenerBeamTree trace_beams(std::span<const Vec3> listeners, Executor& executor) const;
-    /// The listeners with beam trees, which those in a box lack: then `traced`.
-    const ListenerBeamTree& with_beams(const ListenerBeamTree& listeners,
-                                       std::optional<ListenerBeamTree>& traced,
-                                       Executor& executor) const;
-    TaskResult find_by_frusta(const Vec3& source,
-                              const ListenerSet& listeners,
-                              FirstFacets first,
-                              Executor& executor,
-                              Progress* progress) const;
-    TaskResult find_in_box(const Vec3& source,
-                           std::span<const Vec3> listeners,
-                           Executor& executor,
-                           Progress* progress) const;
-
-    CandidateGenerator generator(const Vec3& source, const ListenerSet& listeners) const {
-        return {index, verifier, listeners, trace, max_radius, source};
-    }
-
-    TaskResult find_direct(const Vec3& source, const ListenerSet& listeners) const {
-        CandidateGenerator direct = generator(source, listeners);
-        direct.generate_direct();
-        return direct.take_result();
-    }
-
-    TraceResult finish(TaskResult result) const {
-        sort_and_deduplicate(result.paths, scene.facets, verifier.extent());
-        result.statistics.paths = result.paths.size();
-        return {.paths = std::move(result.paths), .statistics = result.statistics};
-    }
-};
+    const int subpath_reflections =
+        options.listener_count <= std::min(max_listeners, kMaxListeners) ? 2 : 1;
+    return {.source_orders = order - subpath_reflections,
+            .subpath_reflections = subpath_reflections};
+}
 
 SourceBeamTree::SourceBeamTree(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
 SourceBeamTree::SourceBeamTree(SourceBeamTree&&) noexcept = default;
@@ -187,6 +91,10 @@ std::size_t SourceBeamTree::frusta() const noexcept {
             }));
     }
     return count;
+}
+
+std::size_t SourceBeamTree::kept_frusta() const noexcept {
+    return kept_->kept_frusta;
 }
 
 std::size_t SourceBeamTree::bytes() const noexcept {
@@ -210,6 +118,14 @@ std::size_t ListenerBeamTree::frusta() const noexcept {
     return kept_->beams ? kept_->beams->frusta() : 0;
 }
 
+std::size_t ListenerBeamTree::kept_frusta() const noexcept {
+    return kept_->beams ? kept_->beams->kept_frusta() : 0;
+}
+
+std::size_t ListenerBeamTree::bytes() const noexcept {
+    return kept_->beams ? kept_->beams->bytes() : 0;
+}
+
 // In a concert hall of 3,754 facets bidirectional tracing is the faster way to up to 1, 12 and 50
 // listeners at orders 2, 3 and 4.
 bool prefer_forward(std::size_t listener_count, int max_order) noexcept {
@@ -231,8 +147,10 @@ void PathFinder::move_to(const SceneView& scene,
                          double queries,
                          Executor& executor) {
     validate(options.trace);
-    state_ = std::make_unique<State>(
+    auto moved = std::make_unique<State>(
         scene, options, FacetIndex(scene, std::move(state_->index), queries, executor));
+    moved->follow(*state_, executor);
+    state_ = std::move(moved);
 }
 
 std::uint64_t PathFinder::hierarchies_built() const noexcept {
@@ -272,6 +190,8 @@ SourceBeamTree PathFinder::trace_source(const Vec3& source,
     EARSHOT_ASSERT(glm::length(source) <= state_->max_radius);
     auto kept = std::make_unique<SourceBeamTree::Kept>();
     kept->source = source;
+    kept->instant = state_->instant;
+    kept->has_first_facets = !first.empty();
     kept->is_in_box = first.empty() && state_->is_in_box(source);
     if (state_->trace.max_order > 0 && !kept->is_in_box) {
         for (BeamRecorder& task : state_->tracer.trace<BeamRecorder>(
@@ -289,6 +209,7 @@ ListenerBeamTree PathFinder::trace_listeners(std::span<const Vec3> listeners,
     }
     auto kept = std::make_unique<ListenerBeamTree::Kept>();
     kept->listeners.assign(listeners.begin(), listeners.end());
+    kept->instant = state_->instant;
     return ListenerBeamTree(std::move(kept));
 }
 
@@ -296,6 +217,7 @@ ListenerBeamTree PathFinder::State::trace_beams(std::span<const Vec3> listeners,
                                                 Executor& executor) const {
     auto kept = std::make_unique<ListenerBeamTree::Kept>();
     kept->listeners.assign(listeners.begin(), listeners.end());
+    kept->instant = instant;
     const bool are_few = trace.mode == Mode::complete && listeners.size() <= kMaxListenersWithBeams;
     if (!bidirectional && !are_few) {
         kept->points.emplace(listeners);
@@ -328,7 +250,7 @@ TaskResult PathFinder::State::find_by_frusta(const Vec3& source,
                                              FirstFacets first,
                                              Executor& executor,
                                              Progress* progress) const {
-    TaskResult result = find_direct(source, listeners);
+    TaskResult result = find_direct(source, listeners, nullptr);
     if (trace.max_order > 0) {
         const auto make_task = [&] { return CandidateTask(generator(source, listeners)); };
         for (CandidateTask& task :
@@ -381,43 +303,6 @@ TaskResult PathFinder::State::find_in_box(const Vec3& source,
         result.append(std::move(rest));
     }
     return result;
-}
-
-TraceResult PathFinder::connect(const SourceBeamTree& source,
-                                const ListenerBeamTree& listeners,
-                                Executor& executor) const {
-    const State& state = *state_;
-    if (source.kept_->is_in_box) {
-        return state.finish(
-            state.find_in_box(source.source(), listeners.listeners(), executor, nullptr));
-    }
-    std::optional<ListenerBeamTree> traced;
-    const ListenerSet set = state.with_beams(listeners, traced, executor).kept_->set();
-    const auto& parts = source.kept_->parts;
-    TaskResult result = state.find_direct(source.source(), set);
-    std::vector<TaskResult> results(parts.size());
-    executor.for_each(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
-        VisibleFacets search = state.tracer.make_search();
-        for (std::size_t i = begin; i < end; ++i) {
-            CandidateGenerator generator = state.generator(source.source(), set);
-            for (const BeamNode& node : parts[i].nodes) {
-                // The nodes are in depth-first order: back up to the node's parent, then down.
-                while (generator.order() >= std::max<std::size_t>(node.order, 1)) {
-                    generator.pop();
-                }
-                if (node.order > 0) {
-                    generator.push(node.frustum.facet);
-                }
-                search.set_frustum(node.frustum);
-                generator.generate_from(search, parts[i].visible_in(node));
-            }
-            results[i] = generator.take_result();
-        }
-    });
-    for (TaskResult& part : results) {
-        result.append(std::move(part));
-    }
-    return state.finish(std::move(result));
 }
 
 void PathFinder::for_each_listener(const SourceBeamTree& source,

@@ -31,8 +31,9 @@ public:
     ~SourceBeamTree();
 
     const geometry::Vec3& source() const noexcept;
-    std::size_t frusta() const noexcept;  ///< that were traced
-    std::size_t bytes() const noexcept;   ///< of memory, about
+    std::size_t frusta() const noexcept;       ///< in all
+    std::size_t kept_frusta() const noexcept;  ///< of these: not traced again by the last update
+    std::size_t bytes() const noexcept;        ///< of memory, about
 
 private:
     friend class PathFinder;
@@ -50,12 +51,33 @@ public:
     ~ListenerBeamTree();
 
     std::span<const geometry::Vec3> listeners() const noexcept;
-    std::size_t frusta() const noexcept;  ///< that were traced
+    std::size_t frusta() const noexcept;       ///< in all
+    std::size_t kept_frusta() const noexcept;  ///< of these: not traced again by the last update
+    std::size_t bytes() const noexcept;        ///< of memory, about
 
 private:
     friend class PathFinder;
     struct Kept;
     explicit ListenerBeamTree(std::unique_ptr<Kept> kept);
+    std::unique_ptr<Kept> kept_;
+};
+
+/// What the verification of candidate sequences of one source came to, kept so that the ones which
+/// nothing that has moved concerns need no verification at the next instant. Used with one
+/// PathFinder.
+class KeptVerdicts {
+public:
+    KeptVerdicts();
+    KeptVerdicts(KeptVerdicts&&) noexcept;
+    KeptVerdicts& operator=(KeptVerdicts&&) noexcept;
+    ~KeptVerdicts();
+
+    std::size_t size() const noexcept;   ///< sequences
+    std::size_t bytes() const noexcept;  ///< of memory, about
+
+private:
+    friend class PathFinder;
+    struct Kept;
     std::unique_ptr<Kept> kept_;
 };
 
@@ -80,6 +102,9 @@ struct FinderOptions {
     /// How many listeners are connected with each source, about: the more, the larger the source's
     /// part of bidirectional tracing. Changes the time only.
     std::size_t listener_count = 1;
+    /// Keep a copy of the geometry, which tells move_to() what has changed, so that update() does
+    /// not trace everything anew. Changes time and memory only.
+    bool track_changes = false;
 };
 
 /// Whether forward-only tracing is the faster way to so many listeners.
@@ -100,7 +125,7 @@ public:
 
     /// Moves to the scene at another instant, for about `queries` frusta. As a new finder, but the
     /// hierarchy over the facets follows them while they are made of the same triangles. Beam trees
-    /// made before are no longer valid.
+    /// made before are no longer valid until update().
     void move_to(const SceneView& scene,
                  const FinderOptions& options,
                  double queries,
@@ -118,10 +143,32 @@ public:
     ListenerBeamTree trace_listeners(std::span<const geometry::Vec3> listeners,
                                      Executor& executor = Executor::serial()) const;
 
+    /// Make a beam tree valid again that was so before the last move_to(), or any that this finder
+    /// has made. With FinderOptions::track_changes only the frusta are traced again that meet what
+    /// has moved or that have become others, if the options are the same as before, the mode is
+    /// complete, the scene's tolerances and triangles are the same and nothing is known of the
+    /// first facets; else all are. Reports the stage "tracing".
+    void update(SourceBeamTree& source,
+                FirstFacets first = {},
+                Executor& executor = Executor::serial(),
+                Progress* progress = nullptr) const;
+    void update(ListenerBeamTree& listeners, Executor& executor = Executor::serial()) const;
+    /// Whether a beam tree was made or updated since the last move_to().
+    bool is_current(const SourceBeamTree& source) const noexcept;
+    bool is_current(const ListenerBeamTree& listeners) const noexcept;
+
     /// Every path from the source to each listener. Points are taken as they are: on a surface they
     /// receive nothing through it, and less than half of the paths (see place_pairs).
     TraceResult connect(const SourceBeamTree& source,
                         const ListenerBeamTree& listeners,
+                        Executor& executor = Executor::serial()) const;
+
+    /// The same, where only sequences are verified on which `verdicts` has none that still holds:
+    /// of the same source and listeners, before the last move_to() or since. Then holds the
+    /// verdicts of now.
+    TraceResult connect(const SourceBeamTree& source,
+                        const ListenerBeamTree& listeners,
+                        KeptVerdicts& verdicts,
                         Executor& executor = Executor::serial()) const;
 
     /// The same without keeping the source's beam tree: memory does not grow with the number of

@@ -97,16 +97,20 @@ bool PathVerifier::turns_in_facets(std::span<const FacetId> sequence,
 
 std::optional<SpecularPath> PathVerifier::verify(std::span<const FacetId> sequence,
                                                  std::span<const Vec3> images,
-                                                 const Vec3& listener) const {
+                                                 const Vec3& listener,
+                                                 Rejection* rejection) const {
     auto path = construct(sequence, images, listener);
     if (!path) {
+        if (rejection != nullptr) {
+            *rejection = {};
+        }
         return std::nullopt;
     }
     // From the last leg to the first, so that what is inserted moves none that is still to come.
     std::vector<Transmission> transmissions;
     for (std::size_t i = sequence.size() + 1; i-- > 0;) {
         transmissions.clear();
-        if (!leg_is_unobstructed(*path, sequence, i, nullptr, transmissions)) {
+        if (!leg_is_unobstructed(*path, sequence, i, nullptr, transmissions, rejection)) {
             return std::nullopt;
         }
         insert(*path, i, transmissions);
@@ -125,7 +129,7 @@ bool PathVerifier::reaches_edge(std::span<const FacetId> sequence,
     std::vector<Transmission> transmissions;
     for (std::size_t i = sequence.size() + 1; i-- > 0;) {
         const geometry::Wedge* edge = i == sequence.size() ? &wedge : nullptr;
-        if (!leg_is_unobstructed(*path, sequence, i, edge, transmissions) ||
+        if (!leg_is_unobstructed(*path, sequence, i, edge, transmissions, nullptr) ||
             !transmissions.empty()) {
             return false;
         }
@@ -300,12 +304,14 @@ bool PathVerifier::belongs_to_edge(const geometry::Wedge& wedge,
     return 1.0 - t <= max_t && glm::dot(across, across) <= reach * reach;
 }
 
-// `edge`: the wedge in which the leg ends, or null.
+// `edge`: the wedge in which the leg ends, or null. `rejection`: set if the leg is obstructed; may
+// be null.
 bool PathVerifier::leg_is_unobstructed(const SpecularPath& path,
                                        std::span<const FacetId> sequence,
                                        std::size_t leg,
                                        const geometry::Wedge* edge,
-                                       std::vector<Transmission>& transmissions) const {
+                                       std::vector<Transmission>& transmissions,
+                                       Rejection* rejection) const {
     const Vec3 from = path.points[leg];
     const Vec3 to = path.points[leg + 1];
     const LegEnd start = end_of_leg(leg > 0 ? &sequence[leg - 1] : nullptr, to);
@@ -321,6 +327,9 @@ bool PathVerifier::leg_is_unobstructed(const SpecularPath& path,
         const FacetId facet = scene_.facets.of_triangle[id];
         if ((!is_transmissive(facet) && !may_be_covered(facet)) ||
             leg_lies_in_plane(facet, from, to)) {
+            if (rejection != nullptr) {
+                *rejection = {Rejection::Reason::blocked, id};
+            }
             return true;
         }
         transmissions.push_back({t, facet, id});
@@ -333,6 +342,9 @@ bool PathVerifier::leg_is_unobstructed(const SpecularPath& path,
     if (std::any_of(transmissions.begin(), transmissions.end(), [&](const Transmission& crossed) {
             return !is_transmissive(crossed.facet);
         })) {
+        if (rejection != nullptr) {
+            *rejection = {Rejection::Reason::blocked_by_layer};
+        }
         return false;
     }
     deduplicate(transmissions, length);

@@ -11,6 +11,17 @@
 
 namespace earshot::frustum {
 
+/// Why a sequence of facets is no path.
+struct Rejection {
+    enum class Reason {
+        no_reflection,    ///< some point misses its facet, or the facets face another way
+        blocked,          ///< a leg touches `occluder`
+        blocked_by_layer  ///< a leg touches a triangle before which no transmissive layer lies
+    };
+    Reason reason = Reason::no_reflection;
+    geometry::TriangleId occluder = 0;
+};
+
 /// Decides, in double precision and independently of how a sequence was found, whether the facets
 /// `sequence` reflect sound from source to listener, and constructs the path. Every specular path
 /// that is reported is made here.
@@ -28,10 +39,12 @@ public:
 
     /// `images[i]` is the source mirrored in the first i facets: images[0] is the source itself.
     /// Preconditions: images.size() == sequence.size() + 1, each made by Plane::mirror from the one
-    /// before. The listener's index in the result is 0.
+    /// before. The listener's index in the result is 0. `rejection`: set if there is no path; may
+    /// be null.
     std::optional<SpecularPath> verify(std::span<const geometry::FacetId> sequence,
                                        std::span<const geometry::Vec3> images,
-                                       const geometry::Vec3& listener) const;
+                                       const geometry::Vec3& listener,
+                                       Rejection* rejection = nullptr) const;
 
     /// Whether sound over the sequence reaches a point on the edge of a wedge from within its air.
     /// As verify() for a listener there, but the surfaces that meet in the edge do not block the
@@ -115,7 +128,8 @@ private:
                              std::span<const geometry::FacetId> sequence,
                              std::size_t leg,
                              const geometry::Wedge* edge,
-                             std::vector<Transmission>& transmissions) const;
+                             std::vector<Transmission>& transmissions,
+                             Rejection* rejection) const;
     bool leg_lies_in_plane(geometry::FacetId facet,
                            const geometry::Vec3& from,
                            const geometry::Vec3& to) const;

@@ -31,6 +31,8 @@ struct TraceOptions {
     /// Answer rooms that are boxes by their image lattice in place of frusta, in complete mode.
     /// Changes the time only.
     bool box_lattice = true;
+
+    friend bool operator==(const TraceOptions&, const TraceOptions&) = default;
 };
 
 /// Throws Error if an option is out of range.
@@ -53,6 +55,19 @@ struct TraceStatistics {
     std::uint64_t frusta = 0;      ///< frusta traced through the hierarchy
     std::uint64_t candidates = 0;  ///< facet sequences that were verified for a listener
     std::uint64_t paths = 0;       ///< paths found, duplicates counted once
+    /// Of kept beam trees: frusta that were not traced again, and sequences whose verdict of the
+    /// instant before still held.
+    std::uint64_t kept_frusta = 0, kept_candidates = 0;
+
+    TraceStatistics& operator+=(const TraceStatistics& other) noexcept {
+        frusta += other.frusta;
+        candidates += other.candidates;
+        paths += other.paths;
+        kept_frusta += other.kept_frusta;
+        kept_candidates += other.kept_candidates;
+        return *this;
+    }
+    friend bool operator==(const TraceStatistics&, const TraceStatistics&) = default;
 };
 
 struct TraceResult {

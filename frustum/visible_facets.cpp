@@ -134,8 +134,7 @@ void VisibleFacets::visit_nodes() {
     if (nodes.empty()) {
         return;
     }
-    const Plane* start_plane = frustum_.starts_at_facet ? &index_.plane(frustum_.facet) : nullptr;
-    const BoxCull cull(frustum_, start_plane, position_error_);
+    const BoxCull cull = box_cull();
     const auto depth_of = [&](const geometry::Aabb& box) {
         double depth = 0.0;
         for (int k = 0; k < 3; ++k) {
@@ -217,12 +216,14 @@ void VisibleFacets::add_occluder(FacetId facet, const InverseDepth& depth, CellM
     occlusion_.add(facet, back, inner);
 }
 
-// A box is occluded if every sub-frustum that it may overlap has an occluder in front of the box's
-// closest corner.
-bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
-    if (occlusion_.occluded() == 0 && mode_ == Mode::complete) {
-        return false;
-    }
+BoxCull VisibleFacets::box_cull() const noexcept {
+    const Plane* start_plane = frustum_.starts_at_facet ? &index_.plane(frustum_.facet) : nullptr;
+    return {frustum_, start_plane, position_error_};
+}
+
+// Nothing of a box that is not wholly in front of the apex.
+std::optional<VisibleFacets::BoxBounds> VisibleFacets::bounds_of(
+    const geometry::Aabb& box) const noexcept {
     // The bounds of the box along the frustum's axes. Their quotients bound u and v of its points.
     Vec3 middle, half;
     for (int k = 0; k < 3; ++k) {
@@ -238,7 +239,7 @@ bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
                          glm::dot(glm::abs(frustum_.forward), half)};
     const double min_depth = centre.z - extent.z;
     if (!(min_depth > frustum_.min_depth)) {
-        return false;
+        return std::nullopt;
     }
     const double near_scale = 1.0 / min_depth;
     const double far_scale = 1.0 / (centre.z + extent.z);
@@ -249,11 +250,29 @@ bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
         bounds.lower[k] = low * (low < 0.0 ? near_scale : far_scale);
         bounds.upper[k] = high * (high < 0.0 ? far_scale : near_scale);
     }
-    if (mode_ == Mode::sampled) {
-        const CellMask cells = raster_.cells_with_centre_in(bounds) & frustum_.active;
-        return occlusion_.all_centres_occlude(1.0 / min_depth, cells);
+    return BoxBounds{bounds, min_depth};
+}
+
+// A box is occluded if every sub-frustum that it may overlap has an occluder in front of the box's
+// closest corner.
+bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
+    if (occlusion_.occluded() == 0 && mode_ == Mode::complete) {
+        return false;
     }
-    return all_occlude_depth(min_depth, cells_overlapping(bounds, min_depth));
+    const auto seen = bounds_of(box);
+    if (!seen) {
+        return false;
+    }
+    if (mode_ == Mode::sampled) {
+        const CellMask cells = raster_.cells_with_centre_in(seen->bounds) & frustum_.active;
+        return occlusion_.all_centres_occlude(1.0 / seen->min_depth, cells);
+    }
+    return all_occlude_depth(seen->min_depth, cells_overlapping(seen->bounds, seen->min_depth));
+}
+
+bool VisibleFacets::may_overlap(const geometry::Aabb& box) const noexcept {
+    const auto seen = bounds_of(box);
+    return !seen || cells_overlapping(seen->bounds, seen->min_depth) != 0;
 }
 
 void VisibleFacets::collect_found() {

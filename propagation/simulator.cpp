@@ -41,8 +41,6 @@ constexpr double kRoom = 1.0 - 0x1p-40;
 void Simulator::State::move_geometry(double to, Executor& executor) {
     if (geometry.move(to, static_cast<double>(queries), executor)) {
         finder_is_current = false;
-        sources.clear();
-        listeners.reset();
         diffracted.reset();
     }
 }
@@ -188,17 +186,22 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
             max_radius = std::max(max_radius, glm::length(point));
         }
     }
-    if (!finder || !finder_is_current || finder->max_radius() < max_radius) {
+    const bool is_too_near = !finder || finder->max_radius() < max_radius;
+    if (!finder_is_current || is_too_near) {
         constexpr double kRoomToMove = 4.0;
         // Nodes that a frustum visits, about, over those that a ray does.
         constexpr double kQueriesPerFrustum = 8.0;
         const frustum::FinderOptions finder_options = {
             .trace = trace_options(),
             .forward_only = frustum::prefer_forward(to.size(), options.specular_order),
-            .max_radius = kRoomToMove * max_radius,
-            .listener_count = to.size()};
-        sources.clear();
-        listeners.reset();
+            // As before if it serves, so that what is kept does.
+            .max_radius = is_too_near ? kRoomToMove * max_radius : finder->max_radius(),
+            .listener_count = to.size(),
+            .track_changes = options.keep_traces};
+        if (!options.keep_traces) {
+            sources.clear();
+            listeners.reset();
+        }
         if (finder) {
             finder->move_to(geometry.scene_view(executor),
                             finder_options,
@@ -210,11 +213,22 @@ void Simulator::State::prepare_finder(std::span<const Vec3> from,
         finder_is_current = true;
     }
     sources.resize(from.size());
-    if (!listeners ||
-        !std::equal(
-            to.begin(), to.end(), listeners->listeners().begin(), listeners->listeners().end())) {
+    prepare_listeners(to, executor);
+}
+
+void Simulator::State::prepare_listeners(std::span<const Vec3> to, Executor& executor) {
+    const auto are_where = [&](std::span<const Vec3> others) {
+        return std::equal(to.begin(), to.end(), others.begin(), others.end());
+    };
+    if (!listeners || !are_where(listeners->listeners())) {
         listeners.emplace(finder->trace_listeners(to, executor));
+        statistics.frusta += listeners->frusta();
+        return;
     }
+    const bool is_current = finder->is_current(*listeners);
+    finder->update(*listeners, executor);
+    statistics.kept_frusta += is_current ? listeners->frusta() : listeners->kept_frusta();
+    statistics.frusta += is_current ? 0 : listeners->frusta() - listeners->kept_frusta();
 }
 
 frustum::PlacedPairs Simulator::State::place(const Emitter& source,
@@ -248,11 +262,20 @@ frustum::TraceResult Simulator::State::trace(std::size_t source,
     if (!options.keep_traces) {
         return finder->find(position, *listeners, first, executor, progress);
     }
-    std::optional<frustum::SourceBeamTree>& beams = sources[source];
+    auto& [beams, verdicts] = sources[source];
+    std::size_t kept_frusta = 0;
     if (!beams || beams->source() != position) {
         beams.emplace(finder->trace_source(position, first, executor, progress));
+    } else if (finder->is_current(*beams)) {
+        kept_frusta = beams->frusta();
+    } else {
+        finder->update(*beams, first, executor, progress);
+        kept_frusta = beams->kept_frusta();
     }
-    return finder->connect(*beams, *listeners, executor);
+    frustum::TraceResult result = finder->connect(*beams, *listeners, verdicts, executor);
+    result.statistics.kept_frusta += kept_frusta;
+    result.statistics.frusta += beams->frusta() - kept_frusta;
+    return result;
 }
 
 void Simulator::State::add_paths(std::size_t source,
@@ -264,9 +287,7 @@ void Simulator::State::add_paths(std::size_t source,
     const Vec3& position = sender.pose.position;
     const frustum::TraceResult traced = trace(source, position, placed, executor, progress);
     progress->report("tracing", 1, 1);  // also where there was no beam tree to report
-    statistics.frusta += traced.statistics.frusta;
-    statistics.candidates += traced.statistics.candidates;
-    statistics.paths += traced.statistics.paths;
+    statistics += traced.statistics;
     queries +=
         traced.statistics.candidates * static_cast<std::uint64_t>(options.specular_order + 1);
     std::vector<double> lengths;
@@ -439,7 +460,6 @@ void Simulator::for_each_pair(const VisitPair& visit, Executor& executor, Progre
     state.needs_facets = state.requires_facets(sources, listeners);
     if (state.needs_facets) {
         state.prepare_finder(sources, listeners, frusta, executor);
-        state.statistics.frusta = state.listeners->frusta();
     }
     std::vector<frustum::PlacedPairs> placed;  // per source
     for (std::size_t source = 0; source < sources.size(); ++source) {

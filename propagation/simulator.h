@@ -65,8 +65,12 @@ struct Options {
     /// Tell besides how often these scattered it (LateMaterials::Part::scatterings); needs
     /// report_materials. Likewise.
     bool report_scattering = false;
-    /// Keep what frusta saw from run to run: for sources and listeners that move in a scene that
-    /// does not. Costs memory and changes no result.
+    /// Keep beam trees, and what became of the sequences of facets that were verified, from run to
+    /// run: for sources and listeners that move, and for geometry of which parts move. Only what
+    /// meets that which has moved is traced and verified again. Costs memory, some MiB per source
+    /// and listener at order 3 in a scene of thousands of facets and ten to twenty times as much
+    /// per further order (docs/algorithms/frustum.md, "Geometry that moves"), and changes no
+    /// result.
     bool keep_traces = false;
     /// Paths are left out that are first reflected by a facet of which the cell of their source
     /// sees no triangle; of a source outside of the region none are. Must outlive the simulator.
@@ -138,7 +142,7 @@ public:
     RayScene ray_scene() const noexcept;
     /// The hierarchies over the triangles and over their facets since the simulator was made.
     HierarchyStatistics hierarchy_statistics() const noexcept;
-    /// Of the last run, summed over sources.
+    /// Of the last run, summed over sources: what it traced and verified, and what it kept.
     const frustum::TraceStatistics& statistics() const noexcept;
 
 private:

@@ -12,6 +12,7 @@
 #include "earshot/frustum/paths.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
@@ -49,6 +50,15 @@ struct BeamTree {
     }
 };
 
+class BeamRecorder;
+class GeometryChange;
+
+/// The parts of a beam tree that has been brought up to date.
+struct UpdatedBeams {
+    std::vector<BeamTree> parts;
+    std::uint64_t kept_frusta = 0;  ///< that were not traced again
+};
+
 /// Traces the beam tree of a source down to a given order.
 class BeamTracer {
 public:
@@ -74,6 +84,16 @@ public:
                             MakeTask&& make_task,
                             Executor& executor,
                             Progress* progress) const;
+
+    /// The beam tree of a source, from that of the same source before a change. Only frusta are
+    /// traced that swept boxes meet, or that are others than before. Preconditions: the change is
+    /// not total; `before` is of a tracer with the same options and had no mask; all frusta are
+    /// followed. Reports the stage "tracing".
+    UpdatedBeams update(const geometry::Vec3& source,
+                        std::span<const BeamTree> before,
+                        const GeometryChange& change,
+                        Executor& executor,
+                        Progress* progress) const;
 
     VisibleFacets make_search() const;
     /// Follows a share of the frusta of an order only.
@@ -104,6 +124,7 @@ private:
     void trace_subtree(const Frustum& frustum,
                        std::vector<VisibleFacets>& searches,
                        Task& task) const;
+    class Update;
 
     const FacetIndex& index_;
     TraceOptions options_;
@@ -123,6 +144,10 @@ public:
     std::size_t order() const { return order_; }
     void visit(const VisibleFacets& search) { record(search, false); }
     void visit_more(const VisibleFacets& search) { record(search, true); }
+    /// A frustum that was not traced again, with what was visible in it before a change.
+    void keep(const Frustum& frustum,
+              std::span<const VisibleFacet> visible_before,
+              const GeometryChange& change);
     BeamTree take_tree() { return std::move(tree_); }
 
 private:

@@ -3,10 +3,12 @@
 
 #include "earshot/frustum/internal/listener_beams.h"
 #include "earshot/frustum/internal/listener_points.h"
+#include "earshot/frustum/internal/verdict_table.h"
 #include "earshot/frustum/internal/visible_facets.h"
 #include "earshot/frustum/path_verifier.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,6 +19,7 @@ namespace earshot::frustum {
 struct TaskResult {
     std::vector<SpecularPath> paths;
     TraceStatistics statistics;
+    VerdictTable verdicts{};  ///< if they are kept, in no order
 
     void append(TaskResult&& other);
 };
@@ -55,6 +58,9 @@ public:
     /// the frustum was reflected in this sequence.
     void generate_from(const VisibleFacets& search, std::span<const VisibleFacet> visible_facets);
 
+    /// Keeps verdicts, and takes over those of `former` that still hold, which must outlive it.
+    void keep_verdicts(const FormerVerdicts& former) { former_ = &former; }
+
     TaskResult take_result() { return std::move(result_); }
 
 private:
@@ -63,6 +69,7 @@ private:
     void verify_listeners_in_frusta(const VisibleFacets& search,
                                     std::span<const VisibleFacet> visible_facets);
     void verify_candidate(std::size_t listener);
+    std::optional<SpecularPath> path_to(std::size_t listener);
     bool within_limits(double length) const noexcept;
 
     const FacetIndex& index_;
@@ -75,6 +82,7 @@ private:
     ApertureTest aperture_test_;  // of the current frustum
     std::vector<std::uint8_t> inside_masks_;
     std::vector<std::uint32_t> subpaths_;
+    const FormerVerdicts* former_ = nullptr;  // null: verdicts are not kept
     TaskResult result_;
 };
 

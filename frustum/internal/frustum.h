@@ -37,6 +37,7 @@ struct InverseDepth {
         const glm::dvec2 half = 0.5 * (rect.upper - rect.lower);
         return std::abs(slope.x) * half.x + std::abs(slope.y) * half.y;
     }
+    friend bool operator==(const InverseDepth&, const InverseDepth&) = default;
 };
 
 /// A beam: a four-sided pyramid with its apex in a source or an image source, truncated at the
@@ -65,6 +66,8 @@ struct Frustum {
         return {glm::dot(offset, right), glm::dot(offset, up), glm::dot(offset, forward)};
     }
     InverseDepth inverse_depth(const geometry::Plane& plane) const noexcept;
+
+    friend bool operator==(const Frustum&, const Frustum&) = default;
 };
 
 /// The frusta that together cover every direction from a point: six faces of a cube, each cut into

@@ -11,10 +11,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace earshot::frustum {
+
+class GeometryChange;
 
 /// A facet that may be the last reflection on the path to a listener. It is stored under that facet
 /// with the listener mirrored in it as its point.
@@ -55,6 +58,19 @@ public:
                   int subpath_reflections,
                   Executor& executor);
 
+    /// The same, where only frusta are traced that swept boxes meet or that `before` lacks, the
+    /// beam trees before a change. Preconditions: the change is not total; `before` has the same
+    /// listeners and was made with the same numbers.
+    ListenerBeams(const FacetIndex& index,
+                  double contact_radius,
+                  double max_radius,
+                  int max_order,
+                  std::span<const geometry::Vec3> listeners,
+                  int subpath_reflections,
+                  const ListenerBeams& before,
+                  const GeometryChange& change,
+                  Executor& executor);
+
     /// The facets visible from the listeners.
     const PointsByFacet<LastReflection>& last_reflections() const noexcept {
         return last_reflections_;
@@ -74,10 +90,19 @@ public:
                          const geometry::Vec3& image_source,
                          const geometry::Vec3& folded) const noexcept;
 
-    /// That were traced.
+    /// In all.
     std::size_t frusta() const noexcept { return frusta_.size(); }
+    /// Of these, that were not traced again.
+    std::size_t kept_frusta() const noexcept { return kept_frusta_; }
+    /// Of memory, about.
+    std::size_t bytes() const noexcept;
 
 private:
+    /// The beam trees before a change; null: there are none.
+    struct Before {
+        const ListenerBeams* beams = nullptr;
+        const GeometryChange* change = nullptr;
+    };
     struct VisiblePair {
         std::uint32_t listener = 0;
         geometry::FacetId facet = 0;
@@ -89,11 +114,25 @@ private:
         std::vector<std::uint32_t> listeners;  ///< of the reflected frusta
     };
 
+    void trace(std::span<const geometry::Vec3> listeners,
+               double contact_radius,
+               int max_order,
+               int subpath_reflections,
+               const Before& before,
+               Executor& executor);
     void trace_first_beams(std::span<const geometry::Vec3> listeners,
                            double contact_radius,
                            int subpath_reflections,
+                           const Before& before,
                            Executor& executor);
-    void trace_reflected_beams(double contact_radius, Executor& executor);
+    void trace_reflected_beams(double contact_radius, const Before& before, Executor& executor);
+    /// The facets that were visible in a frustum, by their numbers then.
+    std::vector<VisibleFacet> visible_in(std::size_t frustum) const;
+    bool find_visible(std::size_t frustum,
+                      std::optional<std::size_t> old,
+                      const Before& before,
+                      VisibleFacets& search,
+                      std::vector<VisibleFacet>& visible) const;
     void append_last_reflections(std::span<const geometry::Vec3> listeners,
                                  const std::vector<Found>& found);
     void append_before_grazing(const geometry::Vec3& listener,
@@ -106,6 +145,8 @@ private:
     double max_radius_;
     std::vector<Frustum> frusta_;  // six around each listener, then the reflected ones
     std::vector<std::uint32_t> listener_of_reflected_;
+    std::vector<std::uint32_t> first_subpath_;  // per frustum, and one past the last
+    std::size_t kept_frusta_ = 0;
     PointsByFacet<LastReflection> last_reflections_;
     std::vector<ListenerSubpath> subpaths_;
     std::vector<geometry::Vec3> images_;

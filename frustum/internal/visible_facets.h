@@ -7,6 +7,7 @@
 #include "earshot/frustum/internal/occlusion_grid.h"
 #include "earshot/frustum/paths.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -99,6 +100,13 @@ public:
     /// visible facet.
     bool may_reflect_to(const VisibleFacet& visible, const geometry::Vec3& point) const noexcept;
 
+    /// Culls boxes that do not overlap the current frustum.
+    BoxCull box_cull() const noexcept;
+
+    /// Whether a box may overlap an active sub-frustum of the current frustum, given that its
+    /// box_cull() does not cull it.
+    bool may_overlap(const geometry::Aabb& box) const noexcept;
+
     /// The part of the current frustum that a visible facet reflects.
     Frustum reflect(const VisibleFacet& visible);
 
@@ -134,6 +142,11 @@ private:
     double depth_error(geometry::FacetId facet) const noexcept;
     CellMask cells_overlapping(const Rect& bounds, double depth) const noexcept;
     bool all_occlude_depth(double depth, CellMask cells) const noexcept;
+    struct BoxBounds {
+        Rect bounds;             // in (u, v)
+        double min_depth = 0.0;  // metres
+    };
+    std::optional<BoxBounds> bounds_of(const geometry::Aabb& box) const noexcept;
     bool box_is_occluded(const geometry::Aabb& box) const noexcept;
     void collect_found();
     Rect bounds_of_cells(CellMask cells) const noexcept;

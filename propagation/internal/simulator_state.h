@@ -42,6 +42,12 @@ struct Simulator::State {
     std::vector<audio::Spectrum> reflection;    // pressure factor per material
     std::vector<audio::Spectrum> transmission;  // likewise
 
+    /// With Options::keep_traces: of one source.
+    struct KeptSource {
+        std::optional<frustum::SourceBeamTree> beams;
+        frustum::KeptVerdicts verdicts{};
+    };
+
     double time = 0.0;
     SceneGeometry geometry;
     std::uint64_t queries = 0;  // of the last run, about
@@ -51,7 +57,7 @@ struct Simulator::State {
     // Of the geometry as it is.
     std::optional<frustum::PathFinder> finder;
     bool finder_is_current = false;
-    std::vector<std::optional<frustum::SourceBeamTree>> sources;
+    std::vector<KeptSource> sources;
     std::optional<frustum::ListenerBeamTree> listeners;
     std::optional<DiffractedPaths> diffracted;
 
@@ -59,6 +65,7 @@ struct Simulator::State {
                         std::span<const geometry::Vec3> to,
                         std::uint64_t frusta,
                         Executor& executor);
+    void prepare_listeners(std::span<const geometry::Vec3> to, Executor& executor);
     std::vector<std::uint8_t> first_facets(const geometry::Vec3& source, Executor& executor) const {
         return propagation::first_facets(options.visible_sets, geometry, source, executor);
     }

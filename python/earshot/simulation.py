@@ -263,7 +263,7 @@ class Simulator(Object):
     """A scene prepared for many simulations: instants of its animation, or points that move.
 
     Takes a copy of the scene, and the options of :func:`simulate`. ``keep_traces=True`` keeps what
-    only depends on geometry that does not move. Results are those of :func:`simulate`.
+    nothing that has moved concerns. Results are those of :func:`simulate`.
     """
 
     def __init__(self, scene: Scene, *, progress: Progress = None, **options: Any) -> None:

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/beam_tree.h"
+#include "earshot/frustum/internal/geometry_change.h"
+#include "earshot/frustum/internal/kept_frusta.h"
+#include "earshot/frustum/internal/primary_facets.h"
+
+#include <utility>
+
+namespace earshot::frustum {
+
+namespace {
+
+/// A node of the beam tree before the change.
+struct OldNode {
+    const BeamTree* tree = nullptr;
+    std::size_t index = 0;
+
+    const BeamNode& node() const { return tree->nodes[index]; }
+    std::span<const VisibleFacet> visible() const { return tree->visible_in(node()); }
+
+    /// Calls visit(child) for each, in order. Nodes are in depth-first order: the descendants come
+    /// after the node, up to one that is no deeper.
+    template <typename Visit>
+    void for_each_child(Visit&& visit) const {
+        const std::size_t order = node().order;
+        for (std::size_t i = index + 1; i < tree->nodes.size() && tree->nodes[i].order > order;
+             ++i) {
+            if (tree->nodes[i].order == order + 1) {
+                visit(OldNode{tree, i});
+            }
+        }
+    }
+};
+
+/// A frustum of order 1, and its node before the change if there was one.
+struct Subtree {
+    Frustum frustum;
+    OldNode old;
+};
+
+}  // namespace
+
+/// Goes down the beam trees before and after a change together.
+class BeamTracer::Update {
+public:
+    Update(const BeamTracer& tracer, const GeometryChange& change)
+        : tracer_(tracer), change_(change) {
+        for (int order = 0; order < tracer.orders_; ++order) {
+            searches_.push_back(tracer.make_search());
+        }
+        lookups_.resize(searches_.size());
+    }
+
+    /// A frustum that there was, by its numbers of now, and all below it.
+    void update_subtree(const Frustum& frustum, const OldNode& old) {
+        if (update_node(frustum, old)) {
+            // The frusta that it reflects are the same too.
+            old.for_each_child([&](const OldNode& child) {
+                Frustum same = child.node().frustum;
+                same.facet = change_.after(same.facet);
+                recorder_.push(same.facet);
+                update_subtree(same, child);
+                recorder_.pop();
+            });
+            return;
+        }
+        const std::size_t order = recorder_.order();
+        if (static_cast<int>(order) + 1 >= tracer_.orders_) {
+            return;
+        }
+        FrustumLookup& lookup = lookups_[order];
+        lookup.clear();
+        old.for_each_child(
+            [&](const OldNode& child) { lookup.add(child.node().frustum, child.index, change_); });
+        lookup.finish();
+        VisibleFacets& search = searches_[order];
+        for (const VisibleFacet& visible : search.found()) {
+            if (tracer_.may_reflect(search.frustum(), visible)) {
+                const Frustum child = search.reflect(visible);
+                const auto known = lookup.find(child);
+                update_or_trace({child, known ? OldNode{old.tree, *known} : OldNode{}});
+            }
+        }
+    }
+
+    void update_or_trace(const Subtree& subtree) {
+        recorder_.push(subtree.frustum.facet);
+        if (subtree.old.tree != nullptr) {
+            update_subtree(subtree.frustum, subtree.old);
+        } else {
+            tracer_.trace_subtree(subtree.frustum, searches_, recorder_);
+        }
+        recorder_.pop();
+    }
+
+    std::uint64_t kept_frusta() const { return kept_frusta_; }
+    BeamTree take_tree() { return recorder_.take_tree(); }
+
+private:
+    /// The frustum alone; whether it was kept. Either way it is the current one of the search.
+    bool update_node(const Frustum& frustum, const OldNode& old) {
+        VisibleFacets& search = searches_[recorder_.order()];
+        search.set_frustum(frustum);
+        if (are_still_visible(search, old.visible(), change_)) {
+            recorder_.keep(frustum, old.visible(), change_);
+            ++kept_frusta_;
+            return true;
+        }
+        search.search(frustum);
+        recorder_.visit(search);
+        return false;
+    }
+
+    const BeamTracer& tracer_;
+    const GeometryChange& change_;
+    std::vector<VisibleFacets> searches_;  // one per order
+    std::vector<FrustumLookup> lookups_;   // likewise
+    BeamRecorder recorder_;
+    std::uint64_t kept_frusta_ = 0;
+};
+
+UpdatedBeams BeamTracer::update(const geometry::Vec3& source,
+                                std::span<const BeamTree> before,
+                                const GeometryChange& change,
+                                Executor& executor,
+                                Progress* progress) const {
+    // The frusta around the source are the same as before, in the same order. Of those of order 1
+    // it does not matter which one they are reflections of.
+    std::vector<std::vector<VisibleFacet>> primary_before;
+    std::vector<OldNode> old_subtrees;
+    FrustumLookup lookup;
+    for (const BeamTree& part : before) {
+        for (std::size_t i = 0; i < part.nodes.size(); ++i) {
+            const BeamNode& node = part.nodes[i];
+            if (node.order == 0) {
+                if (!node.is_continued) {
+                    primary_before.emplace_back();
+                }
+                const auto visible = part.visible_in(node);
+                primary_before.back().insert(
+                    primary_before.back().end(), visible.begin(), visible.end());
+            } else if (node.order == 1) {
+                lookup.add(node.frustum, old_subtrees.size(), change);
+                old_subtrees.push_back({&part, i});
+            }
+        }
+    }
+    lookup.finish();
+    const auto primary = frusta_around_source(source);
+    EARSHOT_ASSERT(primary.size() == primary_before.size());
+    const PrimaryFacets facets = update_primary_facets(
+        primary, primary_before, change, primary_pieces_, [&] { return make_search(); }, executor);
+    UpdatedBeams result;
+    result.kept_frusta = facets.kept_frusta;
+    std::vector<Subtree> subtrees;
+    VisibleFacets search = make_search();
+    for (const FacetRange& range : divide_facets(facets.visible)) {
+        search.set_frustum(
+            primary[range.frustum],
+            std::span(facets.visible[range.frustum]).subspan(range.begin, range.end - range.begin));
+        BeamRecorder recorder;
+        range.begin == 0 ? recorder.visit(search) : recorder.visit_more(search);
+        result.parts.push_back(recorder.take_tree());
+        for (const VisibleFacet& visible : search.found()) {
+            if (orders_ > 1 && may_reflect(search.frustum(), visible)) {
+                const Frustum child = search.reflect(visible);
+                const auto known = lookup.find(child);
+                subtrees.push_back({child, known ? old_subtrees[*known] : OldNode{}});
+            }
+        }
+    }
+    // Everything else, subtree by subtree.
+    std::vector<UpdatedBeams> of_chunk(chunk_count(subtrees.size(), kGrain));
+    StageProgress traced(progress, "tracing", subtrees.size());
+    executor.for_each(subtrees.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        Update update(*this, change);
+        for (std::size_t i = begin; i < end; ++i) {
+            update.update_or_trace(subtrees[i]);
+        }
+        of_chunk[begin / kGrain].kept_frusta = update.kept_frusta();
+        of_chunk[begin / kGrain].parts.push_back(update.take_tree());
+        traced.add(end - begin);
+    });
+    for (UpdatedBeams& chunk : of_chunk) {
+        result.kept_frusta += chunk.kept_frusta;
+        result.parts.push_back(std::move(chunk.parts.front()));
+    }
+    return result;
+}
+
+}  // namespace earshot::frustum
