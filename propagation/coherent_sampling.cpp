@@ -6,33 +6,35 @@
 #include "earshot/base/random.h"
 
 #include <algorithm>
-#include <limits>
+#include <bit>
 
 namespace earshot::propagation {
 namespace {
 
 constexpr std::uint64_t kSlotStream = 0;
-constexpr std::uint64_t kKeyStream = 1;
+constexpr std::uint64_t kExponentialStream = 1;
 
-/// The slot of an item, evenly spread: with one slot more, only the items that belong to that one
-/// move (jump consistent hash: Lamping and Veach 2014).
-std::size_t slot_of(std::uint64_t bits, std::size_t slots) noexcept {
-    constexpr std::uint64_t kMultiplier = 2862933555777941757ULL;
-    std::uint64_t slot = 0;
-    std::uint64_t next = 0;
-    while (next < slots) {
-        slot = next;
-        bits = bits * kMultiplier + 1;
-        next = static_cast<std::uint64_t>(static_cast<double>(slot + 1) *
-                                          (0x1p31 / static_cast<double>((bits >> 33) + 1)));
+/// Joins slots until there are as many as that. With one slot less, only the items of the last one
+/// move.
+std::size_t joined_slot(std::size_t slot, std::size_t slots) noexcept {
+    while (slot >= slots) {
+        slot -= std::bit_floor(slot);
     }
-    return static_cast<std::size_t>(slot);
+    return slot;
 }
 
 /// Which items are chosen with certainty. An item that is makes the share of one choice smaller, so
 /// that others follow.
 std::vector<std::uint8_t> certain_items(std::span<const double> importances, std::size_t budget) {
     std::vector<std::uint8_t> certain(importances.size(), 0);
+    const auto wanted = static_cast<std::size_t>(std::count_if(
+        importances.begin(), importances.end(), [](double value) { return value > 0.0; }));
+    if (wanted <= budget) {
+        std::transform(importances.begin(), importances.end(), certain.begin(), [](double value) {
+            return static_cast<std::uint8_t>(value > 0.0 ? 1 : 0);
+        });
+        return certain;
+    }
     std::size_t left = budget;
     for (bool changed = true; changed && left > 1;) {
         changed = false;
@@ -56,17 +58,20 @@ std::vector<std::uint8_t> certain_items(std::span<const double> importances, std
 /// The items of a slot, and the one that is chosen.
 struct Slot {
     double sum = 0.0;
-    double key = std::numeric_limits<double>::infinity();
     std::size_t index = 0;
 };
 
 }  // namespace
 
+SamplingKey sampling_key(std::uint64_t identity, std::uint64_t seed) noexcept {
+    return {random(seed, kSlotStream, identity),
+            -math::log(1.0 - random(seed, kExponentialStream, identity))};
+}
+
 std::vector<WeightedSample> coherent_samples(std::span<const double> importances,
-                                             std::span<const std::uint64_t> identities,
-                                             std::size_t budget,
-                                             std::uint64_t seed) {
-    EARSHOT_ASSERT(identities.size() == importances.size());
+                                             std::span<const SamplingKey> keys,
+                                             std::size_t budget) {
+    EARSHOT_ASSERT(keys.size() == importances.size());
     std::vector<WeightedSample> samples;
     if (budget == 0) {
         return samples;
@@ -77,20 +82,19 @@ std::vector<WeightedSample> coherent_samples(std::span<const double> importances
             samples.push_back({i, 1.0});
         }
     }
-    std::vector<Slot> slots(budget - samples.size());
-    const RandomStream slot_bits(seed, kSlotStream);
-    const RandomStream numbers(seed, kKeyStream);
+    std::vector<Slot> slots(std::min(budget, importances.size()) - samples.size());
     for (std::size_t i = 0; i < importances.size(); ++i) {
         if (certain[i] != 0 || !(importances[i] > 0.0)) {
             continue;
         }
-        Slot& slot = slots[slot_of(slot_bits.bits(identities[i]), slots.size())];
-        slot.sum += importances[i];
-        const double key = -math::log(1.0 - numbers.at(identities[i])) / importances[i];
-        if (key < slot.key || (key == slot.key && identities[i] < identities[slot.index])) {
-            slot.key = key;
+        const auto first = static_cast<std::size_t>(keys[i].slot * static_cast<double>(budget));
+        Slot& slot = slots[joined_slot(first, slots.size())];
+        // Products in place of quotients, which take longer.
+        if (slot.sum == 0.0 || keys[i].exponential * importances[slot.index] <
+                                   keys[slot.index].exponential * importances[i]) {
             slot.index = i;
         }
+        slot.sum += importances[i];
     }
     for (const Slot& slot : slots) {
         if (slot.sum > 0.0) {

@@ -21,26 +21,6 @@ using geometry::Vec3;
 
 namespace {
 
-void check(const RayOptions& options) {
-    const auto positive = [](double value) { return value > 0.0 && std::isfinite(value); };
-    if (options.rays == 0) {
-        throw Error("rays", "must be 1 or more");
-    }
-    if (!positive(options.length) || !positive(options.bin) || options.length / options.bin > 1e7) {
-        throw Error("histogram", "must have a positive length and up to 10 million intervals");
-    }
-    if (!(options.max_error >= 0.0 && options.max_error <= 1.0)) {
-        throw Error("error of rays", "must lie in 0 ... 100 %");
-    }
-    if (!(options.rain_radius > 0.0)) {
-        throw Error("radius of diffuse rain", "must be positive");
-    }
-    if (!positive(options.receiver_radius)) {
-        throw Error("receiver radius", "must be positive");
-    }
-    validate(options.air);
-}
-
 void add(double weight, const Spectrum& part, Spectrum& sum) {
     for (std::size_t band = 0; band < sum.size(); ++band) {
         sum[band] += weight * part[band];
@@ -305,6 +285,26 @@ WeightWindow find_weight_window(const RayScene& scene,
 
 }  // namespace
 
+void validate(const RayOptions& options) {
+    const auto positive = [](double value) { return value > 0.0 && std::isfinite(value); };
+    if (options.rays == 0) {
+        throw Error("rays", "must be 1 or more");
+    }
+    if (!positive(options.length) || !positive(options.bin) || options.length / options.bin > 1e7) {
+        throw Error("histogram", "must have a positive length and up to 10 million intervals");
+    }
+    if (!(options.max_error >= 0.0 && options.max_error <= 1.0)) {
+        throw Error("error of rays", "must lie in 0 ... 100 %");
+    }
+    if (!(options.rain_radius > 0.0)) {
+        throw Error("radius of diffuse rain", "must be positive");
+    }
+    if (!positive(options.receiver_radius)) {
+        throw Error("receiver radius", "must be positive");
+    }
+    validate(options.air);
+}
+
 double late_length(const RayScene& scene,
                    const RaySource& source,
                    const RayOptions& options,
@@ -319,7 +319,7 @@ double late_length(const RayScene& scene,
     few.report_materials = false;
     few.bin = kMaxLength;
     few.length = kMinLength;
-    check(few);
+    validate(few);
     // One tracer for all lengths, which refers to the options.
     RayTracer tracer(scene, source, {}, few, executor);
     for (; few.length < kMaxLength; few.length *= 1.5) {
@@ -347,7 +347,7 @@ LateTotals visit_late_sound(const RayScene& scene,
                             const RayOptions& options,
                             Executor& executor,
                             Progress* progress) {
-    check(options);
+    validate(options);
     RayTracer tracer(scene, source, listeners, options, executor);
     if (options.weight_window) {
         tracer.set_weight_window(find_weight_window(scene, source, options, executor));

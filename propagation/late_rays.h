@@ -11,6 +11,9 @@
 
 namespace earshot::propagation {
 
+/// Throws Error if an option is out of range.
+void validate(const RayOptions& options);
+
 /// Late sound by stochastic ray tracing (Vorlaender 2008, chapter 11). At each surface a ray loses
 /// the absorbed energy and is reflected specularly or, with the probability of the scattering
 /// coefficient, into a direction drawn from Lambert's law. Scattered energy reaches every visible

@@ -24,44 +24,6 @@ using geometry::Vec3;
 
 namespace {
 
-// Reflected and shadow rays start this far from a surface, re the extent of the scene: above the
-// rounding error of a hit, far below a wavelength.
-constexpr double kSelfIntersectionOffset = 0x1p-32;
-
-/// Sets the probabilities of a surface, which follow from its shares.
-void set_probabilities(RaySurface& surface) {
-    double total = 0.0;
-    for (std::size_t band = 0; band < surface.kept.size(); ++band) {
-        surface.kept[band] =
-            surface.specular[band] + surface.scattered[band] + surface.transmitted[band];
-        if (surface.kept[band] > total) {
-            total = surface.kept[band];
-            surface.scattering_probability = surface.scattered[band] / total;
-            surface.transmission_probability = surface.transmitted[band] / total;
-        }
-    }
-    surface.rain_probability = std::sqrt(surface.scattering_probability);
-    surface.uniform_split = total > 0.0;
-    for (std::size_t band = 0; band < surface.kept.size(); ++band) {
-        // A few roundings, which the balance of energy does not feel.
-        constexpr double kRounding = 0x1p-50;
-        const auto is_share = [&](double part, double probability) {
-            return std::abs(part - probability * surface.kept[band]) <=
-                   kRounding * surface.kept[band];
-        };
-        surface.uniform_split =
-            surface.uniform_split &&
-            is_share(surface.scattered[band], surface.scattering_probability) &&
-            is_share(surface.transmitted[band], surface.transmission_probability);
-    }
-}
-
-RaySurface perfect_absorber() {
-    RaySurface surface;
-    surface.absorbed.fill(1.0);
-    return surface;
-}
-
 // The back of a one-sided material absorbs everything, so that sound passes only from its front to
 // its back, and reversed rays from its back to its front.
 RaySurface without_transmission(RaySurface surface) {
@@ -234,20 +196,7 @@ void RayTracer::limit_roulette() {
 
 void RayTracer::describe_surfaces() {
     for (const Material& material : scene_.materials) {
-        const audio::Spectrum absorption = material.absorption.over(options_.bands);
-        const audio::Spectrum scattering = material.scattering.over(options_.bands);
-        const audio::Spectrum transmission = transmitted_energy(material, options_.bands);
-        RaySurface surface;
-        for (std::size_t band = 0; band < bands_; ++band) {
-            const double kept = 1.0 - absorption[band];
-            // Transmitted energy is a part of the energy that is not reflected.
-            const double transmitted = options_.transmission ? transmission[band] : 0.0;
-            surface.specular[band] = kept * (1.0 - scattering[band]);
-            surface.scattered[band] = kept * scattering[band];
-            surface.transmitted[band] = transmitted;
-            surface.absorbed[band] = absorption[band] - transmitted;
-        }
-        set_probabilities(surface);
+        const RaySurface surface = ray_surface(material, options_.bands, options_.transmission);
         surfaces_.push_back(surface);
         surfaces_.push_back(material.one_sided ? perfect_absorber() : surface);
         reversed_surfaces_.push_back(material.one_sided ? without_transmission(surface) : surface);

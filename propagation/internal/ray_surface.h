@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/audio/bands.h"
+#include "earshot/propagation/material.h"
 
 namespace earshot::propagation {
 
@@ -15,5 +16,15 @@ struct RaySurface {
     double scattering_probability = 0.0, transmission_probability = 0.0;  ///< if so
     double rain_probability = 0.0;                                        ///< likewise
 };
+
+/// Sets what follows from the shares of a surface: all but those.
+void set_probabilities(RaySurface& surface);
+
+/// The front of a material, and the back where that is not one-sided. Without `transmission`,
+/// what would pass is absorbed.
+RaySurface ray_surface(const Material& material, const audio::Bands& bands, bool transmission);
+
+/// The back of a one-sided material.
+RaySurface perfect_absorber();
 
 }  // namespace earshot::propagation

@@ -22,6 +22,10 @@ namespace earshot::propagation {
 /// Rays of a batch, at most; numbers are drawn for (batch, ray).
 inline constexpr std::uint64_t kMaxBatchRays = 2048;
 
+/// Reflected and shadow rays start this far from a surface, re the extent of the scene: above the
+/// rounding error of a hit, far below a wavelength.
+inline constexpr double kSelfIntersectionOffset = 0x1p-32;
+
 // Streams of random numbers of no reflection.
 inline constexpr std::uint64_t kNearScatteringStream = std::uint64_t{1} << 63;
 inline constexpr std::uint64_t kBallStream = kNearScatteringStream + 1;

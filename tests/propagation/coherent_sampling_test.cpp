@@ -18,16 +18,18 @@
 namespace earshot::propagation {
 namespace {
 
-std::vector<std::uint64_t> numbered(std::size_t count) {
-    std::vector<std::uint64_t> identities(count);
-    std::iota(identities.begin(), identities.end(), std::uint64_t{0});
-    return identities;
+std::vector<SamplingKey> keys_of(std::size_t count, std::uint64_t seed) {
+    std::vector<SamplingKey> keys;
+    for (std::size_t i = 0; i < count; ++i) {
+        keys.push_back(sampling_key(i, seed));
+    }
+    return keys;
 }
 
 std::vector<WeightedSample> samples_of(std::span<const double> importances,
                                        std::size_t budget,
                                        std::uint64_t seed) {
-    return coherent_samples(importances, numbered(importances.size()), budget, seed);
+    return coherent_samples(importances, keys_of(importances.size(), seed), budget);
 }
 
 double estimate(std::span<const WeightedSample> samples, std::span<const double> values) {
@@ -62,14 +64,14 @@ std::size_t new_choices(std::span<const WeightedSample> before,
     return difference.size();
 }
 
-/// Four maps of 64 x 64 with a few bright spots, as reflective shadow maps have them.
-std::vector<double> peaked_maps() {
-    constexpr int kSide = 64;
+/// Four maps of `side` x `side` with a few bright spots, as reflective shadow maps have them.
+std::vector<double> peaked_maps(int side = 64) {
     std::vector<double> maps;
     for (int map = 0; map < 4; ++map) {
-        for (int y = 0; y < kSide; ++y) {
-            for (int x = 0; x < kSide; ++x) {
-                const double dx = x - 10.0 - 12.0 * map, dy = y - 50.0 + 9.0 * map;
+        for (int y = 0; y < side; ++y) {
+            for (int x = 0; x < side; ++x) {
+                const double dx = 64.0 * x / side - 10.0 - 12.0 * map;
+                const double dy = 64.0 * y / side - 50.0 + 9.0 * map;
                 maps.push_back(0.05 + std::exp(-(dx * dx + dy * dy) / (40.0 + 30.0 * map)));
             }
         }
@@ -81,7 +83,7 @@ std::vector<double> peaked_maps() {
 std::vector<double> partly_hidden(std::span<const double> importances) {
     std::vector<double> values;
     for (std::size_t i = 0; i < importances.size(); ++i) {
-        const bool is_hidden = i % 640 < (importances[i] > 0.3 ? 100 : 500);
+        const bool is_hidden = i % 160 < (importances[i] > 0.3 ? 25 : 125);
         values.push_back(is_hidden ? 0.1 * importances[i] : importances[i]);
     }
     return values;
@@ -104,10 +106,10 @@ Trials trials(std::span<const double> values, Choose&& choose) {
 }
 
 /// The probability that an item is chosen, over all ways to put the items that are not certain into
-/// slots.
+/// as many slots as the budget, of which those without room are joined as the table tells.
 std::vector<double> enumerated_probabilities(std::span<const double> importances,
                                              std::span<const std::size_t> certain,
-                                             std::size_t slots) {
+                                             std::span<const std::size_t> joined) {
     std::vector<double> probabilities(importances.size(), 0.0);
     std::vector<std::size_t> others;
     for (std::size_t i = 0; i < importances.size(); ++i) {
@@ -117,14 +119,15 @@ std::vector<double> enumerated_probabilities(std::span<const double> importances
             others.push_back(i);
         }
     }
-    const double ways = std::pow(static_cast<double>(slots), static_cast<double>(others.size()));
+    const double ways =
+        std::pow(static_cast<double>(joined.size()), static_cast<double>(others.size()));
     for (std::size_t way = 0; static_cast<double>(way) < ways; ++way) {
-        std::vector<double> sums(slots, 0.0);
+        std::vector<double> sums(joined.size(), 0.0);
         std::vector<std::size_t> slot_of(importances.size());
         std::size_t rest = way;
         for (const std::size_t i : others) {
-            slot_of[i] = rest % slots;
-            rest /= slots;
+            slot_of[i] = joined[rest % joined.size()];
+            rest /= joined.size();
             sums[slot_of[i]] += importances[i];
         }
         for (const std::size_t i : others) {
@@ -136,18 +139,18 @@ std::vector<double> enumerated_probabilities(std::span<const double> importances
 
 void expect_probabilities(std::span<const double> importances,
                           std::span<const std::size_t> certain,
-                          std::size_t budget) {
+                          std::vector<std::size_t> joined) {
     constexpr int kSeeds = 40000;
     std::vector<double> chosen(importances.size(), 0.0), weights(importances.size(), 0.0),
         squares(importances.size(), 0.0);
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-        for (const WeightedSample& sample : samples_of(importances, budget, seed)) {
+        for (const WeightedSample& sample : samples_of(importances, joined.size(), seed)) {
             chosen[sample.index] += 1.0;
             weights[sample.index] += sample.weight;
             squares[sample.index] += sample.weight * sample.weight;
         }
     }
-    const auto expected = enumerated_probabilities(importances, certain, budget - certain.size());
+    const auto expected = enumerated_probabilities(importances, certain, joined);
     for (std::size_t i = 0; i < importances.size(); ++i) {
         const double p = expected[i];
         EXPECT_NEAR(chosen[i] / kSeeds, p, 4.5 * std::sqrt(p * (1.0 - p) / kSeeds) + 1e-12) << i;
@@ -158,14 +161,17 @@ void expect_probabilities(std::span<const double> importances,
 }
 
 TEST(CoherentSampling, ChoosesWithTheProbabilitiesOfAllWaysToFillTheSlots) {
-    expect_probabilities(std::vector{1.0, 2.0, 1.5, 0.25, 2.5, 1.25}, {}, 2);
-    expect_probabilities(std::vector{1.0, 2.0, 1.5, 0.25, 2.5, 1.25}, {}, 3);
+    expect_probabilities(std::vector{1.0, 2.0, 1.5, 0.25, 2.5, 1.25}, {}, {0, 1});
+    expect_probabilities(std::vector{1.0, 2.0, 1.5, 0.25, 2.5, 1.25}, {}, {0, 1, 2});
 }
 
 TEST(CoherentSampling, ChoosesImportantItemsWithCertainty) {
     // A third of 12 is less than 6; half of the other 6 is not more than 3.
     const std::vector<std::size_t> certain = {1, 3};
-    expect_probabilities(std::vector{1.0, 6.0, 0.5, 3.0, 1.5}, certain, 3);
+    expect_probabilities(std::vector{1.0, 6.0, 0.5, 3.0, 1.5}, certain, {0, 0, 0});
+    // Two slots are left of four: 2 = 10b is joined with 0, and 3 = 11b with 1. A quarter of 13 and
+    // a third of 7 are certain.
+    expect_probabilities(std::vector{1.0, 6.0, 0.5, 3.0, 1.0, 1.5}, certain, {0, 1, 0, 1});
     for (std::uint64_t seed = 1; seed < 50; ++seed) {
         const auto samples = samples_of(std::vector{1.0, 6.0, 0.5, 3.0, 1.5}, 3, seed);
         ASSERT_EQ(samples.size(), 3);
@@ -178,7 +184,7 @@ TEST(CoherentSampling, ChoosesImportantItemsWithCertainty) {
 
 TEST(CoherentSampling, AnyBudgetThatSufficesChoosesAll) {
     const std::vector<double> importances = {0.5, 0.0, 3.0, 1e-9, 1.0};
-    for (const std::size_t budget : {4, 5, 100}) {
+    for (const std::size_t budget : {std::size_t{4}, std::size_t{5}, std::size_t{1} << 40}) {
         const auto samples = samples_of(importances, budget, 7);
         ASSERT_EQ(samples.size(), 4) << budget;
         for (const WeightedSample& sample : samples) {
@@ -204,9 +210,9 @@ TEST(CoherentSampling, EstimatesTheSumOfTheImportancesExactly) {
 
 // That Metropolis-Hastings fails shows that the test has power.
 TEST(CoherentSampling, IsUnbiased) {
-    const std::vector<double> maps = peaked_maps();
+    const std::vector<double> maps = peaked_maps(32);
     const std::vector<double> values = partly_hidden(maps);
-    constexpr std::size_t kBudget = 1024;
+    constexpr std::size_t kBudget = 256;
     const double truth = sum_of(values);
     const Trials coherent =
         trials(values, [&](std::uint64_t seed) { return samples_of(maps, kBudget, seed); });
@@ -222,9 +228,9 @@ TEST(CoherentSampling, IsUnbiased) {
 }
 
 TEST(CoherentSampling, VariesLessThanIndependentChoices) {
-    const std::vector<double> maps = peaked_maps();
+    const std::vector<double> maps = peaked_maps(32);
     const std::vector<double> values = partly_hidden(maps);
-    for (const std::size_t budget : {16, 1024}) {
+    for (const std::size_t budget : {16, 256}) {
         const Trials coherent =
             trials(values, [&](std::uint64_t seed) { return samples_of(maps, budget, seed); });
         const Trials independent = trials(values, [&](std::uint64_t seed) {
@@ -271,11 +277,11 @@ TEST(CoherentSampling, CommonFactorsAndTheOrderOfItemsChangeNothing) {
     for (double& value : louder) {
         value *= 1024.0;
     }
-    std::vector<std::uint64_t> identities = numbered(maps.size());
+    std::vector<SamplingKey> keys = keys_of(maps.size(), 3);
     const auto samples = samples_of(maps, 64, 3);
     const auto of_louder = samples_of(louder, 64, 3);
-    std::reverse(identities.begin(), identities.end());
-    auto of_reversed = coherent_samples(reversed, identities, 64, 3);
+    std::reverse(keys.begin(), keys.end());
+    auto of_reversed = coherent_samples(reversed, keys, 64);
     std::reverse(of_reversed.begin(), of_reversed.end());
     ASSERT_EQ(samples.size(), of_louder.size());
     ASSERT_EQ(samples.size(), of_reversed.size());
