@@ -23,11 +23,18 @@ using Complex = std::complex<double>;
 constexpr double kBeta = 0.1102 * (100.0 - 8.7);
 constexpr double kHalf = static_cast<double>(kDelayHalfLength);
 
-// Modified Bessel function of order 0: sum of ((x/2)^k / k!)^2. For x <= kBeta the terms past 40
-// are below the last bit of the sum.
+}  // namespace
+
+namespace {
+
+// For x <= kMaxBesselArgument the terms past 40 are below the last bit of the sum.
 constexpr int kBesselTerms = 40;
 
+}  // namespace
+
+// The sum of ((x/2)^k / k!)^2.
 double bessel_i0(double x) noexcept {
+    EARSHOT_ASSERT(std::abs(x) <= kMaxBesselArgument);
     const double quarter = 0.25 * x * x;
     double term = 1.0;
     double sum = 1.0;
@@ -41,8 +48,6 @@ double bessel_i0(double x) noexcept {
     }
     return sum;
 }
-
-}  // namespace
 
 std::array<double, kDelayTaps> fractional_impulse(double fraction) {
     EARSHOT_ASSERT(fraction >= 0.0 && fraction < 1.0);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <span>
 
 namespace earshot::audio {
@@ -184,6 +185,27 @@ std::vector<double> late_noise(const Bands& bands,
         return {};
     }
     return NoiseShaper(bands, histogram, length, sample_rate, cache).noise(histogram, seed);
+}
+
+std::vector<std::vector<double>> band_noise(const Bands& bands,
+                                            std::size_t length,
+                                            double sample_rate,
+                                            std::uint64_t seed,
+                                            const FilterCache& cache) {
+    const auto filters = cache.state().complementary_filters.borrow(
+        FilterKey(bands, sample_rate, power_of_two_from(std::max<std::size_t>(length, 4))));
+    const RealFft& fft = filters->fft();
+    std::vector<double> noise(fft.size(), 0.0);
+    velvet_then_white_noise(0.0, sample_rate, seed, std::span(noise).first(length));
+    std::vector<std::complex<double>> spectrum(fft.bins());
+    FftWorkspace workspace;
+    fft.forward(noise, spectrum, workspace);
+    std::vector<std::vector<double>> rows;
+    for (std::size_t band = 0; band < filters->rows(); ++band) {
+        fft.filtered_inverse(spectrum, filters->gains(band), noise, workspace);
+        rows.emplace_back(noise.begin(), noise.begin() + static_cast<std::ptrdiff_t>(length));
+    }
+    return rows;
 }
 
 std::vector<std::vector<double>> ambisonic_late_noise(const Bands& bands,

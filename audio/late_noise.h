@@ -31,6 +31,15 @@ std::vector<double> late_noise(const Bands& bands,
                                std::uint64_t seed,
                                const FilterCache& cache);
 
+/// White noise of variance 1 per sample, split by the band filters of late_noise(): a row per band
+/// below half the sample rate, which add up to the noise. Weighted by envelopes of bands it gives
+/// the late sound of any histogram at little cost, for programs that follow changes.
+std::vector<std::vector<double>> band_noise(const Bands& bands,
+                                            std::size_t length,
+                                            double sample_rate,
+                                            std::uint64_t seed,
+                                            const FilterCache& cache);
+
 /// The late sound of an ambisonic response (encode_ambisonic): independent noise from the middle
 /// direction of each part of the sphere. Precondition: the histogram has directions, as well as
 /// those of late_noise().

@@ -3,10 +3,10 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/math.h"
+#include "earshot/propagation/internal/path_reception.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace earshot::propagation {
@@ -147,36 +147,12 @@ PathReception MovingPaths::receive(const MovingPath& path,
                                    double time,
                                    double speed_of_sound,
                                    double near) const noexcept {
-    // What arrives is later than `time` by this, which grows with the emission: Newton's method,
-    // kept between bounds that close in.
-    constexpr int kMaxSteps = 60;
-    constexpr double kTolerance = 1e-13;  // seconds
-    double low = -std::numeric_limits<double>::infinity();
-    double high = time;
-    double emission = std::min(near, time);
-    MovingLength at;
-    for (int step = 0; step < kMaxSteps; ++step) {
-        at = length_of(unfolded_at(path, emission), source.at(emission), listener);
-        const double late = emission + at.length / speed_of_sound - time;
-        (late > 0.0 ? high : low) = emission;
-        double next = emission - late / (1.0 + at.rate_by_source / speed_of_sound);
-        if (!(next > low && next < high)) {
-            next = std::isfinite(low) ? 0.5 * (low + high) : emission - 2.0 * late;
-        }
-        const double change = std::abs(next - emission);
-        emission = next;
-        if (change <= kTolerance) {
-            break;
-        }
-    }
-    at = length_of(unfolded_at(path, emission), source.at(emission), listener);
-    // The derivative of emission + length / c = time by the time.
-    const double emission_rate =
-        (1.0 - at.rate_by_listener / speed_of_sound) / (1.0 + at.rate_by_source / speed_of_sound);
-    return {.emission = emission,
-            .delay = at.length / speed_of_sound,
-            .delay_rate = 1.0 - emission_rate,
-            .arrival = at.arrival};
+    return receive_path([&](double emission) { return unfolded_at(path, emission); },
+                        source,
+                        listener,
+                        time,
+                        speed_of_sound,
+                        near);
 }
 
 }  // namespace earshot::propagation

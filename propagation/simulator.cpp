@@ -417,14 +417,21 @@ void Simulator::State::add_late_sound(const RaySource& sender,
 
 std::vector<PairResult> Simulator::run(Executor& executor, Progress* progress) {
     const std::size_t listeners = state_->scene.listeners.size();
-    std::vector<PairResult> pairs(state_->scene.sources.size() * listeners);
+    const std::vector<std::size_t>& selected = state_->selected;
+    std::vector<PairResult> pairs(selected.size() * listeners);
     for_each_pair(
         [&](PairResult&& pair) {
-            pairs[pair.source * listeners + pair.listener] = std::move(pair);
+            const auto place = std::lower_bound(selected.begin(), selected.end(), pair.source);
+            const auto row = static_cast<std::size_t>(place - selected.begin());
+            pairs[row * listeners + pair.listener] = std::move(pair);
         },
         executor,
         progress);
     return pairs;
+}
+
+void Simulator::select_sources(std::vector<std::size_t> sources) {
+    state_->selected = std::move(sources);
 }
 
 void Simulator::for_each_pair(const VisitPair& visit, Executor& executor, Progress* progress) {
@@ -461,11 +468,13 @@ void Simulator::for_each_pair(const VisitPair& visit, Executor& executor, Progre
     if (state.needs_facets) {
         state.prepare_finder(sources, listeners, frusta, executor);
     }
-    std::vector<frustum::PlacedPairs> placed;  // per source
-    for (std::size_t source = 0; source < sources.size(); ++source) {
-        placed.push_back(
-            state.place(state.scene.sources[source], sources[source], listeners, executor));
-        PartProgress part(progress, source, sources.size());
+    const std::vector<std::size_t>& selected = state.selected;
+    std::vector<frustum::PlacedPairs> placed(sources.size());
+    for (std::size_t part_number = 0; part_number < selected.size(); ++part_number) {
+        const std::size_t source = selected[part_number];
+        placed[source] =
+            state.place(state.scene.sources[source], sources[source], listeners, executor);
+        PartProgress part(progress, part_number, selected.size());
         const std::span<PairResult> of_source = pairs_of(source);
         const RaySource& sender = senders[source];
         if (!state.options.report_paths &&
@@ -486,10 +495,11 @@ void Simulator::for_each_pair(const VisitPair& visit, Executor& executor, Progre
         state.diffracted->discard_unused();
     }
     // Late sound: rays.
-    for (std::size_t source = 0; source < sources.size(); ++source) {
+    for (std::size_t part_number = 0; part_number < selected.size(); ++part_number) {
+        const std::size_t source = selected[part_number];
         const std::span<PairResult> of_source = pairs_of(source);
         if (state.options.rays > 0) {
-            PartProgress part(progress, source, sources.size());
+            PartProgress part(progress, part_number, selected.size());
             state.add_late_sound(
                 senders[source], placed[source], of_source, visit, executor, &part);
         } else {

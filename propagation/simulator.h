@@ -127,6 +127,11 @@ public:
                        Executor& executor = Executor::serial(),
                        Progress* progress = nullptr);
 
+    /// From now on results are only of pairs with these sources, in ascending order, for programs
+    /// that refresh some sources at a time; all others keep their traces. Changes no result.
+    /// Precondition: the sources exist.
+    void select_sources(std::vector<std::size_t> sources);
+
     /// Takes time like clean-up.
     GeometrySummary geometry(Executor& executor = Executor::serial()) const;
     /// What is odd about the scene at the current time: places that two materials claim. Takes time

@@ -15,6 +15,11 @@ namespace earshot::audio {
 inline constexpr std::size_t kDelayHalfLength = 64;
 inline constexpr std::size_t kDelayTaps = 2 * kDelayHalfLength;
 
+/// The modified Bessel function of order 0, of which Kaiser's window is made. Precondition: |x| is
+/// at most kMaxBesselArgument.
+double bessel_i0(double x) noexcept;
+inline constexpr double kMaxBesselArgument = 11.0;
+
 /// A unit impulse that lies `fraction` (0 <= fraction < 1) of a sample past tap
 /// kDelayHalfLength - 1, band-limited by a Kaiser-windowed sinc. The taps sum to 1; with
 /// fraction 0 they are that one impulse exactly. Magnitude and delay are right within 2.5e-5 up to

@@ -32,6 +32,9 @@ struct Simulator::State {
             reflection.push_back(reflected_pressure(material, options.bands));
             transmission.push_back(transmitted_pressure(material, options.bands));
         }
+        for (std::size_t source = 0; source < scene.sources.size(); ++source) {
+            selected.push_back(source);
+        }
     }
 
     const Scene& scene;
@@ -47,6 +50,7 @@ struct Simulator::State {
         std::optional<frustum::SourceBeamTree> beams;
         frustum::KeptVerdicts verdicts{};
     };
+    std::vector<std::size_t> selected;  // sources of a run, ascending
 
     double time = 0.0;
     SceneGeometry geometry;
