@@ -9,45 +9,39 @@ namespace earshot::bvh {
 
 using geometry::Hit;
 
-std::optional<Hit> closest_hit(const WideTree& tree,
-                               const geometry::MeshView& mesh,
-                               const geometry::Ray& ray) noexcept {
-    std::optional<Hit> hit;
-    if (tree.nodes().empty() || find_closest(tree, mesh, ray, hit)) {
-        return hit;
-    }
-    // A ray outside the range of FloatRay: every candidate is decided at once.
+namespace {
+
+// The cases outside the range of FloatRay: every candidate is decided at once. They are functions
+// of their own, so that the others need no room on the stack for them.
+
+[[gnu::noinline]] std::optional<Hit> closest_hit_in_double(const WideTree& tree,
+                                                           const geometry::MeshView& mesh,
+                                                           const geometry::Ray& ray) noexcept {
     const double max_abs_coordinate = tree.max_abs_coordinate();
-    if (const geometry::PreparedRay prepared(ray, max_abs_coordinate); prepared.is_valid()) {
-        ClosestHitSearch search(mesh, ray, max_abs_coordinate);
-        search.bound = geometry::round_up(ray.t_max);
-        traverse(
-            tree,
-            [&](const geometry::Aabb& box) {
-                return !prepared.box_interval(box, search.t_max()).is_empty();
-            },
-            [&](geometry::TriangleId id) {
-                search.add(id, 0.0F);
-                search.decide_candidates();
-                return true;
-            });
-        hit = search.best();
+    const geometry::PreparedRay prepared(ray, max_abs_coordinate);
+    if (!prepared.is_valid()) {
+        return std::nullopt;
     }
-    return hit;
+    ClosestHitSearch search(mesh, ray, max_abs_coordinate);
+    search.bound = geometry::round_up(ray.t_max);
+    traverse(
+        tree,
+        [&](const geometry::Aabb& box) {
+            return !prepared.box_interval(box, search.t_max()).is_empty();
+        },
+        [&](geometry::TriangleId id) {
+            search.add(id, 0.0F);
+            search.decide_candidates();
+            return true;
+        });
+    return search.best();
 }
 
-bool occluded(const WideTree& tree,
-              const geometry::MeshView& mesh,
-              const geometry::Segment& segment) noexcept {
-    if (tree.nodes().empty()) {
-        return false;
-    }
-    const double max_abs_coordinate = tree.max_abs_coordinate();
-    if (const auto found = find_any(tree, mesh, segment, max_abs_coordinate)) {
-        return *found;
-    }
-    // A segment outside the range of FloatRay.
-    const geometry::SlabTest slab_test(segment.from, segment.to - segment.from, max_abs_coordinate);
+[[gnu::noinline]] bool occluded_in_double(const WideTree& tree,
+                                          const geometry::MeshView& mesh,
+                                          const geometry::Segment& segment) noexcept {
+    const geometry::SlabTest slab_test(
+        segment.from, segment.to - segment.from, tree.max_abs_coordinate());
     bool is_blocked = false;
     traverse(
         tree,
@@ -58,6 +52,28 @@ bool occluded(const WideTree& tree,
             return !is_blocked;
         });
     return is_blocked;
+}
+
+}  // namespace
+
+std::optional<Hit> closest_hit(const WideTree& tree,
+                               const geometry::MeshView& mesh,
+                               const geometry::Ray& ray) noexcept {
+    std::optional<Hit> hit;
+    if (!tree.nodes().empty() && !find_closest(tree, mesh, ray, hit)) {
+        hit = closest_hit_in_double(tree, mesh, ray);
+    }
+    return hit;
+}
+
+bool occluded(const WideTree& tree,
+              const geometry::MeshView& mesh,
+              const geometry::Segment& segment) noexcept {
+    if (tree.nodes().empty()) {
+        return false;
+    }
+    const auto found = find_any(tree, mesh, segment, tree.max_abs_coordinate());
+    return found ? *found : occluded_in_double(tree, mesh, segment);
 }
 
 }  // namespace earshot::bvh

@@ -6,6 +6,7 @@
 #include "earshot/geometry/mesh.h"
 #include "earshot/geometry/types.h"
 
+#include <cstddef>
 #include <optional>
 
 #undef HWY_TARGET_INCLUDE
@@ -25,20 +26,11 @@ HWY_INLINE void closest_exact(const WideTree& tree,
                               const geometry::Ray& source,
                               const FloatRay& ray,
                               std::optional<geometry::Hit>& hit) {
-    const SlabTest slab_test(ray);
-    const WideNode* nodes = tree.nodes().data();
-    TraversalStack stack;
     ExactSearch search(tree, source, ray.t_max);
-    bool has_next = true;
-    while (has_next) {
-        if (is_leaf(stack.current)) {
-            search.visit({tree.packed_leaf(stack.current), leaf_count(stack.current)}, ray);
-            has_next = stack.pop(search.bound);
-        } else {
-            has_next = descend_single_ray(
-                nodes[stack.current], slab_test, ray.order_shift, search.bound, stack);
-        }
-    }
+    traverse_single_ray(tree.nodes().data(), ray, ray.t_max, [&](std::uint32_t leaf) {
+        search.visit({tree.packed_leaf(leaf), leaf_count(leaf)}, ray);
+        return search.bound;
+    });
     search.get(hit);
 }
 
@@ -48,22 +40,13 @@ HWY_INLINE void closest_deferred(const WideTree& tree,
                                  const geometry::Ray& source,
                                  const FloatRay& ray,
                                  std::optional<geometry::Hit>& hit) {
-    const SlabTest slab_test(ray);
-    const WideNode* nodes = tree.nodes().data();
-    TraversalStack stack;
     DecodeBuffer buffer;
     ClosestHitSearch search(mesh, source, tree.max_abs_coordinate());
     search.bound = ray.t_max;
-    bool has_next = true;
-    while (has_next) {
-        if (is_leaf(stack.current)) {
-            visit_leaf(decode_leaf(tree, stack.current, buffer), ray, search);
-            has_next = stack.pop(search.bound);
-        } else {
-            has_next = descend_single_ray(
-                nodes[stack.current], slab_test, ray.order_shift, search.bound, stack);
-        }
-    }
+    traverse_single_ray(tree.nodes().data(), ray, ray.t_max, [&](std::uint32_t leaf) {
+        visit_leaf(decode_leaf(tree, leaf, buffer), ray, search);
+        return search.bound;
+    });
     search.decide_candidates();
     hit = search.best();
 }
@@ -92,21 +75,10 @@ std::optional<bool> any(const WideTree& tree,
     if (!set_segment(ray, segment, static_cast<float>(reach))) {
         return std::nullopt;
     }
-    const SlabTest slab_test(ray);
-    const WideNode* nodes = tree.nodes().data();
-    TraversalStack stack;
     DecodeBuffer buffer;
-    bool has_next = true;
-    while (has_next) {
-        if (!is_leaf(stack.current)) {
-            has_next = descend_unordered(nodes[stack.current], slab_test, ray.t_max, stack);
-        } else if (touches_leaf(decode_leaf(tree, stack.current, buffer), ray, mesh, segment)) {
-            return true;
-        } else {
-            has_next = stack.pop_any();
-        }
-    }
-    return false;
+    return traverse_single_segment(tree.nodes().data(), ray, [&](std::uint32_t leaf) {
+        return touches_leaf(decode_leaf(tree, leaf, buffer), ray, mesh, segment);
+    });
 }
 
 }  // namespace earshot::bvh::HWY_NAMESPACE
@@ -118,18 +90,33 @@ namespace earshot::bvh {
 HWY_EXPORT(closest);
 HWY_EXPORT(any);
 
+namespace {
+
+/// HWY_DYNAMIC_DISPATCH without a call of Highway's library for every ray.
+template <typename Function, std::size_t kSets>
+HWY_INLINE Function* chosen(Function* const (&table)[kSets]) {
+    if constexpr (kSets == 1) {
+        return table[0];
+    } else {
+        static const hwy::ChosenTarget& target = hwy::GetChosenTarget();
+        return table[target.GetIndex()];
+    }
+}
+
+}  // namespace
+
 bool find_closest(const WideTree& tree,
                   const geometry::MeshView& mesh,
                   const geometry::Ray& ray,
                   std::optional<geometry::Hit>& hit) noexcept {
-    return HWY_DYNAMIC_DISPATCH(closest)(tree, mesh, ray, hit);
+    return chosen(HWY_DISPATCH_TABLE(closest))(tree, mesh, ray, hit);
 }
 
 std::optional<bool> find_any(const WideTree& tree,
                              const geometry::MeshView& mesh,
                              const geometry::Segment& segment,
                              double reach) noexcept {
-    return HWY_DYNAMIC_DISPATCH(any)(tree, mesh, segment, reach);
+    return chosen(HWY_DISPATCH_TABLE(any))(tree, mesh, segment, reach);
 }
 
 }  // namespace earshot::bvh

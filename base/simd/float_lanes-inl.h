@@ -20,6 +20,15 @@
 HWY_BEFORE_NAMESPACE();
 namespace earshot::HWY_NAMESPACE {
 
+/// Has a compiler hold numbers in registers from here on, where it otherwise may read from
+/// memory again in every round of a loop. Where a register takes fewer than eight floats there are
+/// not enough of them for that.
+HWY_INLINE void keep_in_registers([[maybe_unused]] Float8& a) {
+#if HWY_ARCH_X86 && HWY_MAX_BYTES >= 32 && (HWY_COMPILER_GCC || HWY_COMPILER_CLANG)
+    for_each_part<Float8::kParts>([&](std::size_t i) { asm("" : "+v"(a.part[i].raw)); });
+#endif
+}
+
 /// Eight floats from their bits.
 HWY_INLINE Float8 load_bits(const std::uint32_t* words) {
     return per_part<Float8>([&](std::size_t i) {
@@ -388,6 +397,31 @@ HWY_INLINE std::size_t compress_words(std::uint32_t mask,
     return static_cast<std::size_t>(std::popcount(mask));
 }
 
+#if HWY_TARGET <= HWY_AVX2
+/// Eight lanes in the order of compress_ordered().
+struct OrderedLanes {
+    hn::Vec<Float8::Tag> near;
+    hn::Vec<hn::RebindToUnsigned<Float8::Tag>> value;
+    hn::Mask<Float8::Tag> valid;  // `near` is not beyond `far`
+
+    HWY_INLINE OrderedLanes(const Float8& from,
+                            const Float8& far,
+                            const std::uint32_t* values,
+                            const std::uint32_t* order,
+                            int shift) {
+        const Float8::Tag floats;
+        const hn::RebindToUnsigned<Float8::Tag> words;
+        const auto lanes =
+            hn::And(hn::ShiftRightSame(hn::Load(words, order), shift), hn::Set(words, 7U));
+        const auto indices = hn::IndicesFromVec(floats, lanes);
+        // Comparing what is in order already is faster than ordering what has been compared.
+        near = hn::TableLookupLanes(from.part[0], indices);
+        valid = hn::Le(near, hn::TableLookupLanes(far.part[0], indices));
+        value = hn::TableLookupLanes(hn::Load(words, values), hn::IndicesFromVec(words, lanes));
+    }
+};
+#endif
+
 /// Writes the lanes of `near` and `value` where `near` is not beyond `far`, in the order that
 /// `order` gives: its lane r names in bits shift ... shift + 2 the lane that comes r-th. Returns
 /// how many; writes to all eight elements of both outputs.
@@ -399,17 +433,8 @@ HWY_INLINE std::size_t compress_ordered(const Float8& near,
                                         float* near_out,
                                         std::uint32_t* value_out) {
 #if HWY_TARGET <= HWY_AVX2
-    const Float8::Tag floats;
-    const hn::RebindToUnsigned<Float8::Tag> words;
-    const auto lanes =
-        hn::And(hn::ShiftRightSame(hn::Load(words, order), shift), hn::Set(words, 7U));
-    const auto indices = hn::IndicesFromVec(floats, lanes);
-    // Comparing what is in order already is faster than ordering what has been compared.
-    const auto nears = hn::TableLookupLanes(near.part[0], indices);
-    const auto valid = hn::Le(nears, hn::TableLookupLanes(far.part[0], indices));
-    const auto values =
-        hn::TableLookupLanes(hn::Load(words, value), hn::IndicesFromVec(words, lanes));
-    return store_compressed(nears, values, valid, near_out, value_out);
+    const OrderedLanes ordered(near, far, value, order, shift);
+    return store_compressed(ordered.near, ordered.value, ordered.valid, near_out, value_out);
 #else
     alignas(32) float nears[8];
     near.store(nears);
@@ -422,6 +447,32 @@ HWY_INLINE std::size_t compress_ordered(const Float8& near,
         count += valid >> lane & 1U;
     }
     return count;
+#endif
+}
+
+/// The same, but the last value that would be written is `last`, and neither written nor counted.
+/// It is known sooner than from memory after that. Precondition: there is one.
+HWY_INLINE std::size_t compress_before_last(const Float8& near,
+                                            const Float8& far,
+                                            const std::uint32_t* value,
+                                            const std::uint32_t* order,
+                                            int shift,
+                                            float* near_out,
+                                            std::uint32_t* value_out,
+                                            std::uint32_t& last) {
+#if HWY_TARGET <= HWY_AVX2
+    const OrderedLanes ordered(near, far, value, order, shift);
+    // Stored before it is known which one is the last.
+    alignas(32) std::uint32_t values[8];
+    hn::Store(ordered.value, hn::RebindToUnsigned<Float8::Tag>(), values);
+    Float8::Mask valid;
+    valid.part[0] = ordered.valid;
+    last = values[std::bit_width(bits(valid)) - 1];
+    return store_compressed(ordered.near, ordered.value, ordered.valid, near_out, value_out) - 1;
+#else
+    const std::size_t count = compress_ordered(near, far, value, order, shift, near_out, value_out);
+    last = value_out[count - 1];
+    return count - 1;
 #endif
 }
 

@@ -70,11 +70,8 @@ HWY_INLINE bool set_line(FloatRay& ray, Double4 origin, Double4 direction, float
     const Float4 rest = round_to_float(origin - to_double(o));
     const Float4 d = select(three, round_to_float(direction), Float4(1.0F));
     const Float4 inverse = Float4(1.0F) / d;
-    const Float4 magnitude = abs(inverse);
     const Float4 size = select(three, abs(d), zero);
     const Float4 longest = max_of_lanes(size);
-    const Float4 shortest_inverse =
-        min_of_lanes(select(three, magnitude, Float4(std::numeric_limits<float>::infinity())));
     const Float4 distance = abs(o);
     const Float4::Mask in_range = (distance <= Float4(kMaxCoordinate)) &
                                   (size <= Float4(kMaxDirection)) &
@@ -82,14 +79,23 @@ HWY_INLINE bool set_line(FloatRay& ray, Double4 origin, Double4 direction, float
     if (bits(in_range) != 15U || !(reach >= kMinCoordinate && reach <= kMaxCoordinate)) {
         return false;
     }
-    const Float4 held = min(magnitude, Float4(kMaxInverse) * shortest_inverse);
-    const Float4::Mask is_backward = inverse < zero;
+    // Mostly no component is so small that its inverse is held, and nothing waits for the division
+    // but what needs it.
+    Float4 signed_inverse = inverse;
+    Float4::Mask is_backward = d < zero;
+    if ((bits(longest <= size * Float4(0.5F * kMaxInverse)) & 7U) != 7U) {
+        const Float4 magnitude = abs(inverse);
+        const Float4 shortest_inverse =
+            min_of_lanes(select(three, magnitude, Float4(std::numeric_limits<float>::infinity())));
+        const Float4 held = min(magnitude, Float4(kMaxInverse) * shortest_inverse);
+        is_backward = inverse < zero;
+        signed_inverse = select(is_backward, -held, held);
+    }
     const Float4 pad = Float4(kPlanePad) * max(max_of_lanes(distance), Float4(reach));
-    const Float4 signed_inverse = select(is_backward, -held, held);
     const Float4 outward = select(is_backward, -pad, pad);
     signed_inverse.store(ray.inverse);
-    (-((o + outward) * signed_inverse)).store(ray.offset_near);
-    (-((o - outward) * signed_inverse)).store(ray.offset_far);
+    ((-o - outward) * signed_inverse).store(ray.offset_near);
+    ((outward - o) * signed_inverse).store(ray.offset_far);
     const std::uint32_t octant = bits(is_backward);
     ray.planes = kSlabPlanes[octant];
     ray.order_shift = static_cast<int>(3 * octant);

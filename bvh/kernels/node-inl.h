@@ -94,6 +94,15 @@ public:
                 min(min(far[0], far[1]), min(far[2], bound))};
     }
 
+    /// For a loop without calls of other functions.
+    HWY_INLINE void keep() {
+        for (std::size_t k = 0; k < 3; ++k) {
+            keep_in_registers(inverse_[k]);
+            keep_in_registers(offset_near_[k]);
+            keep_in_registers(offset_far_[k]);
+        }
+    }
+
 private:
     const FloatRay& ray_;
     Float8 inverse_[3], offset_near_[3], offset_far_[3];
@@ -184,42 +193,96 @@ struct TraversalStack {
     }
 };
 
-/// Continues with the closest child of a node; false if the ray misses all and the stack is empty.
-/// Where the ray passes one child only, the stack is bypassed.
-template <typename Passes>
-HWY_INLINE bool descend_single_ray(const WideNode& node,
-                                   const Passes& slab_test,
-                                   int order_shift,
-                                   float bound,
-                                   TraversalStack& stack) {
-    const SlabIntervals intervals = slab_test(node, Float8(bound));
-    const std::uint32_t lanes = bits(intervals.near <= intervals.far);
-    if (std::has_single_bit(lanes)) {
-        stack.current = node.child[std::countr_zero(lanes)];
+/// The stack of one ray that is traversed alone: as TraversalStack, but its count and its current
+/// child are variables of the loop, which a compiler keeps in registers.
+struct SingleRayStack {
+    alignas(32) float entry_near[kMaxStackSize];
+    std::uint32_t entry[kMaxStackSize];
+};
+
+/// Visits the leaves that one ray passes, the children of a node in their order along it;
+/// `visit_leaf(leaf)` returns the bound from then on. The nodes between two leaves are a loop of
+/// their own, so that what their tests need stays in registers.
+template <typename VisitLeaf>
+HWY_INLINE void traverse_single_ray(const WideNode* nodes,
+                                    const FloatRay& ray,
+                                    float bound,
+                                    VisitLeaf&& visit_leaf) {
+    SingleRayStack stack;
+    std::size_t count = 0;
+    std::uint32_t current = 0;
+    const auto pop = [&] {
+        do {
+            if (count == 0) {
+                return false;
+            }
+            --count;
+        } while (stack.entry_near[count] > bound);
+        current = stack.entry[count];
         return true;
-    }
-    if (lanes != 0) {
-        stack.push(intervals, node, order_shift);
-    }
-    return stack.pop(bound);
+    };
+    do {
+        SlabTest slab_test(ray);
+        slab_test.keep();
+        const Float8 bounds = Float8(bound);
+        while (!is_leaf(current)) {
+            const WideNode& node = nodes[current];
+            const SlabIntervals intervals = slab_test(node, bounds);
+            const std::uint32_t lanes = bits(intervals.near <= intervals.far);
+            if (std::has_single_bit(lanes)) {
+                current = node.child[std::countr_zero(lanes)];
+            } else if (lanes != 0) {
+                count += compress_before_last(intervals.near,
+                                              intervals.far,
+                                              node.child,
+                                              node.order,
+                                              ray.order_shift,
+                                              stack.entry_near + count,
+                                              stack.entry + count,
+                                              current);
+            } else if (!pop()) {
+                return;
+            }
+        }
+        bound = visit_leaf(current);
+    } while (pop());
 }
 
-/// Continues with any child of a node; false if the ray misses all and the stack is empty. Where it
-/// begins is not kept, and the only child and one of several are not told apart by a branch, which
-/// would often be mispredicted.
-template <typename Passes>
-HWY_INLINE bool descend_unordered(const WideNode& node,
-                                  const Passes& slab_test,
-                                  float bound,
-                                  TraversalStack& stack) {
-    const SlabIntervals intervals = slab_test(node, Float8(bound));
-    const std::uint32_t lanes = bits(intervals.near <= intervals.far);
-    if (lanes == 0) {
-        return stack.pop_any();
+/// Visits the leaves that one segment passes, in any order, until `visit_leaf(leaf)` is true; false
+/// if it never is. The only child and one of several are not told apart by a branch, which would
+/// often be mispredicted.
+template <typename VisitLeaf>
+HWY_INLINE bool traverse_single_segment(const WideNode* nodes,
+                                        const FloatRay& ray,
+                                        VisitLeaf&& visit_leaf) {
+    std::uint32_t entry[kMaxStackSize];
+    std::size_t count = 0;
+    std::uint32_t current = 0;
+    for (;;) {
+        SlabTest slab_test(ray);
+        slab_test.keep();
+        const Float8 bounds = Float8(ray.t_max);
+        while (!is_leaf(current)) {
+            const WideNode& node = nodes[current];
+            const SlabIntervals intervals = slab_test(node, bounds);
+            const std::uint32_t lanes = bits(intervals.near <= intervals.far);
+            if (lanes != 0) {
+                current = node.child[std::countr_zero(lanes)];
+                count += compress_words(lanes & (lanes - 1), node.child, entry + count);
+            } else if (count == 0) {
+                return false;
+            } else {
+                current = entry[--count];
+            }
+        }
+        if (visit_leaf(current)) {
+            return true;
+        }
+        if (count == 0) {
+            return false;
+        }
+        current = entry[--count];
     }
-    stack.current = node.child[std::countr_zero(lanes)];
-    stack.count += compress_words(lanes & (lanes - 1), node.child, stack.entry + stack.count);
-    return true;
 }
 
 }  // namespace earshot::bvh::HWY_NAMESPACE
