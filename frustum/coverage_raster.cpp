@@ -7,19 +7,19 @@
 namespace earshot::frustum {
 namespace {
 
-/// Floor into 0 ... cells - 1, whatever the value (NaN counts as 0).
-int clamp_cell(double value, int cells) noexcept {
-    if (!(value > 0.0)) {
-        return 0;
-    }
-    return value >= cells ? cells - 1 : static_cast<int>(value);
-}
-
 /// The first whole number that is not below the value, clamped to 0 ... kGridSide.
 int clamped_ceiling(double value) noexcept {
-    constexpr int kShift = 16;  // makes positive, so that truncation rounds down
-    const double clamped = std::clamp(value, -1.0, kGridSide + 1.0);
-    return std::clamp(kShift - static_cast<int>(kShift - clamped), 0, kGridSide);
+    const double clamped = std::min(std::max(0.0, value), 1.0 * kGridSide);
+    const int below = static_cast<int>(clamped);
+    return below + static_cast<int>(clamped > below);
+}
+
+/// Bit k: whether byte k is not 0.
+std::uint64_t bytes_set(std::uint64_t bytes) noexcept {
+    constexpr std::uint64_t kLow7 = 0x7f7f7f7f7f7f7f7f;
+    const std::uint64_t highest = (bytes | ((bytes & kLow7) + kLow7)) & ~kLow7;
+    constexpr std::uint64_t kGather = 0x0102040810204080;  // bit 8 k to bit 56 + k
+    return (highest >> 7) * kGather >> 56;
 }
 
 }  // namespace
@@ -34,9 +34,10 @@ void CoverageRaster::start(double slack_in_cells, bool only_centres) noexcept {
     only_centres_ = only_centres;
     slack_ = slack_in_cells;
     boundary_ = 0;
-    for (auto& row : winding_change_) {
-        std::fill(std::begin(row), std::end(row), 0);
-    }
+    std::fill(std::begin(up_), std::end(up_), 0);
+    std::fill(std::begin(down_), std::end(down_), 0);
+    edges_ = 0;
+    has_spilled_ = false;
 }
 
 void CoverageRaster::add_loop(std::span<const glm::dvec2> loop) noexcept {
@@ -91,8 +92,8 @@ void CoverageRaster::mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
 
 // Counts the edge for every cell centre to the right of where it crosses the centre's row.
 void CoverageRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
-    const int direction = a.y < b.y ? 1 : -1;
-    if (direction < 0) {
+    const bool goes_up = a.y < b.y;
+    if (!goes_up) {
         std::swap(a, b);
     }
     // Rows whose centre y lies in [a.y, b.y).
@@ -101,37 +102,60 @@ void CoverageRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
     if (first_row >= end_row) {
         return;
     }
+    constexpr int kMaxEdges = 255;  // that bytes can count
+    if (edges_ == kMaxEdges) {
+        spill_winding();
+    }
+    ++edges_;
     const double slope = (b.x - a.x) / (b.y - a.y);
+    std::uint64_t* rows = goes_up ? up_ : down_;
     for (int row = first_row; row < end_row; ++row) {
         const double x = a.x + slope * (row + 0.5 - a.y);
-        winding_change_[row][clamped_ceiling(x - 0.5)] += direction;
+        const int column = clamped_ceiling(x - 0.5);
+        if (column < kGridSide) {
+            rows[row] += std::uint64_t{1} << (8 * column);
+        }
     }
 }
 
-Coverage CoverageRaster::finish() const noexcept {
+void CoverageRaster::spill_winding() noexcept {
+    for (int row = 0; row < kGridSide; ++row) {
+        for (int column = 0; column < kGridSide; ++column) {
+            const auto count_of = [&](std::uint64_t bytes) {
+                return static_cast<std::int32_t>((bytes >> (8 * column)) & 0xff);
+            };
+            spilled_[row][column] = (has_spilled_ ? spilled_[row][column] : 0) +
+                                    count_of(up_[row]) - count_of(down_[row]);
+        }
+        up_[row] = down_[row] = 0;
+    }
+    edges_ = 0;
+    has_spilled_ = true;
+}
+
+Coverage CoverageRaster::finish() noexcept {
     CellMask inside = 0;
-    for (int row = 0; row < cells_; ++row) {
-        std::int32_t winding = 0;
-        for (int column = 0; column < cells_; ++column) {
-            winding += winding_change_[row][column];
-            inside |= static_cast<CellMask>(winding != 0) << (8 * row + column);
+    if (has_spilled_) {
+        spill_winding();
+        for (int row = 0; row < cells_; ++row) {
+            std::int32_t winding = 0;
+            for (int column = 0; column < cells_; ++column) {
+                winding += spilled_[row][column];
+                inside |= static_cast<CellMask>(winding != 0) << (8 * row + column);
+            }
+        }
+    } else {
+        // Byte k of a product with ones is the sum of bytes 0 to k: how many edges go up or down
+        // to the left. The winding number is the difference.
+        constexpr std::uint64_t kOnes = 0x0101010101010101;
+        const std::uint64_t columns = (std::uint64_t{1} << cells_) - 1;
+        for (int row = 0; row < cells_; ++row) {
+            const std::uint64_t differ = (up_[row] * kOnes) ^ (down_[row] * kOnes);
+            inside |= (bytes_set(differ) & columns) << (8 * row);
         }
     }
     // No edge passes a cell outside boundary_, so its centre decides for all of it.
     return {.outer = boundary_ | inside, .inner = inside & ~boundary_, .centre_sampled = inside};
-}
-
-CellMask CoverageRaster::cells_overlapping(const Rect& box, double slack_in_cells) const noexcept {
-    const Range columns = range_of(box.lower.x, box.upper.x, 0, slack_in_cells);
-    const Range rows = range_of(box.lower.y, box.upper.y, 1, slack_in_cells);
-    if (columns.first > columns.last) {
-        return 0;
-    }
-    CellMask mask = 0;
-    for (int row = rows.first; row <= rows.last; ++row) {
-        mask |= row_bits(row, columns.first, columns.last);
-    }
-    return mask;
 }
 
 CellMask CoverageRaster::cells_with_centre_in(const Rect& box) const noexcept {
@@ -176,18 +200,6 @@ CellMask CoverageRaster::cells_overlapping_grid(const CoverageRaster& other,
         }
     }
     return mask;
-}
-
-CoverageRaster::Range CoverageRaster::range_of(double lower,
-                                               double upper,
-                                               int axis,
-                                               double slack_in_cells) const noexcept {
-    const double from = (lower - rect_.lower[axis]) * scale_[axis] - slack_in_cells;
-    const double to = (upper - rect_.lower[axis]) * scale_[axis] + slack_in_cells;
-    if (!(to >= 0.0) || !(from <= cells_)) {
-        return {};
-    }
-    return {.first = clamp_cell(from, cells_), .last = clamp_cell(to, cells_)};
 }
 
 Rect CoverageRaster::cell_rect(int row, int column) const noexcept {

@@ -30,6 +30,53 @@ constexpr double kAlmostACell = 0.99;
 
 }  // namespace
 
+/// The half-spaces that facets are clipped to: beyond the facet where the frustum starts, at its
+/// least depth, and the four sides of the grid grown by a margin, all moved outward by the position
+/// error of the polygon's points, metres.
+struct VisibleFacets::ClipPlanes {
+    static constexpr std::size_t kCount = 6;
+
+    ClipPlanes(const Frustum& the_frustum,
+               const FacetIndex& index,
+               const CoverageRaster& raster,
+               double the_position_error) noexcept
+        : frustum(the_frustum),
+          position_error(the_position_error),
+          start_slack(
+              the_frustum.starts_at_facet
+                  ? the_position_error /
+                        std::abs(height_above(index.plane(the_frustum.facet), the_frustum.apex))
+                  : 0.0),
+          side_error(kProjectionErrorFactor * the_position_error),
+          lower(the_frustum.rect.lower - kClipMargin * raster.cell_size()),
+          upper(the_frustum.rect.upper + kClipMargin * raster.cell_size()) {}
+
+    /// Calls visit(distance) for each plane in turn while it returns true; points inside have a
+    /// distance that is not negative. Returns whether all did.
+    template <typename Visit>
+    bool for_each(Visit&& visit) const {
+        return visit([&](const Vec3& p) { return before_start(p); }) &&
+               visit([&](const Vec3& p) { return p.z - frustum.min_depth + position_error; }) &&
+               visit([&](const Vec3& p) { return p.x - lower.x * p.z + side_error; }) &&
+               visit([&](const Vec3& p) { return upper.x * p.z - p.x + side_error; }) &&
+               visit([&](const Vec3& p) { return p.y - lower.y * p.z + side_error; }) &&
+               visit([&](const Vec3& p) { return upper.y * p.z - p.y + side_error; });
+    }
+
+    /// 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its
+    /// distance from the apex: points on the plane stay.
+    double before_start(const Vec3& p) const noexcept {
+        const InverseDepth& start = frustum.start;
+        return frustum.starts_at_facet ? start.constant * p.z + start.slope.x * p.x +
+                                             start.slope.y * p.y - 1.0 + start_slack
+                                       : 0.0;
+    }
+
+    const Frustum& frustum;
+    double position_error, start_slack, side_error;
+    glm::dvec2 lower, upper;
+};
+
 // Draws a facet that lies wholly in the half-space of the frustum's depths, as most do, without
 // clipping. If its bounds overlap a few cells only and it is too narrow to cover one, all of these
 // are its outer cells and it has no inner one.
@@ -39,25 +86,15 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
                                                     double position_error,
                                                     bool centres_only,
                                                     Projected& out) {
-    const auto loops = index_.loops(facet);
-    const std::uint32_t begin = loops.front().begin;
-    const std::uint32_t end = loops.back().end;
-    const double start_slack =
-        frustum.starts_at_facet
-            ? position_error / std::abs(index_.plane(frustum.facet).distance(frustum.apex))
-            : 0.0;
     const double min_z = std::max(frustum.min_depth, 2.0 * kProjectionErrorFactor * position_error);
+    const ClipPlanes planes(frustum, index_, raster, position_error);
     glm::dvec2 lower(std::numeric_limits<double>::infinity());
     glm::dvec2 upper(-std::numeric_limits<double>::infinity());
     double min_depth = std::numeric_limits<double>::infinity();
-    outline_.clear();
-    for (std::uint32_t v = begin; v < end; ++v) {
-        const Vec3 p = frustum.local(index_.vertices()[v]);
-        const InverseDepth& start = frustum.start;
-        if (!(p.z >= min_z) ||
-            (frustum.starts_at_facet && !(start.constant * p.z + start.slope.x * p.x +
-                                              start.slope.y * p.y - 1.0 + start_slack >=
-                                          0.0))) {
+    outline_.resize(local_.size());
+    for (std::size_t i = 0; i < local_.size(); ++i) {
+        const Vec3& p = local_[i];
+        if (!(p.z >= min_z) || !(planes.before_start(p) >= 0.0)) {
             return DrawResult::needs_clipping;
         }
         const double inverse = 1.0 / p.z;
@@ -65,7 +102,7 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
         lower = glm::min(lower, uv);
         upper = glm::max(upper, uv);
         min_depth = std::min(min_depth, p.z);
-        outline_.push_back(uv);
+        outline_[i] = uv;
     }
     const glm::dvec2 cell = raster.cell_size();
     const double slack =
@@ -93,6 +130,8 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
         return DrawResult::needs_clipping;
     }
     raster.start(slack, centres_only);
+    const auto loops = index_.loops(facet);
+    const std::uint32_t begin = loops.front().begin;
     for (const FacetIndex::LoopRange& loop : loops) {
         raster.add_loop(std::span(outline_).subspan(loop.begin - begin, loop.end - loop.begin));
     }
@@ -107,8 +146,14 @@ bool VisibleFacets::draw(const Frustum& frustum,
                          FacetId facet,
                          bool centres_only,
                          Projected& out) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const double position_error = position_error_ + index_.flatness(facet);
+    const auto loops = index_.loops(facet);
+    const auto vertices =
+        index_.vertices().subspan(loops.front().begin, loops.back().end - loops.front().begin);
+    local_.resize(vertices.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        local_[i] = frustum.local(vertices[i]);
+    }
     switch (draw_whole(frustum, raster, facet, position_error, centres_only, out)) {
         case DrawResult::outside:
             return false;
@@ -117,23 +162,39 @@ bool VisibleFacets::draw(const Frustum& frustum,
         case DrawResult::needs_clipping:
             break;
     }
+    return draw_clipped(frustum, raster, facet, position_error, centres_only, out);
+}
+
+bool VisibleFacets::draw_clipped(const Frustum& frustum,
+                                 CoverageRaster& raster,
+                                 FacetId facet,
+                                 double position_error,
+                                 bool centres_only,
+                                 Projected& out) {
+    // Most of these facets are behind the start or beside the grid with all of their vertices.
+    const ClipPlanes planes(frustum, index_, raster, position_error);
+    if (!planes.for_each([&](auto&& distance) {
+            return std::any_of(
+                local_.begin(), local_.end(), [&](const Vec3& p) { return distance(p) >= 0.0; });
+        })) {
+        return false;
+    }
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const auto loops = index_.loops(facet);
     out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};
     double min_depth = kInfinity;
     outline_.clear();
     std::array<std::size_t, 16> few_ends{};
     std::vector<std::size_t> many_ends;
-    const auto loops = index_.loops(facet);
     if (loops.size() > few_ends.size()) {
         many_ends.resize(loops.size());
     }
     const std::span<std::size_t> ends =
         many_ends.empty() ? std::span(few_ends) : std::span(many_ends);
     for (std::size_t i = 0; i < loops.size(); ++i) {
-        polygon_.clear();
-        for (std::uint32_t v = loops[i].begin; v < loops[i].end; ++v) {
-            polygon_.push_back(frustum.local(index_.vertices()[v]));
-        }
-        if (clip(frustum, raster, position_error)) {
+        const auto first = local_.begin() + (loops[i].begin - loops.front().begin);
+        polygon_.assign(first, first + (loops[i].end - loops[i].begin));
+        if (clip(planes)) {
             for (const Vec3& p : polygon_) {
                 min_depth = std::min(min_depth, p.z);
                 outline_.emplace_back(p.x / p.z, p.y / p.z);
@@ -170,15 +231,8 @@ bool VisibleFacets::draw(const Frustum& frustum,
     return true;
 }
 
-// Sutherland and Hodgman 1974, against the start plane and the four sides of the grid grown by a
-// margin, all moved outward by the `position_error` of the polygon's points, metres.
-bool VisibleFacets::clip(const Frustum& frustum,
-                         const CoverageRaster& raster,
-                         double position_error) {
-    const double side_error = kProjectionErrorFactor * position_error;
-    const glm::dvec2 margin = kClipMargin * raster.cell_size();
-    const glm::dvec2 lower = frustum.rect.lower - margin;
-    const glm::dvec2 upper = frustum.rect.upper + margin;
+// Sutherland and Hodgman 1974.
+bool VisibleFacets::clip(const ClipPlanes& planes) {
     const auto keep = [&](auto&& inside_distance) {
         bool all = true;
         bool any = false;
@@ -207,24 +261,7 @@ bool VisibleFacets::clip(const Frustum& frustum,
         std::swap(polygon_, clipped_);
         return true;
     };
-    if (frustum.starts_at_facet) {
-        // 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its
-        // distance from the apex: points on the plane stay.
-        const InverseDepth& start = frustum.start;
-        const double slack =
-            position_error / std::abs(index_.plane(frustum.facet).distance(frustum.apex));
-        if (!keep([&](const Vec3& p) {
-                return start.constant * p.z + start.slope.x * p.x + start.slope.y * p.y - 1.0 +
-                       slack;
-            })) {
-            return false;
-        }
-    }
-    return keep([&](const Vec3& p) { return p.z - frustum.min_depth + position_error; }) &&
-           keep([&](const Vec3& p) { return p.x - lower.x * p.z + side_error; }) &&
-           keep([&](const Vec3& p) { return upper.x * p.z - p.x + side_error; }) &&
-           keep([&](const Vec3& p) { return p.y - lower.y * p.z + side_error; }) &&
-           keep([&](const Vec3& p) { return upper.y * p.z - p.y + side_error; });
+    return planes.for_each(keep);
 }
 
 }  // namespace earshot::frustum

@@ -19,14 +19,6 @@ Vec3 mirrored_direction(const Plane& plane, const Vec3& direction) noexcept {
 
 }  // namespace
 
-// A point at depth t is apex + t (forward + u right + v up); put into the plane's equation and
-// solved for 1 / t.
-InverseDepth Frustum::inverse_depth(const Plane& plane) const noexcept {
-    const double scale = -1.0 / plane.distance(apex);
-    return {.constant = scale * glm::dot(plane.normal, forward),
-            .slope = {scale * glm::dot(plane.normal, right), scale * glm::dot(plane.normal, up)}};
-}
-
 std::vector<Frustum> frusta_around(const Vec3& source, int pieces, int cells, double min_depth) {
     std::vector<Frustum> frusta;
     for (int face = 0; face < 6; ++face) {

@@ -18,14 +18,29 @@ double size_of(const InverseDepth& depth) noexcept {
 
 }  // namespace
 
+// The difference of two inverse depths is linear in (u, v): it is positive in the whole cell if it
+// exceeds at the centre what it can lose on the way to a corner.
+inline bool OcclusionGrid::occludes(const Occluder& occluder,
+                                    const InverseDepth& depth,
+                                    double size,
+                                    int cell) const noexcept {
+    return occluder.centre - depth.at(centre_of(cell)) >
+           max_change(occluder.depth.slope - depth.slope) + kDepthSlack * (occluder.size + size);
+}
+
 void OcclusionGrid::reset(const glm::dvec2& first_centre, const glm::dvec2& cell_size) noexcept {
-    first_centre_ = first_centre;
+    for (int i = 0; i < kGridSide; ++i) {
+        const auto cell = static_cast<std::size_t>(i);
+        centre_u_[cell] = first_centre.x + i * cell_size.x;
+        centre_v_[cell] = first_centre.y + i * cell_size.y;
+    }
     cell_size_ = cell_size;
     occluded_ = 0;
 }
 
 void OcclusionGrid::add(FacetId facet, const InverseDepth& depth, CellMask cells) noexcept {
     const double size = size_of(depth);
+    const double below_centre = max_change(depth.slope) + kDepthSlack * size;
     for_each_cell(cells, [&](int cell) {
         Occluder& occluder = occluders_[static_cast<std::size_t>(cell)];
         const double centre = depth.at(centre_of(cell));
@@ -33,7 +48,7 @@ void OcclusionGrid::add(FacetId facet, const InverseDepth& depth, CellMask cells
         // At the same depth the lower facet, whatever the order in which a tree visits them.
         if ((occluded_ & bit) == 0 || centre > occluder.centre ||
             (centre == occluder.centre && facet < occluder.facet)) {
-            occluder = {facet, depth, centre, size};
+            occluder = {facet, depth, centre, size, centre - below_centre};
             occluded_ |= bit;
         }
     });
@@ -55,7 +70,7 @@ CellMask OcclusionGrid::cells_where_closer(const InverseDepth& a,
     const double size_b = size_of(b);
     CellMask closer = 0;
     for_each_cell(cells, [&](int cell) {
-        const Occluder plane{0, a, a.at(centre_of(cell)), size_a};
+        const Occluder plane{0, a, a.at(centre_of(cell)), size_a, 0.0};
         closer |= static_cast<CellMask>(occludes(plane, b, size_b, cell)) << cell;
     });
     return closer;
@@ -75,14 +90,13 @@ CellMask OcclusionGrid::cells_occluding(FacetId facet,
     return occluding;
 }
 
-bool OcclusionGrid::all_occlude(const InverseDepth& depth, CellMask cells) const noexcept {
+bool OcclusionGrid::all_occlude(double inverse_depth, CellMask cells) const noexcept {
     if ((cells & ~occluded_) != 0) {
         return false;
     }
-    const double size = size_of(depth);
+    const double limit = (1.0 + kDepthSlack) * inverse_depth;
     for (; cells != 0; cells &= cells - 1) {
-        const int cell = std::countr_zero(cells);
-        if (!occludes(occluders_[static_cast<std::size_t>(cell)], depth, size, cell)) {
+        if (!(occluders_[static_cast<std::size_t>(std::countr_zero(cells))].lowest > limit)) {
             return false;
         }
     }
@@ -100,27 +114,6 @@ bool OcclusionGrid::all_centres_occlude(double inverse_depth, CellMask cells) co
         }
     }
     return true;
-}
-
-// The difference of two inverse depths is linear in (u, v): it is positive in the whole cell if it
-// exceeds at the centre what it can lose on the way to a corner.
-bool OcclusionGrid::occludes(const Occluder& occluder,
-                             const InverseDepth& depth,
-                             double size,
-                             int cell) const noexcept {
-    return occluder.centre - depth.at(centre_of(cell)) >
-           max_change(occluder.depth, depth) + kDepthSlack * (occluder.size + size);
-}
-
-glm::dvec2 OcclusionGrid::centre_of(int cell) const noexcept {
-    return {first_centre_.x + cell % kGridSide * cell_size_.x,
-            first_centre_.y + cell / kGridSide * cell_size_.y};
-}
-
-// From a cell's centre to its corners.
-double OcclusionGrid::max_change(const InverseDepth& a, const InverseDepth& b) const noexcept {
-    return 0.5 * (std::abs(a.slope.x - b.slope.x) * cell_size_.x +
-                  std::abs(a.slope.y - b.slope.y) * cell_size_.y);
 }
 
 }  // namespace earshot::frustum

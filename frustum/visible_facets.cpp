@@ -104,7 +104,10 @@ void VisibleFacets::search(const Frustum& frustum) {
     set_frustum(frustum);
     if (frustum.starts_at_facet) {
         start_depth_limit_ = depth_behind(
-            scaled(frustum.start, 1.0 - depth_error(frustum.facet)), contact_radius_, frustum.rect);
+            scaled(frustum.start,
+                   1.0 - depth_error(height_above(index_.plane(frustum.facet), frustum.apex))),
+            contact_radius_,
+            frustum.rect);
     }
     visit_nodes();
     collect_found();
@@ -122,9 +125,8 @@ double VisibleFacets::max_grazing_height() const noexcept {
 
 // The height of the apex above a plane has the position error of the apex. The relative error of
 // the inverse depth is the relative error of that height.
-double VisibleFacets::depth_error(FacetId facet) const noexcept {
-    return kProjectionErrorFactor * position_error_ /
-           std::abs(index_.plane(facet).distance(frustum_.apex));
+double VisibleFacets::depth_error(double height) const noexcept {
+    return kProjectionErrorFactor * position_error_ / std::abs(height);
 }
 
 // Traverses the tree depth first, the closer child first, so that occluders are added before the
@@ -168,7 +170,8 @@ void VisibleFacets::visit_facet(FacetId facet) {
     if (frustum_.starts_at_facet && facet == frustum_.facet) {
         return;
     }
-    const double height = index_.plane(facet).distance(frustum_.apex);
+    const Plane& plane = index_.plane(facet);
+    const double height = height_above(plane, frustum_.apex);
     if (std::abs(height) <= max_grazing_height()) {
         if (grazing_facets_ == GrazingFacets::keep) {
             visible_facets_.push_back({facet, frustum_.rect, frustum_.active, true});
@@ -179,29 +182,32 @@ void VisibleFacets::visit_facet(FacetId facet) {
     if (!draw(frustum_, raster_, facet, mode_ == Mode::sampled, projected)) {
         return;
     }
-    const InverseDepth depth = frustum_.inverse_depth(index_.plane(facet));
+    const InverseDepth depth = frustum_.inverse_depth(plane, height);
     const bool reflects = height > 0.0 || !index_.is_one_sided(facet);
     const CellMask outer = projected.coverage.outer & frustum_.active;
     if (index_.is_opaque(facet)) {
         if (mode_ == Mode::sampled) {
             occlusion_.add(facet, depth, projected.coverage.centre_sampled & frustum_.active);
         } else {
-            add_occluder(facet, depth, projected.coverage.inner & frustum_.active);
+            add_occluder(facet, height, depth, projected.coverage.inner & frustum_.active);
         }
     }
     if (reflects && outer != 0) {
-        const InverseDepth closest = scaled(depth, 1.0 + depth_error(facet));
+        const InverseDepth closest = scaled(depth, 1.0 + depth_error(height));
         candidates_.push_back({facet, closest, outer, projected.bounds});
     }
 }
 
-void VisibleFacets::add_occluder(FacetId facet, const InverseDepth& depth, CellMask inner) {
+void VisibleFacets::add_occluder(FacetId facet,
+                                 double height,
+                                 const InverseDepth& depth,
+                                 CellMask inner) {
     if (inner == 0) {
         return;
     }
     // The facet's triangles are the occluders, and they may deviate from its plane.
-    const double error = kProjectionErrorFactor * (position_error_ + index_.deviation(facet)) /
-                         std::abs(index_.plane(facet).distance(frustum_.apex));
+    const double error =
+        kProjectionErrorFactor * (position_error_ + index_.deviation(facet)) / std::abs(height);
     if (error > kMaxOccluderError) {
         return;
     }
@@ -323,9 +329,7 @@ bool VisibleFacets::all_occlude_depth(double depth, CellMask cells) const noexce
     if (!(depth > 2.0 * position_error_)) {
         return false;
     }
-    const InverseDepth front = {.constant = 1.0 / (depth - position_error_),
-                                .slope = glm::dvec2(0.0)};
-    return occlusion_.all_occlude(front, cells);
+    return occlusion_.all_occlude(1.0 / (depth - position_error_), cells);
 }
 
 bool VisibleFacets::may_arrive_at(const Vec3& point) const noexcept {

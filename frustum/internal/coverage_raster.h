@@ -3,6 +3,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 
@@ -20,6 +21,12 @@ struct Rect {
     glm::dvec2 upper{0.0};
     friend bool operator==(const Rect&, const Rect&) = default;
 };
+
+/// Bits first ... last (inclusive, within 0..7) of one row.
+constexpr CellMask row_bits(int row, int first, int last) noexcept {
+    const CellMask bits = (CellMask{0xff} >> (7 - (last - first))) << first;
+    return bits << (8 * row);
+}
 
 /// Which cells of a grid a polygon covers, in three senses.
 struct Coverage {
@@ -41,10 +48,18 @@ public:
     void start(double slack_in_cells, bool only_centres = false) noexcept;
     /// Adds a closed loop; points in (u, v).
     void add_loop(std::span<const glm::dvec2> loop) noexcept;
-    Coverage finish() const noexcept;
+    Coverage finish() noexcept;
 
     /// The cells that a box of (u, v), grown by slack_in_cells, overlaps.
-    CellMask cells_overlapping(const Rect& box, double slack_in_cells) const noexcept;
+    CellMask cells_overlapping(const Rect& box, double slack_in_cells) const noexcept {
+        const Range columns = range_of(box.lower.x, box.upper.x, 0, slack_in_cells);
+        const Range rows = range_of(box.lower.y, box.upper.y, 1, slack_in_cells);
+        if (columns.first > columns.last || rows.first > rows.last) {
+            return 0;
+        }
+        constexpr CellMask kFirstColumn = 0x0101010101010101;
+        return row_bits(0, columns.first, columns.last) * kFirstColumn & row_range(rows);
+    }
 
     /// The cells whose centres lie in a box of (u, v), as computed without slack.
     CellMask cells_with_centre_in(const Rect& box) const noexcept;
@@ -64,9 +79,25 @@ private:
         int first = 0, last = -1;  // empty if last < first
     };
 
-    Range range_of(double lower, double upper, int axis, double slack_in_cells) const noexcept;
+    /// Floor into 0 ... cells - 1, whatever the value (NaN counts as 0).
+    static int clamp_cell(double value, int cells) noexcept {
+        return static_cast<int>(std::min(std::max(0.0, value), cells - 1.0));
+    }
+    Range range_of(double lower, double upper, int axis, double slack_in_cells) const noexcept {
+        const double from = (lower - rect_.lower[axis]) * scale_[axis] - slack_in_cells;
+        const double to = (upper - rect_.lower[axis]) * scale_[axis] + slack_in_cells;
+        if (!(to >= 0.0) || !(from <= cells_)) {
+            return {};
+        }
+        return {.first = clamp_cell(from, cells_), .last = clamp_cell(to, cells_)};
+    }
     void mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
     void wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
+    void spill_winding() noexcept;
+    static CellMask row_range(const Range& rows) noexcept {
+        return (kAllCells >> (kGridSide * (kGridSide - 1 - rows.last))) &
+               (kAllCells << (kGridSide * rows.first));
+    }
 
     Rect rect_;
     int cells_;
@@ -75,14 +106,12 @@ private:
     double slack_ = 0.0;
     bool only_centres_ = false;
     CellMask boundary_ = 0;
-    // Change of the winding number from the column before; one past the last is never read.
-    std::int32_t winding_change_[kGridSide][kGridSide + 1] = {};
+    // By how much the winding number changes from the column before: a byte per column, edges that
+    // go up and edges that go down. Edges beyond those that bytes can count are in `spilled_`.
+    std::uint64_t up_[kGridSide] = {}, down_[kGridSide] = {};
+    int edges_ = 0;
+    bool has_spilled_ = false;
+    std::int32_t spilled_[kGridSide][kGridSide];
 };
-
-/// Bits first ... last (inclusive, within 0..7) of one row.
-constexpr CellMask row_bits(int row, int first, int last) noexcept {
-    const CellMask bits = (CellMask{0xff} >> (7 - (last - first))) << first;
-    return bits << (8 * row);
-}
 
 }  // namespace earshot::frustum

@@ -17,6 +17,11 @@ namespace earshot::frustum {
 /// of coordinates below 2) loses nothing.
 inline constexpr double kApertureSlack = 0x1p-44;
 
+/// geometry::Plane::distance, inline.
+inline double height_above(const geometry::Plane& plane, const geometry::Vec3& point) noexcept {
+    return glm::dot(plane.normal, point) - plane.offset;
+}
+
 /// A linear function of (u, v): the inverse depth at which a frustum's rays meet a plane. Larger is
 /// closer; negative is behind the apex.
 struct InverseDepth {
@@ -46,6 +51,9 @@ struct InverseDepth {
 ///
 /// Mirroring a frustum mirrors apex and axes, so (u, v) of a direction never changes along a
 /// sequence of reflections: an aperture cut from the parent's rectangle is the child's rectangle.
+///
+/// A point at depth t is apex + t (forward + u right + v up); put into a plane's equation and
+/// solved for 1 / t, that is the plane's InverseDepth.
 struct Frustum {
     geometry::Vec3 apex{0.0};
     geometry::Vec3 right{1.0, 0.0, 0.0}, up{0.0, 1.0, 0.0}, forward{0.0, 0.0, 1.0};
@@ -65,7 +73,16 @@ struct Frustum {
         const geometry::Vec3 offset = point - apex;
         return {glm::dot(offset, right), glm::dot(offset, up), glm::dot(offset, forward)};
     }
-    InverseDepth inverse_depth(const geometry::Plane& plane) const noexcept;
+    /// `height`: of the apex above the plane.
+    InverseDepth inverse_depth(const geometry::Plane& plane, double height) const noexcept {
+        const double scale = -1.0 / height;
+        return {
+            .constant = scale * glm::dot(plane.normal, forward),
+            .slope = {scale * glm::dot(plane.normal, right), scale * glm::dot(plane.normal, up)}};
+    }
+    InverseDepth inverse_depth(const geometry::Plane& plane) const noexcept {
+        return inverse_depth(plane, height_above(plane, apex));
+    }
 
     friend bool operator==(const Frustum&, const Frustum&) = default;
 };

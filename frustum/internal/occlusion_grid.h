@@ -6,6 +6,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 
 namespace earshot::frustum {
@@ -38,8 +39,8 @@ public:
                              const InverseDepth& depth,
                              CellMask cells) const noexcept;
 
-    /// Whether all of `cells` have an occluder that is everywhere closer than the plane.
-    bool all_occlude(const InverseDepth& depth, CellMask cells) const noexcept;
+    /// Whether all of `cells` have an occluder that is everywhere closer than an inverse depth.
+    bool all_occlude(double inverse_depth, CellMask cells) const noexcept;
 
     /// Whether all of `cells` have an occluder that is closer at the centre than an inverse depth.
     bool all_centres_occlude(double inverse_depth, CellMask cells) const noexcept;
@@ -50,16 +51,23 @@ private:
         InverseDepth depth;
         double centre = 0.0;  // inverse depth at the cell's centre
         double size = 0.0;    // of the coefficients, for their rounding
+        double lowest = 0.0;  // inverse depth in the cell, less what may be rounding
     };
 
-    glm::dvec2 centre_of(int cell) const noexcept;
-    double max_change(const InverseDepth& a, const InverseDepth& b) const noexcept;
+    glm::dvec2 centre_of(int cell) const noexcept {
+        return {centre_u_[static_cast<std::size_t>(cell % kGridSide)],
+                centre_v_[static_cast<std::size_t>(cell / kGridSide)]};
+    }
+    /// From a cell's centre to its corners.
+    double max_change(const glm::dvec2& slope) const noexcept {
+        return 0.5 * (std::abs(slope.x) * cell_size_.x + std::abs(slope.y) * cell_size_.y);
+    }
     bool occludes(const Occluder& occluder,
                   const InverseDepth& depth,
                   double size,
                   int cell) const noexcept;
 
-    glm::dvec2 first_centre_{0.0};
+    std::array<double, kGridSide> centre_u_{}, centre_v_{};  // of the cells of a row and a column
     glm::dvec2 cell_size_{0.0};
     CellMask occluded_ = 0;
     std::array<Occluder, 64> occluders_;

@@ -136,10 +136,20 @@ private:
                           double position_error,
                           bool centres_only,
                           Projected& out);
-    bool clip(const Frustum& frustum, const CoverageRaster& raster, double position_error);
-    void add_occluder(geometry::FacetId facet, const InverseDepth& depth, CellMask inner);
+    bool draw_clipped(const Frustum& frustum,
+                      CoverageRaster& raster,
+                      geometry::FacetId facet,
+                      double position_error,
+                      bool centres_only,
+                      Projected& out);
+    struct ClipPlanes;
+    bool clip(const ClipPlanes& planes);
+    void add_occluder(geometry::FacetId facet,
+                      double height,
+                      const InverseDepth& depth,
+                      CellMask inner);
     double max_grazing_height() const noexcept;
-    double depth_error(geometry::FacetId facet) const noexcept;
+    double depth_error(double height) const noexcept;
     CellMask cells_overlapping(const Rect& bounds, double depth) const noexcept;
     bool all_occlude_depth(double depth, CellMask cells) const noexcept;
     struct BoxBounds {
@@ -165,6 +175,7 @@ private:
     std::vector<Candidate> candidates_;
     std::vector<VisibleFacet> visible_facets_;
     std::vector<std::uint32_t> stack_;
+    std::vector<geometry::Vec3> local_;  // the vertices of a facet along the frustum's axes
     std::vector<geometry::Vec3> polygon_, clipped_;
     std::vector<glm::dvec2> outline_;
 };

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -145,6 +146,30 @@ TEST(CoverageRaster, CellsOverlappingAnotherGridAreThoseOfTheirRectangles) {
             }
         }
         EXPECT_EQ(grid.cells_overlapping_grid(other, cells, slack), expected) << "seed " << seed;
+    }
+}
+
+TEST(CoverageRaster, ALoopThatGoesRoundManyTimesCoversWhatItDoesOnce) {
+    const Polygon square = {{-0.3, 0.22}, {0.81, 0.22}, {0.81, 0.93}, {-0.3, 0.93}};
+    CoverageRaster raster({.lower = {0.0, 0.0}, .upper = {1.0, 1.0}}, 8);
+    raster.start(1e-9);
+    raster.add_loop(square);
+    const Coverage once = raster.finish();
+    EXPECT_NE(once.inner, CellMask{0});
+    for (const int turns : {127, 255, 256, 300, 512}) {
+        Polygon loop;
+        for (int turn = 0; turn < turns; ++turn) {
+            loop.insert(loop.end(), square.begin(), square.end());
+        }
+        raster.start(1e-9);
+        raster.add_loop(loop);
+        const Coverage coverage = raster.finish();
+        EXPECT_EQ(coverage.outer, once.outer) << turns;
+        EXPECT_EQ(coverage.inner, once.inner) << turns;
+        // As many times the other way: outside again.
+        std::reverse(loop.begin(), loop.end());
+        raster.add_loop(loop);
+        EXPECT_EQ(raster.finish().centre_sampled, CellMask{0}) << turns;
     }
 }
 
