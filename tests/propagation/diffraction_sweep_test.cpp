@@ -200,7 +200,7 @@ TEST(DiffractionSweep, MetricsAreContinuousRoundAScreen) {
 }
 
 // Six more geometries, in which no listener or image of one crosses the plane of a plate beside it.
-TEST(DiffractionSweep, SlowMetricsAreContinuousPastOtherShapes) {
+TEST(SlowDiffractionSweep, MetricsAreContinuousPastOtherShapes) {
     const auto plates = [](std::vector<std::vector<Vec3>> corners) {
         return hall_with_plates(corners);
     };
