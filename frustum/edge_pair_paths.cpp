@@ -24,9 +24,10 @@ struct ReachedEdge {
 
 class PairSearch {
 public:
-    PairSearch(const SceneView& scene, std::span<const Wedge> wedges)
+    PairSearch(const SceneView& scene, std::span<const Wedge> wedges, const EdgePairFilter* filter)
         : scene_(scene),
           wedges_(wedges),
+          filter_(filter),
           verifier_(scene),
           intervals_(scene, verifier_),
           links_(scene, verifier_) {}
@@ -60,25 +61,39 @@ public:
         const Wedge& b = wedges_[second.wedge];
         for (const geometry::Interval& of_first : first.parts) {
             for (const geometry::Interval& of_second : second.parts) {
-                const EdgePart from{a, of_first};
-                const EdgePart to{b, of_second};
                 const EdgePairPath pair{
                     .listener = listener, .first = first.wedge, .second = second.wedge};
-                ++result.statistics.pairs;
-                add(pair, links_.through_air(from, to), {}, result);
-                for (int i = 0; i < 2; ++i) {
-                    for (int k = 0; k < 2; ++k) {
-                        const geometry::WedgeFace& face = a.faces[static_cast<std::size_t>(i)];
-                        if (face == b.faces[static_cast<std::size_t>(k)]) {
-                            add(pair, links_.along_face(from, to, face), {{i, k}}, result);
-                        }
-                    }
-                }
+                add(pair, {a, of_first}, {b, of_second}, result);
             }
         }
     }
 
 private:
+    /// Of one part of each edge, through the air and along faces.
+    void add(EdgePairPath pair,
+             const EdgePart& from,
+             const EdgePart& to,
+             EdgePairResult& result) const {
+        const auto is_wanted = [&] {
+            return filter_ == nullptr ||
+                   filter_->may_be_wanted(
+                       from.wedge, from.part, to.wedge, to.part, pair.common_face, pair.listener);
+        };
+        if (is_wanted()) {
+            ++result.statistics.pairs;
+            add(pair, links_.through_air(from, to), result);
+        }
+        for (int i = 0; i < 2; ++i) {
+            for (int k = 0; k < 2; ++k) {
+                const geometry::WedgeFace& face = from.wedge.faces[static_cast<std::size_t>(i)];
+                pair.common_face = {{i, k}};
+                if (face == to.wedge.faces[static_cast<std::size_t>(k)] && is_wanted()) {
+                    add(pair, links_.along_face(from, to, face), result);
+                }
+            }
+        }
+    }
+
     bool are_collinear(std::size_t first, std::size_t second) const {
         const Wedge& about = wedges_[first];
         const double slack =
@@ -87,21 +102,18 @@ private:
                geometry::wedge_coordinates(about, wedges_[second].end).radius <= slack;
     }
 
-    static void add(EdgePairPath pair,
-                    EdgeLinks::Found&& found,
-                    const std::optional<std::array<int, 2>>& common_face,
-                    EdgePairResult& result) {
+    static void add(EdgePairPath pair, EdgeLinks::Found&& found, EdgePairResult& result) {
         result.statistics.sampled += found.is_sampled ? 1 : 0;
         if (!found.links.empty()) {
             pair.links = std::move(found.links);
             pair.is_sampled = found.is_sampled;
-            pair.common_face = common_face;
             result.paths.push_back(std::move(pair));
         }
     }
 
     const SceneView& scene_;
     std::span<const Wedge> wedges_;
+    const EdgePairFilter* filter_;
     PathVerifier verifier_;
     EdgeIntervals intervals_;
     EdgeLinks links_;
@@ -113,9 +125,10 @@ EdgePairResult find_edge_pair_paths(const SceneView& scene,
                                     std::span<const Wedge> wedges,
                                     const Vec3& source,
                                     std::span<const Vec3> listeners,
+                                    const EdgePairFilter* filter,
                                     Executor& executor) {
     EdgePairResult result;
-    const PairSearch search(scene, wedges);
+    const PairSearch search(scene, wedges, filter);
     const std::vector<ReachedEdge> from_source = search.reached_from(source, executor);
     for (std::size_t listener = 0; listener < listeners.size(); ++listener) {
         const std::vector<ReachedEdge> to_listener =

@@ -36,6 +36,22 @@ struct EdgePairPath {
     bool is_sampled = false;
 };
 
+/// Tells which ways over two edges need not be looked for. Where it answers false nothing is
+/// reported; where it answers true everything is, and the same whatever it answers elsewhere.
+class EdgePairFilter {
+public:
+    virtual ~EdgePairFilter() = default;
+    /// False if no way over any points of two parts (metres from the beginning of their edges) is
+    /// wanted, through the air or along a face of both. `listener`: index into the listeners asked
+    /// for. Called from several threads.
+    virtual bool may_be_wanted(const geometry::Wedge& first,
+                               const geometry::Interval& of_first,
+                               const geometry::Wedge& second,
+                               const geometry::Interval& of_second,
+                               const std::optional<std::array<int, 2>>& common_face,
+                               std::size_t listener) const = 0;
+};
+
 /// Counts of work.
 struct EdgePairStatistics {
     std::uint64_t pairs = 0;    ///< of parts of edges, whose links were looked for
@@ -52,11 +68,12 @@ struct EdgePairResult {
 /// border on. What source and listener reach of the edges is exact (edge_paths.h). All points of
 /// one part see all points of the other if nothing meets the convex hull of both; where something
 /// does, ways from samples of the first edge decide. Sound that passes transmissive facets is left
-/// out. Preconditions: as for find_edge_paths().
+/// out. `filter`: none if every way is wanted. Preconditions: as for find_edge_paths().
 EdgePairResult find_edge_pair_paths(const SceneView& scene,
                                     std::span<const geometry::Wedge> wedges,
                                     const geometry::Vec3& source,
                                     std::span<const geometry::Vec3> listeners,
+                                    const EdgePairFilter* filter = nullptr,
                                     Executor& executor = Executor::serial());
 
 }  // namespace earshot::frustum

@@ -38,17 +38,6 @@ bool is_as_loud(const Path& path, const audio::Bands& bands, double min_pressure
                        [&](double p) { return std::abs(p) >= min_pressure; });
 }
 
-/// Of ways in the order of listeners.
-std::span<const frustum::EdgePairPath> of_listener(std::span<const frustum::EdgePairPath> ways,
-                                                   std::size_t listener) {
-    const auto [first, last] =
-        std::equal_range(ways.begin(),
-                         ways.end(),
-                         frustum::EdgePairPath{.listener = listener},
-                         [](const auto& a, const auto& b) { return a.listener < b.listener; });
-    return {first, last};
-}
-
 }  // namespace
 
 DiffractedPaths::DiffractedPaths(const Scene& scene,
@@ -106,10 +95,8 @@ void DiffractedPaths::add(const RaySource& source,
         }
         frustum::EdgePathResult found =
             finder_.find(group.source, group.positions, &filter, executor);
-        const frustum::EdgePairResult over_two =
-            settings_.max_edges > 1 ? frustum::find_edge_pair_paths(
-                                          view_, wedges_, group.source, group.positions, executor)
-                                    : frustum::EdgePairResult{};
+        std::vector<std::vector<SoundOverTwo>> over_two =
+            sounds_over_two_edges(source, group, listeners, executor);
         executor.for_each(group.numbers.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
                 const auto [first, last] = std::equal_range(
@@ -124,17 +111,19 @@ void DiffractedPaths::add(const RaySource& source,
                             group.positions[i],
                             min_pressure(source.pose.position, listeners[group.numbers[i]]),
                             {first, last},
-                            of_listener(over_two.paths, i),
+                            over_two[i],
                             pair);
                 // Points on surfaces were moved off them for the search.
                 for (std::size_t k = specular; k < pair.paths.size(); ++k) {
                     pair.paths[k].points.front() = source.pose.position;
                     pair.paths[k].points.back() = listeners[group.numbers[i]];
                 }
-                std::sort(pair.paths.begin(), pair.paths.end(), [](const Path& a, const Path& b) {
-                    return std::tie(a.delay, a.order, a.triangles) <
-                           std::tie(b.delay, b.order, b.triangles);
-                });
+                // Ways along both sides of a plate are equal but for their pressures.
+                std::stable_sort(
+                    pair.paths.begin(), pair.paths.end(), [](const Path& a, const Path& b) {
+                        return std::tie(a.delay, a.order, a.triangles) <
+                               std::tie(b.delay, b.order, b.triangles);
+                    });
             }
         });
     }
@@ -150,14 +139,9 @@ void DiffractedPaths::add_to_pair(const RaySource& source,
                                   const Vec3& to,
                                   double min_pressure,
                                   std::span<frustum::EdgePath> ways,
-                                  std::span<const frustum::EdgePairPath> ways_over_two,
+                                  std::span<SoundOverTwo> over_two,
                                   PairResult& pair) const {
-    const DiffractionModel model{.bands = settings_.bands,
-                                 .speed_of_sound = settings_.speed_of_sound,
-                                 .air = settings_.air,
-                                 .air_absorption = settings_.air_absorption,
-                                 .reflection = reflection_of_facet_,
-                                 .max_order = settings_.max_order};
+    const DiffractionModel model = this->model();
     const SpecularPaths specular = specular_paths(pair);
     const double certain_pressure = min_pressure / source.directivity.loudest();
     PairSounds found;
@@ -182,7 +166,13 @@ void DiffractedPaths::add_to_pair(const RaySource& source,
         found.sounds.push_back(std::move(sound));
         found.paths.push_back(std::move(path));
     }
-    add_over_two_edges(source, from, to, min_pressure, ways_over_two, specular, model, found);
+    std::vector<DoublyDiffractedSound> sounds_over_two;
+    for (SoundOverTwo& of_way : over_two) {
+        sounds_over_two.push_back(std::move(of_way.sound));
+        found.paths.push_back(std::move(of_way.path));
+    }
+    found.arrivals = join_mended_sounds(
+        sounds_over_two, view_, wedges_, from, to, specular, model, found.sounds);
     if (found.paths.empty()) {
         return;
     }
@@ -202,41 +192,80 @@ void DiffractedPaths::name_materials(Path& path) const {
     }
 }
 
-void DiffractedPaths::add_over_two_edges(const RaySource& source,
-                                         const Vec3& from,
-                                         const Vec3& to,
-                                         double min_pressure,
-                                         std::span<const frustum::EdgePairPath> ways,
-                                         const SpecularPaths& specular,
-                                         const DiffractionModel& model,
-                                         PairSounds& found) const {
-    std::vector<DoublyDiffractedSound> sounds;
-    for (const frustum::EdgePairPath& way : ways) {
-        std::optional<DoublyDiffractedSound> sound =
-            doubly_diffracted_sound(way,
-                                    wedges_,
-                                    from,
-                                    to,
-                                    model,
-                                    settings_.max_length,
-                                    min_pressure / source.directivity.loudest());
-        if (!sound) {
-            continue;
+DiffractionModel DiffractedPaths::model() const {
+    return {.bands = settings_.bands,
+            .speed_of_sound = settings_.speed_of_sound,
+            .air = settings_.air,
+            .air_absorption = settings_.air_absorption,
+            .reflection = reflection_of_facet_,
+            .max_order = settings_.max_order};
+}
+
+std::optional<DiffractedPaths::SoundOverTwo> DiffractedPaths::sound_over_two_edges(
+    const RaySource& source,
+    const Vec3& from,
+    const Vec3& to,
+    double min_pressure,
+    const frustum::EdgePairPath& way) const {
+    const DiffractionModel model = this->model();
+    std::optional<DoublyDiffractedSound> sound =
+        doubly_diffracted_sound(way,
+                                wedges_,
+                                from,
+                                to,
+                                model,
+                                settings_.max_length,
+                                min_pressure / source.directivity.loudest());
+    if (!sound) {
+        return std::nullopt;
+    }
+    if (!source.directivity.is_omnidirectional()) {
+        const Vec3 departure = geometry::direction_between(from, sound->apexes[0]);
+        radiate(source.directivity.pressure(settings_.bands, source.pose.seen_from(departure)),
+                *sound);
+    }
+    Path path = describe(*sound, view_, wedges_, from, to, model);
+    if (!is_as_loud(path, settings_.bands, min_pressure)) {
+        return std::nullopt;
+    }
+    name_materials(path);
+    return SoundOverTwo{std::move(*sound), std::move(path)};
+}
+
+std::vector<std::vector<DiffractedPaths::SoundOverTwo>> DiffractedPaths::sounds_over_two_edges(
+    const RaySource& source,
+    const frustum::PlacedListeners& group,
+    std::span<const Vec3> listeners,
+    Executor& executor) const {
+    std::vector<std::vector<SoundOverTwo>> of_listener(group.numbers.size());
+    if (settings_.max_edges < 2) {
+        return of_listener;
+    }
+    EdgePairLevelFilter filter(group.source, group.positions, settings_.max_length);
+    std::vector<double> min_pressures;
+    for (const std::size_t number : group.numbers) {
+        min_pressures.push_back(min_pressure(source.pose.position, listeners[number]));
+        filter.add_listener(min_pressures.back() / source.directivity.loudest());
+    }
+    const frustum::EdgePairResult ways = frustum::find_edge_pair_paths(
+        view_, wedges_, group.source, group.positions, &filter, executor);
+    std::vector<std::optional<SoundOverTwo>> sounds(ways.paths.size());
+    executor.for_each(sounds.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const frustum::EdgePairPath& way = ways.paths[i];
+            sounds[i] = sound_over_two_edges(source,
+                                             group.source,
+                                             group.positions[way.listener],
+                                             min_pressures[way.listener],
+                                             way);
         }
-        if (!source.directivity.is_omnidirectional()) {
-            const Vec3 departure = geometry::direction_between(from, sound->apexes[0]);
-            radiate(source.directivity.pressure(settings_.bands, source.pose.seen_from(departure)),
-                    *sound);
-        }
-        Path path = describe(*sound, view_, wedges_, from, to, model);
-        if (is_as_loud(path, settings_.bands, min_pressure)) {
-            name_materials(path);
-            found.paths.push_back(std::move(path));
-            sounds.push_back(std::move(*sound));
+    });
+    for (std::size_t i = 0; i < sounds.size(); ++i) {
+        if (sounds[i]) {
+            of_listener[ways.paths[i].listener].push_back(std::move(*sounds[i]));
         }
     }
-    found.arrivals =
-        join_mended_sounds(sounds, view_, wedges_, from, to, specular, model, found.sounds);
+    return of_listener;
 }
 
 }  // namespace earshot::propagation

@@ -25,10 +25,6 @@ namespace {
 
 constexpr std::size_t kKinds = 3;
 
-/// Radians: a quarter of the time of kMaxSecondOrderPhase at high frequencies. Edges whose ends are
-/// farther lose them, which moves levels by a tenth of a decibel.
-constexpr double kMaxPhase = 200.0;
-
 /// The kind of term of the face that the ways run along, 0 without one.
 std::size_t link_kind(const frustum::EdgePairPath& way, std::size_t edge) {
     return way.common_face ? static_cast<std::size_t>((*way.common_face)[edge]) + 1 : 0;
@@ -71,27 +67,46 @@ double link_factor(const frustum::EdgePairPath& way,
     return 2.0 / (1.0 + reflection);
 }
 
+DoubleDiffraction edges_of(const Wedge& first,
+                           const Interval& of_first,
+                           const Wedge& second,
+                           const Interval& of_second,
+                           const std::optional<std::array<int, 2>>& common_face) {
+    DoubleDiffraction edges;
+    edges.first = first;
+    edges.second = second;
+    edges.first_begin = of_first.min;
+    edges.first_end = of_first.max;
+    edges.second_begin = of_second.min;
+    edges.second_end = of_second.max;
+    if (common_face) {
+        edges.common_face = DoubleDiffraction::CommonFace{(*common_face)[0], (*common_face)[1]};
+    }
+    return edges;
+}
+
 std::vector<DoubleDiffraction> links_of(const frustum::EdgePairPath& way,
                                         std::span<const Wedge> wedges,
                                         const Vec3& source,
                                         const Vec3& listener) {
     std::vector<DoubleDiffraction> links;
     for (const frustum::EdgeLink& link : way.links) {
-        DoubleDiffraction& edges = links.emplace_back();
-        edges.first = wedges[way.first];
-        edges.second = wedges[way.second];
-        edges.source = source;
-        edges.listener = listener;
-        edges.first_begin = link.first.min;
-        edges.first_end = link.first.max;
-        edges.second_begin = link.second.min;
-        edges.second_end = link.second.max;
-        if (way.common_face) {
-            edges.common_face =
-                DoubleDiffraction::CommonFace{(*way.common_face)[0], (*way.common_face)[1]};
-        }
+        links.push_back(edges_of(
+            wedges[way.first], link.first, wedges[way.second], link.second, way.common_face));
+        links.back().source = source;
+        links.back().listener = listener;
     }
     return links;
+}
+
+/// A bound on the pressure of a way in any band, of what a source sends that radiates 1.
+double max_pressure(const DoubleDiffraction& link) {
+    // Of a common face that absorbs everything the factor is 2.
+    return (link.common_face ? 2.0 : 1.0) * max_doubly_diffracted_pressure(link);
+}
+
+double wave_number(const DiffractionModel& model, std::size_t band) {
+    return 2.0 * math::kPi * model.bands.exact_hz()[band] / model.speed_of_sound;
 }
 
 /// Finds the shortest way over all links.
@@ -112,16 +127,15 @@ void set_shortest(std::span<const DoubleDiffraction> links, DoublyDiffractedSoun
 
 /// Adds the kinds that are counted, with their factors.
 void add_band(std::span<const DoubleDiffraction> links,
+              std::span<const EdgePairSpectrum> spectra,
               std::size_t band,
               double factor,
               const DiffractionModel& model,
               DoublyDiffractedSound& sound) {
-    const double wave_number =
-        2.0 * math::kPi * model.bands.exact_hz()[band] / model.speed_of_sound;
     Complex upright{0.0}, inverted{0.0};
-    for (const DoubleDiffraction& link : links) {
-        const DoublyDiffractedPressure found =
-            doubly_diffracted_pressure(link, wave_number, kMaxPhase);
+    for (std::size_t number = 0; number < links.size(); ++number) {
+        const DoubleDiffraction& link = links[number];
+        const DoublyDiffractedPressure found = spectra[number].pressure(wave_number(model, band));
         for (std::size_t i = 0; i < kKinds; ++i) {
             for (std::size_t k = 0; k < kKinds; ++k) {
                 if (is_counted(sound.way, i, k, model.max_order)) {
@@ -151,6 +165,20 @@ double pressure_of(const DoublyDiffractedSound& sound, std::size_t band) {
 
 }  // namespace
 
+bool EdgePairLevelFilter::may_be_wanted(const Wedge& first,
+                                        const Interval& of_first,
+                                        const Wedge& second,
+                                        const Interval& of_second,
+                                        const std::optional<std::array<int, 2>>& common_face,
+                                        std::size_t listener) const {
+    DoubleDiffraction edges = edges_of(first, of_first, second, of_second, common_face);
+    edges.source = source_;
+    edges.listener = listeners_[listener];
+    constexpr double kRoundedUp = 1.0 + 0x1p-20;  // the shortest way is found by iteration
+    return max_pressure(edges) >= min_pressure_[listener] &&
+           shortest_path(edges).length() <= max_length_ * kRoundedUp;
+}
+
 std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::EdgePairPath& way,
                                                              std::span<const Wedge> wedges,
                                                              const Vec3& source,
@@ -167,11 +195,14 @@ std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::Edge
     }
     double bound = 0.0;
     for (const DoubleDiffraction& link : links) {
-        bound += max_doubly_diffracted_pressure(link);
+        bound += max_pressure(link);
     }
-    // Of a common face that absorbs everything the factor is 2.
-    if ((way.common_face ? 2.0 : 1.0) * bound < min_pressure) {
+    if (bound < min_pressure) {
         return std::nullopt;
+    }
+    std::vector<EdgePairSpectrum> spectra;
+    for (const DoubleDiffraction& link : links) {
+        spectra.emplace_back(link, wave_number(model, model.bands.count() - 1));
     }
     Spectrum factors{};
     std::fill_n(factors.begin(), model.bands.count(), 1.0);
@@ -186,6 +217,7 @@ std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::Edge
     }
     for (std::size_t band = 0; band < model.bands.count(); ++band) {
         add_band(links,
+                 spectra,
                  band,
                  factors[band] * link_factor(way, wedges[way.first], band, model),
                  model,

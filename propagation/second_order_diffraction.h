@@ -8,6 +8,7 @@
 #include <complex>
 #include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace earshot::propagation {
 
@@ -40,28 +41,48 @@ struct DoublyDiffractedPressure {
     std::complex<double> total() const noexcept;
 };
 
-/// Radians of phase behind the shortest way, see doubly_diffracted_pressure().
-inline constexpr double kMaxSecondOrderPhase = 500.0;
+/// The pressure of two edges at several frequencies, which share the work: the double integral over
+/// both edges (Svensson, Fred and Vanderkooy 1999, section II.B). The integrand is integrated along
+/// curves of equal length of the way, which gives the impulse response, and its transform is exact
+/// at any frequency: the cost depends neither on frequency nor on the length of the edges. Within
+/// 0.001 dB, or 1e-5 of the free field at the distance of the shortest way.
+class EdgePairSpectrum {
+public:
+    /// `max_wave_number`: the largest that will be asked for, above 0. Precondition: source,
+    /// listener and each of the parts lie outside the line of the other edge; parts may share an
+    /// end.
+    EdgePairSpectrum(const DoubleDiffraction& edges, double max_wave_number);
+    EdgePairSpectrum(EdgePairSpectrum&&) noexcept;
+    EdgePairSpectrum& operator=(EdgePairSpectrum&&) noexcept;
+    ~EdgePairSpectrum();
 
-/// The double integral over both edges (Svensson, Fred and Vanderkooy 1999, section II.B), within
-/// 0.001 dB or 1e-5 of the direct sound where no way is `max_phase` / 2 radians longer than the
-/// shortest. Ways that are longer count ever less, from `max_phase` on not at all: the ends of
-/// edges so far away are left out, which add little. The cost grows with the square of the
-/// frequency up to there. Preconditions: wave_number > 0; max_phase >= 50; source, listener and
-/// each of the parts lie outside the line of the other edge.
-DoublyDiffractedPressure doubly_diffracted_pressure(
-    const DoubleDiffraction& edges,
-    double wave_number,
-    double max_phase = kMaxSecondOrderPhase) noexcept;
+    /// Precondition: wave_number > 0.
+    DoublyDiffractedPressure pressure(double wave_number) const noexcept;
+
+    /// The integral of the absolute values of all products of terms: no sum of terms, with factors
+    /// of at most 1, is larger at any frequency, but for the error of the quadrature.
+    double sum_of_amplitudes() const noexcept;
+
+private:
+    struct Panel;
+    double min_length_ = 0.0;  // metres
+    double factor_ = 0.0;
+    std::array<bool, 16> is_upright_{};  // by product of terms
+    std::vector<Panel> panels_;
+};
+
+/// EdgePairSpectrum::pressure() of one frequency.
+DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edges,
+                                                    double wave_number);
 
 /// A bound on the absolute value of the sum of any of doubly_diffracted_pressure()'s terms at any
-/// frequency, with factors of at most 1: the integral of the integrand's absolute value, 1 % added
-/// for the quadrature.
+/// frequency, with factors of at most 1, from the ends of the parts alone: a ten-thousandth of the
+/// cost of the integral. It holds for all parts within these, also where these leave the air of the
+/// wedges.
 double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept;
 
 /// The sum of doubly_diffracted_pressure().
-std::complex<double> second_order_pressure(const DoubleDiffraction& edges,
-                                           double wave_number) noexcept;
+std::complex<double> second_order_pressure(const DoubleDiffraction& edges, double wave_number);
 
 /// The product of two coefficients of the uniform theory: the limit of second_order_pressure() at
 /// high frequencies for edges without ends, at a cost that does not depend on the frequency. Within

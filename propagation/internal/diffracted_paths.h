@@ -9,11 +9,13 @@
 #include "earshot/geometry/wedge.h"
 #include "earshot/propagation/air.h"
 #include "earshot/propagation/internal/diffracted_sound.h"
+#include "earshot/propagation/internal/doubly_diffracted_sound.h"
 #include "earshot/propagation/internal/scene_geometry.h"
 #include "earshot/propagation/late_rays.h"
 #include "earshot/propagation/pair_result.h"
 #include "earshot/propagation/scene.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -58,6 +60,11 @@ public:
     void discard_unused() { finder_.discard_unused(); }
 
 private:
+    struct SoundOverTwo {
+        DoublyDiffractedSound sound;
+        Path path;
+    };
+
     SpecularPaths specular_paths(const PairResult& pair) const;
     /// Of the loudest band of paths from a source to a listener.
     double min_pressure(const geometry::Vec3& source, const geometry::Vec3& listener) const;
@@ -66,7 +73,7 @@ private:
                      const geometry::Vec3& to,
                      double min_pressure,
                      std::span<frustum::EdgePath> ways,
-                     std::span<const frustum::EdgePairPath> ways_over_two,
+                     std::span<SoundOverTwo> over_two,
                      PairResult& pair) const;
     /// Sounds over one edge and what they mend, and paths.
     struct PairSounds {
@@ -74,14 +81,20 @@ private:
         std::vector<Path> paths;
         std::vector<audio::Arrival> arrivals;  ///< of energies, beside those of the sounds
     };
-    void add_over_two_edges(const RaySource& source,
-                            const geometry::Vec3& from,
-                            const geometry::Vec3& to,
-                            double min_pressure,
-                            std::span<const frustum::EdgePairPath> ways,
-                            const SpecularPaths& specular,
-                            const DiffractionModel& model,
-                            PairSounds& found) const;
+    DiffractionModel model() const;
+    /// Nothing if it is longer or fainter than asked for.
+    std::optional<SoundOverTwo> sound_over_two_edges(const RaySource& source,
+                                                     const geometry::Vec3& from,
+                                                     const geometry::Vec3& to,
+                                                     double min_pressure,
+                                                     const frustum::EdgePairPath& way) const;
+    /// Per listener of a group, in the order of find_edge_pair_paths(). Empty if paths over two
+    /// edges are not asked for.
+    std::vector<std::vector<SoundOverTwo>> sounds_over_two_edges(
+        const RaySource& source,
+        const frustum::PlacedListeners& group,
+        std::span<const geometry::Vec3> listeners,
+        Executor& executor) const;
     void name_materials(Path& path) const;
 
     const Scene& scene_;

@@ -32,6 +32,33 @@ struct DoublyDiffractedSound {
     audio::Spectrum upright{}, inverted{};  ///< absolute values of the sums by sign
 };
 
+/// Tells which ways over two edges may be as loud and as short as is asked for, before it is known
+/// which parts of the edges see each other.
+class EdgePairLevelFilter final : public frustum::EdgePairFilter {
+public:
+    EdgePairLevelFilter(const geometry::Vec3& source,
+                        std::span<const geometry::Vec3> listeners,
+                        double max_length)
+        : source_(source), listeners_(listeners), max_length_(max_length) {}
+
+    /// The next listener, and the pressure in the loudest band that is asked for there of a source
+    /// that sends 1.
+    void add_listener(double min_pressure) { min_pressure_.push_back(min_pressure); }
+
+    bool may_be_wanted(const geometry::Wedge& first,
+                       const geometry::Interval& of_first,
+                       const geometry::Wedge& second,
+                       const geometry::Interval& of_second,
+                       const std::optional<std::array<int, 2>>& common_face,
+                       std::size_t listener) const override;
+
+private:
+    geometry::Vec3 source_;
+    std::span<const geometry::Vec3> listeners_;
+    double max_length_;
+    std::vector<double> min_pressure_;  // per listener
+};
+
 /// Nothing if the way is longer than `max_length`, or if every band is certain to be fainter than
 /// `min_pressure`.
 std::optional<DoublyDiffractedSound> doubly_diffracted_sound(

@@ -4,6 +4,7 @@
 #include "earshot/audio/bands.h"
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
+#include "earshot/base/simd.h"
 #include "earshot/bvh/deformable_bvh.h"
 #include "earshot/frustum/edge_paths.h"
 #include "earshot/frustum/find_specular_paths.h"
@@ -21,7 +22,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
+#include <iterator>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace earshot::propagation {
@@ -265,20 +268,26 @@ TEST(DiffractedPaths, OverTwoEdgesHaveThePressureOfTheDoubleIntegral) {
     const auto plate_edge = [&](const Vec3& from, const Vec3& to) {
         return geometry::make_wedge(from, to, middle, 2.0 * math::kPi);
     };
-    for (std::size_t band = 0; band < 7; ++band) {
-        const double k = 2.0 * math::kPi * audio::Bands::octaves().exact_hz()[band] / 343.2;
+    const auto wave_number = [](std::size_t band) {
+        return 2.0 * math::kPi * audio::Bands::octaves().exact_hz()[band] / 343.2;
+    };
+    std::vector<EdgePairSpectrum> spectra;
+    for (const int side : {0, 1}) {
+        DoubleDiffraction edges;
+        edges.first = plate_edge({-1.2, 0.3, 0.0}, {-1.2, 1.5, 0.0});
+        edges.second = plate_edge({1.2, 1.5, 0.0}, {-1.2, 1.5, 0.0});
+        edges.first_end = edges.first.length();
+        edges.second_end = edges.second.length();
+        // Both run with the screen to the one side, so that their first faces are unlike ones.
+        edges.common_face = DoubleDiffraction::CommonFace{side, 1 - side};
+        edges.source = scene.sources[0].position;
+        edges.listener = scene.listeners[0].position;
+        spectra.emplace_back(edges, wave_number(9));
+    }
+    for (std::size_t band = 0; band < 10; ++band) {
         std::array<double, 2> expected{};
         for (const int side : {0, 1}) {
-            DoubleDiffraction edges;
-            edges.first = plate_edge({-1.2, 0.3, 0.0}, {-1.2, 1.5, 0.0});
-            edges.second = plate_edge({1.2, 1.5, 0.0}, {-1.2, 1.5, 0.0});
-            edges.first_end = edges.first.length();
-            edges.second_end = edges.second.length();
-            // Both run with the screen to the one side, so that their first faces are unlike ones.
-            edges.common_face = DoubleDiffraction::CommonFace{side, 1 - side};
-            edges.source = scene.sources[0].position;
-            edges.listener = scene.listeners[0].position;
-            const auto kinds = doubly_diffracted_pressure(edges, k, 200.0);
+            const auto kinds = spectra[static_cast<std::size_t>(side)].pressure(wave_number(band));
             Complex sum{0.0};
             for (std::size_t i = 0; i < 3; ++i) {
                 for (std::size_t j = 0; j < 3; ++j) {
@@ -293,6 +302,92 @@ TEST(DiffractedPaths, OverTwoEdgesHaveThePressureOfTheDoubleIntegral) {
         std::sort(expected.begin(), expected.end());
         EXPECT_NEAR(pressures[0], expected[0], 1e-9);
         EXPECT_NEAR(pressures[1], expected[1], 1e-9);
+    }
+}
+
+/// Two plates, askew: ways along their sides and through the air between them.
+Scene screens_alone() {
+    Scene scene = screen_scene();
+    geometry::Mesh mesh;
+    add_quad(mesh, {Vec3(-1.2, 0.3, 0), Vec3(1.2, 0.3, 0), Vec3(1.2, 1.5, 0), Vec3(-1.2, 1.5, 0)});
+    add_quad(
+        mesh,
+        {Vec3(-0.9, 0.2, -0.7), Vec3(1.1, 0.2, -0.8), Vec3(1.2, 1.4, -0.7), Vec3(-0.8, 1.4, -0.6)});
+    scene.material_of_triangle = {1, 1, 1, 1};
+    scene.mesh = geometry::AnimatedMesh::fixed(std::move(mesh));
+    return scene;
+}
+
+std::size_t edges_of(const Path& path) {
+    return path.edges.size();
+}
+
+double loudest_band(const Path& path) {
+    const auto [quietest, loudest] =
+        std::minmax_element(path.pressure.begin(), path.pressure.end());
+    return std::max(*loudest, -*quietest);
+}
+
+void expect_same_paths(const std::vector<Path>& found, const std::vector<Path>& expected) {
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_EQ(found[i].points, expected[i].points);
+        EXPECT_EQ(found[i].pressure, expected[i].pressure);
+        EXPECT_EQ(found[i].triangles, expected[i].triangles);
+    }
+}
+
+// Level and length alone tell what is left out, whatever is decided before the integrals.
+TEST(DiffractedPaths, OverTwoEdgesAreThoseOfAllWithinLevelAndLength) {
+    const Scene scene = screens_alone();
+    constexpr double kNone = -std::numeric_limits<double>::infinity();
+    const Options every{.specular_order = 1, .diffraction = 2, .min_diffraction_level_db = kNone};
+    const auto all = paths_of(scene, every);
+    const double distance = glm::distance(scene.sources[0].position, scene.listeners[0].position);
+    const auto filtered = [&](const auto& is_wanted) {
+        std::vector<Path> wanted;
+        std::copy_if(all.begin(), all.end(), std::back_inserter(wanted), is_wanted);
+        return wanted;
+    };
+    const auto over_two = static_cast<std::size_t>(std::count_if(
+        all.begin(), all.end(), [](const Path& path) { return edges_of(path) == 2; }));
+    ASSERT_GT(over_two, 25U);
+    for (const double level_db : {-55.0, -40.0, -30.0}) {
+        Options options = every;
+        options.min_diffraction_level_db = level_db;
+        expect_same_paths(paths_of(scene, options), filtered([&](const Path& path) {
+                              return path.kind != PathKind::diffracted ||
+                                     20.0 * std::log10(loudest_band(path) * distance) >= level_db;
+                          }));
+    }
+    for (const double level_db : {-50.0, -40.0}) {
+        Options options = every;
+        options.min_level_db = level_db;
+        expect_same_paths(paths_of(scene, options), filtered([&](const Path& path) {
+                              return 20.0 * std::log10(loudest_band(path)) >= level_db;
+                          }));
+    }
+    for (const double length : {4.2, 4.8}) {
+        Options options = every;
+        options.max_length = length;
+        expect_same_paths(paths_of(scene, options),
+                          filtered([&](const Path& path) { return path.length <= length; }));
+    }
+}
+
+TEST(DiffractedPaths, OverTwoEdgesAreTheSameForAnyNumberOfThreadsAndInstructions) {
+    const Scene scene = screens_alone();
+    const Options options{.specular_order = 1, .diffraction = 2};
+    const auto expected = paths_of(scene, options);
+    for (const std::string& target : simd_targets()) {
+        override_simd_target(target);
+        expect_same_paths(paths_of(scene, options), expected);
+    }
+    override_simd_target("auto");
+    for (const int threads : {2, 3}) {
+        Executor executor(threads);
+        Simulator simulator(scene, options);
+        expect_same_paths(simulator.run(executor)[0].paths, expected);
     }
 }
 

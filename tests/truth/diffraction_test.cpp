@@ -156,29 +156,42 @@ TEST(DiffractionTruth, OrdersOneAndTwoOfAPlate) {
     const auto table = diffraction_table("plate.json");
     const Vec3 source(table["source"][0], table["source"][1], table["source"][2]);
     const auto wedges = plate_edges(table["plate"][0], table["plate"][1]);
+    const double max_wave_number = wave_number(1600.0);
+    std::vector<Vec3> listeners;
+    std::vector<std::vector<propagation::EdgePairSpectrum>> spectra;  // of each listener
     for (const auto& row : table["rows"]) {
-        if (row["f"] == 100.0 || row["f"] > 400.0) {
-            continue;  // saves time: the cost grows with the square of the frequency
-        }
         const Vec3 listener(row["receiver"][0], row["receiver"][1], row["receiver"][2]);
+        auto place = std::find(listeners.begin(), listeners.end(), listener);
+        if (place == listeners.end()) {
+            place = listeners.insert(place, listener);
+            auto& of_pairs = spectra.emplace_back();
+            for (const Wedge& wedge : wedges) {
+                for (const Wedge& other : wedges) {
+                    for (const int side : {0, 1}) {
+                        if (&other != &wedge) {
+                            of_pairs.emplace_back(
+                                whole_edges(wedge, other, source, listener, side, side),
+                                max_wave_number);
+                        }
+                    }
+                }
+            }
+        }
         const double k = wave_number(row["f"]);
         Complex first{0.0}, second{0.0};
         for (const Wedge& wedge : wedges) {
             first += first_order(wedge, source, listener, k);
-            for (const Wedge& other : wedges) {
-                if (&other != &wedge) {
-                    for (const int side : {0, 1}) {
-                        second += propagation::second_order_pressure(
-                            whole_edges(wedge, other, source, listener, side, side), k);
-                    }
-                }
-            }
+        }
+        for (const auto& spectrum : spectra[static_cast<std::size_t>(place - listeners.begin())]) {
+            second += spectrum.pressure(k).total();
         }
         EXPECT_LT(std::abs(first - complex_of(row["order1"])), 1e-6) << row["f"];
         // At the listener beside the plate the table itself is off by 2e-4: with five times the
         // nodes the integral moves by less than 1e-5.
         const Complex expected = complex_of(row["order2"]);
-        EXPECT_LT(std::abs(second - expected), listener.x > 1.0 ? 2.5e-4 : 2e-5) << row["f"];
+        // At 1.6 kHz the table's own error is larger at the other listeners, too.
+        const double of_table = row["f"] > 800.0 ? 5e-5 : 2e-5;
+        EXPECT_LT(std::abs(second - expected), listener.x > 1.0 ? 2.5e-4 : of_table) << row["f"];
         EXPECT_TRUE(std::abs(decibels(second, expected)) < kSecondOrderDb || listener.x > 1.0)
             << row["f"] << listener.x;
     }
@@ -187,9 +200,6 @@ TEST(DiffractionTruth, OrdersOneAndTwoOfAPlate) {
 TEST(DiffractionTruth, SecondOrderOverAThickBarrier) {
     const auto table = diffraction_table("thick_barrier.json");
     for (const auto& row : table["rows"]) {
-        if (row["f"] > 1000.0) {
-            continue;
-        }
         const double half = 0.5 * row["width"].get<double>();
         const double outer = radians(270.0);
         const auto edges = whole_edges(
