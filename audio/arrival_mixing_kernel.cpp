@@ -116,14 +116,41 @@ void add_to_channels(const float* values,
     }
 }
 
-void add_complex_product(const float* a, const float* b, std::size_t count, float* sum) {
+namespace {
+
+/// kParts products at once, so that the sum is read and written once for all of them.
+template <std::size_t kParts>
+HWY_INLINE void add_some_products(const float* a, const float* b, std::size_t count, float* sum) {
+    const std::size_t row = 2 * count;
     for (std::size_t n = 0; n < count; n += 8) {
-        const Float8 a_re = Float8::load(a + n);
-        const Float8 a_im = Float8::load(a + count + n);
-        const Float8 b_re = Float8::load(b + n);
-        const Float8 b_im = Float8::load(b + count + n);
-        (Float8::load(sum + n) + (a_re * b_re - a_im * b_im)).store(sum + n);
-        (Float8::load(sum + count + n) + (a_re * b_im + a_im * b_re)).store(sum + count + n);
+        Float8 re = Float8::load(sum + n);
+        Float8 im = Float8::load(sum + count + n);
+        for (std::size_t part = 0; part < kParts; ++part) {
+            const std::size_t place = part * row + n;
+            const Float8 a_re = Float8::load(a + place);
+            const Float8 a_im = Float8::load(a + place + count);
+            const Float8 b_re = Float8::load(b + place);
+            const Float8 b_im = Float8::load(b + place + count);
+            re = re + (a_re * b_re - a_im * b_im);
+            im = im + (a_re * b_im + a_im * b_re);
+        }
+        re.store(sum + n);
+        im.store(sum + count + n);
+    }
+}
+
+}  // namespace
+
+void add_complex_products(
+    const float* a, const float* b, std::size_t parts, std::size_t count, float* sum) {
+    constexpr std::size_t kAtOnce = 4;
+    const std::size_t row = 2 * count;
+    std::size_t part = 0;
+    for (; part + kAtOnce <= parts; part += kAtOnce) {
+        add_some_products<kAtOnce>(a + part * row, b + part * row, count, sum);
+    }
+    for (; part < parts; ++part) {
+        add_some_products<1>(a + part * row, b + part * row, count, sum);
     }
 }
 
@@ -136,7 +163,7 @@ namespace earshot::audio {
 HWY_EXPORT(mix_signals);
 HWY_EXPORT(read_delayed);
 HWY_EXPORT(add_to_channels);
-HWY_EXPORT(add_complex_product);
+HWY_EXPORT(add_complex_products);
 
 void mix_signals(const ChunkRing& ring,
                  std::size_t first,
@@ -170,8 +197,9 @@ void add_to_channels(const float* values,
     HWY_DYNAMIC_DISPATCH(add_to_channels)(values, count, gains, steps, channels, stride, out);
 }
 
-void add_complex_product(const float* a, const float* b, std::size_t count, float* sum) {
-    HWY_DYNAMIC_DISPATCH(add_complex_product)(a, b, count, sum);
+void add_complex_products(
+    const float* a, const float* b, std::size_t parts, std::size_t count, float* sum) {
+    HWY_DYNAMIC_DISPATCH(add_complex_products)(a, b, parts, count, sum);
 }
 
 }  // namespace earshot::audio

@@ -53,6 +53,16 @@ std::vector<double> project(const std::vector<std::vector<double>>& rows,
     return coefficients;
 }
 
+/// Leaves out the end of a filter that holds so little of its energy that it does not count beside
+/// `error`: a tenth of it.
+void trim(double error, std::vector<double>& taps) {
+    double rest = 0.01 * error * error * dot(taps, taps);
+    while (taps.size() > 1 && taps.back() * taps.back() <= rest) {
+        rest -= taps.back() * taps.back();
+        taps.pop_back();
+    }
+}
+
 Spectrum absolute(const Spectrum& pressure) {
     Spectrum result{};
     std::transform(
@@ -154,6 +164,7 @@ void FilterBasis::choose(std::span<const Spectrum> samples, const Settings& sett
         filter.response(spectra[farthest], spectrum);
         std::vector<double> taps(filter.fft().size());
         filter.fft().inverse(spectrum, taps);
+        trim(settings.max_error, taps);
         add(spectra[farthest], std::move(taps));
         const std::vector<std::vector<double>> row{state_->rows.back()};
         for (std::vector<double>& remainder : remainders) {

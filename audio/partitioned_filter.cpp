@@ -68,12 +68,16 @@ void MatrixConvolver::process(const PartitionedFilter* filters,
         for (std::size_t input = 0; input < settings.inputs; ++input) {
             const PartitionedFilter& filter = filters[input * settings.outputs + output];
             const std::size_t parts = std::min(filter.parts(), settings.max_parts);
-            for (std::size_t part = 0; part < parts; ++part) {
-                add_complex_product(filter.spectrum(part),
-                                    state.window(input, part),
-                                    state.transform.stride(),
-                                    state.sum.data());
-            }
+            // The ring of windows, from the newest to its end and on from its begin.
+            const std::size_t to_end = std::min(parts, settings.max_parts - state.newest);
+            const std::size_t stride = state.transform.stride();
+            add_complex_products(
+                filter.spectrum(0), state.window(input, 0), to_end, stride, state.sum.data());
+            add_complex_products(filter.spectrum(to_end),
+                                 state.window(input, to_end),
+                                 parts - to_end,
+                                 stride,
+                                 state.sum.data());
         }
         state.transform.inverse(state.sum.data(), out + output * block);
     }

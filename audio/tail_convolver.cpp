@@ -62,12 +62,17 @@ public:
              std::size_t channel,
              std::size_t version,
              const PartitionedFilter& filter) noexcept {
-        for (std::size_t part = 0; part < std::min(filter.parts(), max_parts_); ++part) {
-            add_complex_product(filter.spectrum(part),
-                                window(source, part),
-                                transform_.stride(),
-                                sum(channel, version));
-        }
+        // The ring of windows, from the newest to its end and on from its begin.
+        const std::size_t parts = std::min(filter.parts(), max_parts_);
+        const std::size_t to_end = std::min(parts, max_parts_ - newest_);
+        float* to = sum(channel, version);
+        add_complex_products(
+            filter.spectrum(0), window(source, 0), to_end, transform_.stride(), to);
+        add_complex_products(filter.spectrum(to_end),
+                             window(source, to_end),
+                             parts - to_end,
+                             transform_.stride(),
+                             to);
     }
     void hear(std::size_t channel, std::size_t version, float* signal) noexcept {
         transform_.inverse(sum(channel, version), signal);

@@ -61,8 +61,9 @@ void add_to_channels(const float* values,
                      std::size_t stride,
                      float* out);
 
-/// sum += a * b, complex numbers as two rows of `count` (a multiple of 8): real parts, then
-/// imaginary ones.
-void add_complex_product(const float* a, const float* b, std::size_t count, float* sum);
+/// sum += a * b, added up over `parts` rows of each, one after the other. A row is `count` (a
+/// multiple of 8) real parts, then as many imaginary ones.
+void add_complex_products(
+    const float* a, const float* b, std::size_t parts, std::size_t count, float* sum);
 
 }  // namespace earshot::audio

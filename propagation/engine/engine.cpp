@@ -121,8 +121,8 @@ struct Engine::State {
     }
     ~State() { stop(); }
 
-    /// What the filters of the engine may miss of a path: -60 dB.
-    static constexpr double kMaxFilterError = 1e-3;
+    /// What the filters of the engine may miss of a path: -54 dB.
+    static constexpr double kMaxFilterError = 2e-3;
 
     void update();
     std::unique_ptr<Snapshot> free_snapshot();
