@@ -35,6 +35,7 @@
 #include "earshot_bvh.h"
 #include "earshot_calibrate.h"
 #include "earshot_check.h"
+#include "earshot_engine.h"
 #include "earshot_locate.h"
 #include "earshot_map.h"
 #include "earshot_motion.h"

@@ -77,6 +77,7 @@ typedef uint64_t es_calibration;   ///< absorption fitted to measurements
 typedef uint64_t es_location;      ///< positions from arrival times
 typedef uint64_t es_model_check;   ///< what a model needs before it is trusted
 typedef uint64_t es_mending;       ///< a mended copy of a model, and what was done
+typedef uint64_t es_engine;        ///< a scene that is heard while it moves
 
 typedef enum es_kind {
     ES_KIND_NONE = 0,
@@ -93,7 +94,8 @@ typedef enum es_kind {
     ES_KIND_CALIBRATION = 11,
     ES_KIND_LOCATION = 12,
     ES_KIND_MODEL_CHECK = 13,
-    ES_KIND_MENDING = 14
+    ES_KIND_MENDING = 14,
+    ES_KIND_ENGINE = 15
 } es_kind;
 
 /// Ends an object of any kind; its views end with it. 0 is allowed and does nothing. A call of

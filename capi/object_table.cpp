@@ -47,8 +47,9 @@ constexpr std::array kKindNames = {"an object",
                                    "a calibration",
                                    "a location",
                                    "a check",
-                                   "a mending"};
-static_assert(kKindNames.size() == ES_KIND_MENDING + 1);
+                                   "a mending",
+                                   "an engine"};
+static_assert(kKindNames.size() == ES_KIND_ENGINE + 1);
 
 struct Slot {
     std::shared_ptr<Object> object{};

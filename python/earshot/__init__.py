@@ -38,6 +38,7 @@ from .checks import (
     SmallFacets,
     check,
 )
+from .engine import Engine, EngineStatistics
 from .locations import Located, Location, locate
 from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
@@ -70,6 +71,8 @@ __all__ = [
     "Depth",
     "Distance",
     "Element",
+    "Engine",
+    "EngineStatistics",
     "Error",
     "FaceGroup",
     "Finding",

@@ -62,6 +62,7 @@ void test_calibrations(void);
 void test_simplifications(void);
 void test_locations(void);
 void test_checks(void);
+void test_engines(void);
 void test_without_module(void);
 void test_threads(void);
 

@@ -14,8 +14,12 @@ using namespace earshot::capi_fuzz;
 
 std::vector<WeightedCall> all_calls() {
     std::vector<WeightedCall> calls;
-    for (const auto* some :
-         {&scene_calls(), &simulation_calls(), &model_calls(), &query_calls(), &location_calls()}) {
+    for (const auto* some : {&scene_calls(),
+                             &simulation_calls(),
+                             &model_calls(),
+                             &query_calls(),
+                             &location_calls(),
+                             &engine_calls()}) {
         calls.insert(calls.end(), some->begin(), some->end());
     }
     return calls;

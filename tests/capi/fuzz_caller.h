@@ -138,5 +138,6 @@ const std::vector<WeightedCall>& simulation_calls();
 const std::vector<WeightedCall>& model_calls();
 const std::vector<WeightedCall>& query_calls();
 const std::vector<WeightedCall>& location_calls();
+const std::vector<WeightedCall>& engine_calls();
 
 }  // namespace earshot::capi_fuzz

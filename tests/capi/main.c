@@ -128,6 +128,7 @@ int main(int argc, char** argv) {
                   {"simplifications", test_simplifications},
                   {"locations", test_locations},
                   {"checks", test_checks},
+                  {"engines", test_engines},
                   {"without_module", test_without_module},
                   {"threads", test_threads}};
     if (argc != 3) {
