@@ -17,6 +17,7 @@ constexpr double kMaxMach = 0.9;
 constexpr double kMaxTailLength = 3.0;  // seconds
 // What late sound may shrink to when the budget is short, and how many updates it may wait.
 constexpr std::size_t kMinRays = 256;
+constexpr std::size_t kMinVirtualSources = 64;
 constexpr std::uint64_t kMaxLateAge = 40;
 
 Options path_options(const EngineOptions& options) {
@@ -215,6 +216,9 @@ void EngineUpdater::prepare_late() {
         options_.late_length > 0.0 ? options_.late_length : std::min(longest, kMaxTailLength);
     for (RayOptions& rays : ray_options_) {
         rays.length = length;
+        if (options_.virtual_sources > 0) {
+            coherent_late_.emplace_back(rays);
+        }
     }
     tail_length_ = static_cast<std::size_t>(std::ceil(length * options_.sample_rate));
     tail_maker_.emplace(simulation.bands,
@@ -238,45 +242,87 @@ void EngineUpdater::renew_late(WorkMeter& meter) {
     for (std::size_t k = 0; k < count; ++k) {
         const auto oldest = std::min_element(late_at_.begin(), late_at_.end());
         const auto source = static_cast<std::size_t>(oldest - late_at_.begin());
-        const std::size_t all = options_.simulation.rays;
-        const std::uint64_t expected = std::max<std::uint64_t>(late_work_[source], 1);
-        const double share =
-            static_cast<double>(meter.left(expected)) / static_cast<double>(expected);
-        auto rays = static_cast<std::size_t>(static_cast<double>(all) * share);
-        if (rays < std::min(kMinRays, all)) {
-            if (number_ - late_at_[source] <= kMaxLateAge) {
-                ++counts_.deferred_late;
-                return;
-            }
-            rays = std::min(kMinRays, all);
+        const std::optional<std::uint64_t> work = coherent_late_.empty()
+                                                      ? renew_by_rays(source, meter)
+                                                      : renew_by_virtual_sources(source, meter);
+        if (!work) {
+            ++counts_.deferred_late;
+            return;
         }
-        counts_.reduced_late += rays < all ? 1 : 0;
-        meter.add(trace_late(source, rays));
+        meter.add(*work);
         late_at_[source] = number_;
     }
 }
 
-std::uint64_t EngineUpdater::trace_late(std::size_t source, std::size_t rays) {
+bool EngineUpdater::has_waited_long(std::size_t source) const {
+    return number_ - late_at_[source] > kMaxLateAge;
+}
+
+std::optional<std::uint64_t> EngineUpdater::renew_by_rays(std::size_t source,
+                                                          const WorkMeter& meter) {
+    const std::size_t all = options_.simulation.rays;
+    const std::uint64_t expected = std::max<std::uint64_t>(late_work_[source], 1);
+    const double share = static_cast<double>(meter.left(expected)) / static_cast<double>(expected);
+    auto rays = static_cast<std::size_t>(static_cast<double>(all) * share);
+    if (rays < std::min(kMinRays, all)) {
+        if (!has_waited_long(source)) {
+            return std::nullopt;
+        }
+        rays = std::min(kMinRays, all);
+    }
+    counts_.reduced_late += rays < all ? 1 : 0;
+    RayOptions ray_options = ray_options_[source];
+    ray_options.rays = rays;
+    const LateEnergy late = trace_late_rays(
+        simulator_.ray_scene(), ray_source(source), listener_positions(), ray_options, executor_);
+    set_tails(source, late.listeners);
+    // What all rays would have taken.
+    late_work_[source] = late.balance.bounces * all / rays;
+    return late.balance.bounces;
+}
+
+// A budget of half as many keeps half of the choices: the winners of two slots, one of which wins
+// where these are one.
+std::optional<std::uint64_t> EngineUpdater::renew_by_virtual_sources(std::size_t source,
+                                                                     const WorkMeter& meter) {
+    const std::size_t min_budget = std::min(kMinVirtualSources, options_.virtual_sources);
+    std::size_t budget = options_.virtual_sources;
+    const auto fits = [&] {
+        const std::uint64_t expected = late_work_[source] + budget * listeners_.size();
+        return meter.left(expected) == expected;
+    };
+    while (!fits() && budget / 2 >= min_budget) {
+        budget /= 2;
+    }
+    if (!fits() && !has_waited_long(source)) {
+        return std::nullopt;
+    }
+    counts_.reduced_late += budget < options_.virtual_sources ? 1 : 0;
+    late_work_[source] =
+        coherent_late_[source].update(simulator_.ray_scene(), ray_source(source), executor_);
+    set_tails(source, coherent_late_[source].estimate(listener_positions(), budget, executor_));
+    return late_work_[source] + budget * listeners_.size();
+}
+
+RaySource EngineUpdater::ray_source(std::size_t source) const {
+    const Emitter& emitter = scene_.sources[source];
+    return {.pose = scene_.pose_at(emitter, scene_time_), .directivity = emitter.directivity};
+}
+
+std::vector<geometry::Vec3> EngineUpdater::listener_positions() const {
     std::vector<geometry::Vec3> positions;
     for (const Emitter& listener : scene_.listeners) {
         positions.push_back(scene_.position_at(listener, scene_time_));
     }
-    const Emitter& emitter = scene_.sources[source];
-    RayOptions ray_options = ray_options_[source];
-    ray_options.rays = rays;
-    const LateEnergy late = trace_late_rays(
-        simulator_.ray_scene(),
-        {.pose = scene_.pose_at(emitter, scene_time_), .directivity = emitter.directivity},
-        positions,
-        ray_options,
-        executor_);
-    for (std::size_t listener = 0; listener < late.listeners.size(); ++listener) {
+    return positions;
+}
+
+void EngineUpdater::set_tails(std::size_t source,
+                              std::span<const audio::EnergyHistogram> histograms) {
+    for (std::size_t listener = 0; listener < histograms.size(); ++listener) {
         tails_[source * listeners_.size() + listener] =
-            tail_maker_->make(late.listeners[listener], source);
+            tail_maker_->make(histograms[listener], source);
     }
-    // What all rays would have taken.
-    late_work_[source] = late.balance.bounces * options_.simulation.rays / rays;
-    return late.balance.bounces;
 }
 
 // Paths that have no voice yet get one, the loudest first.

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <numbers>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace earshot::propagation {
@@ -278,8 +279,12 @@ Scene crowd() {
     return scene;
 }
 
-Signals walk(const UpdateBudget& budget, Executor& executor, EngineStatistics& statistics) {
+Signals walk(const UpdateBudget& budget,
+             Executor& executor,
+             EngineStatistics& statistics,
+             std::size_t virtual_sources = 0) {
     EngineOptions options;
+    options.virtual_sources = virtual_sources;
     options.simulation.specular_order = 2;
     options.simulation.rays = 1000;
     options.late_length = 0.5;
@@ -311,6 +316,38 @@ TEST(Engine, HasTheSameBitsWithABudgetOfWork) {
     EXPECT_EQ(statistics.deferred_late + statistics.reduced_late + statistics.deferred_sources, 0U);
 }
 
+TEST(Engine, HasTheSameBitsWithABudgetOfWorkForVirtualSources) {
+    Executor two(2);
+    EngineStatistics statistics;
+    const UpdateBudget budget{.work = 20000};
+    const Signals first = walk(budget, Executor::serial(), statistics, 256);
+    EXPECT_GT(statistics.deferred_late + statistics.reduced_late, 0U);
+    EXPECT_EQ(walk(budget, two, statistics, 256), first);
+    EXPECT_NE(walk({}, two, statistics, 256), first);
+    EXPECT_EQ(statistics.deferred_late + statistics.reduced_late + statistics.deferred_sources, 0U);
+}
+
+TEST(Engine, TracesNoRaysAgainForASourceThatStays) {
+    // Of the update at the start, and of one after a listener has moved.
+    const auto work = [](std::size_t rays) {
+        EngineOptions options = mono(0);
+        options.simulation.rays = rays;
+        options.virtual_sources = 100;
+        Engine engine(crowd(), options);
+        const std::uint64_t first = engine.statistics().work;
+        engine.place_listener(0, {.position = {21.0, 2.0, 10.5}});
+        engine.publish();
+        engine.update();
+        return std::pair(first, engine.statistics().work);
+    };
+    const auto with_late_sound = work(200);
+    const auto early = work(0);
+    // The tests of four sources and two listeners, and the legs of 800 rays at least; then the
+    // tests of one source.
+    EXPECT_GT(with_late_sound.first, early.first + 800 + 800);
+    EXPECT_EQ(with_late_sound.second, early.second + 200);
+}
+
 TEST(Engine, DefersTheFaintestSourcesLast) {
     EngineStatistics statistics;
     walk({.work = 1}, Executor::serial(), statistics);
@@ -320,13 +357,14 @@ TEST(Engine, DefersTheFaintestSourcesLast) {
 }
 
 // The energy that comes late, against that of the histogram which offline rendering takes.
-TEST(Engine, HearsTheLateSoundOfTheRays) {
+void expect_late_sound(double scattering, std::size_t virtual_sources) {
     Scene scene = box(0.3);
     for (Material& material : scene.materials) {
-        material.scattering = EnergyCoefficient(0.5);
+        material.scattering = EnergyCoefficient(scattering);
     }
     EngineOptions options = mono(0);
-    options.simulation.rays = 20000;
+    options.simulation.rays = virtual_sources > 0 ? 2000 : 20000;
+    options.virtual_sources = virtual_sources;
     Engine engine(scene, options);
     std::vector<float> click(48128, 0.0F);
     click[4096] = 1.0F;
@@ -350,6 +388,14 @@ TEST(Engine, HearsTheLateSoundOfTheRays) {
         }
         EXPECT_NEAR(10.0 * std::log10(found / expected), 0.0, 0.5) << begin;
     }
+}
+
+TEST(Engine, HearsTheLateSoundOfTheRays) {
+    expect_late_sound(0.5, 0);
+}
+
+TEST(Engine, HearsTheLateSoundOfVirtualSources) {
+    expect_late_sound(1.0, 4000);
 }
 
 TEST(Engine, TurnsBinauralSoundWithTheHead) {

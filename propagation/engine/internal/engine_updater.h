@@ -3,6 +3,7 @@
 
 #include "earshot/audio/filter_basis.h"
 #include "earshot/base/parallel.h"
+#include "earshot/propagation/coherent_late_sound.h"
 #include "earshot/propagation/engine/engine_options.h"
 #include "earshot/propagation/engine/internal/control_state.h"
 #include "earshot/propagation/engine/internal/emitter_history.h"
@@ -18,6 +19,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace earshot::propagation {
@@ -67,7 +69,14 @@ private:
     void release(std::size_t listener, std::vector<std::uint32_t>& ended);
     void prepare_late();
     void renew_late(WorkMeter& meter);
-    std::uint64_t trace_late(std::size_t source, std::size_t rays);
+    /// How much work it was; nothing: late sound waits.
+    std::optional<std::uint64_t> renew_by_rays(std::size_t source, const WorkMeter& meter);
+    std::optional<std::uint64_t> renew_by_virtual_sources(std::size_t source,
+                                                          const WorkMeter& meter);
+    bool has_waited_long(std::size_t source) const;
+    RaySource ray_source(std::size_t source) const;
+    std::vector<geometry::Vec3> listener_positions() const;
+    void set_tails(std::size_t source, std::span<const audio::EnergyHistogram> histograms);
     void allocate_slots();
     void fill(double time, Snapshot& snapshot);
     void add_arrivals(std::size_t source, std::size_t listener, double time, ListenerSnapshot& to);
@@ -97,6 +106,7 @@ private:
     std::vector<std::shared_ptr<const audio::Tail>> tails_;  // per pair
     std::vector<std::uint64_t> late_at_;    // per source: the number at which it was renewed
     std::vector<std::uint64_t> late_work_;  // per source: reflections of the last time
+    std::vector<CoherentLateSound> coherent_late_;  // per source; empty where rays are traced again
     UpdateCounts counts_;
 };
 
