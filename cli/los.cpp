@@ -51,7 +51,7 @@ constexpr const char* kFooter =
 
 constexpr std::size_t kMaxPairs = std::size_t{1} << 30U;
 
-/// What is remembered from one instant to the next takes five bytes a pair.
+/// What is remembered from one instant to the next takes some ten bytes a pair.
 constexpr std::size_t kMaxCoherentPairs = std::size_t{1} << 27U;
 
 class LosCommand : public Command {
