@@ -43,6 +43,34 @@ std::vector<std::uint8_t> moved_points(std::span<const Vec3> before, std::span<c
     return moved;
 }
 
+std::size_t count_of(std::span<const bvh::TriangleRange> ranges) {
+    std::size_t count = 0;
+    for (const bvh::TriangleRange& range : ranges) {
+        count += range.end - range.begin;
+    }
+    return count;
+}
+
+/// A box of the triangles in the ranges; all of space, where these are most of a large mesh: their
+/// box would tell little then, and take long.
+geometry::Aabb box_of(const MeshView& mesh, std::span<const bvh::TriangleRange> ranges) {
+    constexpr std::size_t kMinLargeMesh = std::size_t{1} << 17U;
+    geometry::Aabb box;
+    if (mesh.triangles.size() >= kMinLargeMesh && 2 * count_of(ranges) > mesh.triangles.size()) {
+        constexpr double kMaxCoordinate = 1e12;  // of line_of_sight.h
+        box.include(Vec3(-kMaxCoordinate));
+        box.include(Vec3(kMaxCoordinate));
+        return box;
+    }
+    for (const bvh::TriangleRange& range : ranges) {
+        for (std::uint32_t i = range.begin; i < range.end; ++i) {
+            const auto [a, b, c] = geometry::corners(mesh, i);
+            box.include(geometry::triangle_box(a, b, c));
+        }
+    }
+    return box;
+}
+
 }  // namespace
 
 CoherentLineOfSight::CoherentLineOfSight(const MeshView& mesh,
@@ -58,19 +86,15 @@ void CoherentLineOfSight::update(const MeshView& mesh, Executor& executor) {
     moved_ = bvh::moved_flags(mesh, positions_, executor);
     const std::vector<bvh::TriangleRange> ranges = bvh::ranges_of(moved_);
     has_motion_ = !ranges.empty();
-    moved_box_ = {};
-    swept_box_ = {};
-    for (const bvh::TriangleRange& range : ranges) {
-        for (std::uint32_t i = range.begin; i < range.end; ++i) {
-            const auto [a, b, c] = geometry::corners(mesh, i);
-            moved_box_.include(geometry::triangle_box(a, b, c));
-            const auto [d, e, f] = geometry::corners(positions_, mesh.triangles[i]);
-            swept_box_.include(geometry::triangle_box(d, e, f));
-        }
+    moved_box_ = box_of(mesh, ranges);
+    swept_box_ = moved_box_;
+    if (groups_) {
+        swept_box_.include(box_of({positions_, mesh.triangles}, ranges));
     }
-    swept_box_.include(moved_box_);
     if (has_motion_) {
-        tree_.update(mesh, ranges, executor);
+        // A refit of all is faster than that of many parts.
+        2 * count_of(ranges) > mesh.triangles.size() ? tree_.update(mesh, executor)
+                                                     : tree_.update(mesh, ranges, executor);
         positions_.assign(mesh.positions.begin(), mesh.positions.end());
     }
     if (collects_statistics_) {

@@ -35,7 +35,7 @@ constexpr double kMaxBudget = 4.0;  // of a batch
 // Counts of what the last blockers have done fade by this much from frame to frame.
 constexpr double kForget = 0.9;
 
-constexpr double kLowShare = 0.8, kHighShare = 0.95;
+constexpr double kLowShare = 0.7, kHighShare = 0.9;
 constexpr unsigned kMinHorizon = 1;
 constexpr unsigned kMaxHorizon = 6;
 constexpr unsigned kMaxPatience = 8;  // failures, each of which doubles the frames until the next
@@ -269,7 +269,7 @@ void ViewerFront::renew(const GroupFrame& frame, std::uint32_t node, Unit& unit)
     // Proofs for much longer than the last ones have held are in vain.
     unsigned max_horizon = kMaxHorizon;
     if (unit.is_proved) {
-        const auto doublings = static_cast<unsigned>(std::bit_width(frame.number - unit.made));
+        const auto doublings = static_cast<unsigned>(std::bit_width(frame.number - unit.made)) + 1;
         max_horizon = std::clamp(doublings, kMinHorizon, kMaxHorizon);
     }
     unit.horizon = static_cast<std::uint8_t>(std::min<unsigned>(unit.horizon, max_horizon));
