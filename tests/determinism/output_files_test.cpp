@@ -79,6 +79,19 @@ TEST(OutputFiles, AreTheSameBytesForDiffractedSound) {
         {"ir", kScenes + "lroom.gltf", "--order", "1", "--diffraction", "1", "--rays", "500"});
 }
 
+TEST(OutputFiles, AreTheSameBytesForSoundRoundTwoEdges) {
+    expect_determinism({"ir",
+                        kScenes + "coupled_rooms.gltf",
+                        "--order",
+                        "1",
+                        "--diffraction",
+                        "2",
+                        "--rays",
+                        "0",
+                        "--length",
+                        "0.3"});
+}
+
 TEST(OutputFiles, AreTheSameBytesForSoundRoundADoorThatOpens) {
     expect_determinism({"ir",
                         kScenes + "door.gltf",
