@@ -26,7 +26,8 @@ TraceResult find_specular_paths(const SceneView& scene,
                             {.trace = options,
                              .forward_only = prefer_forward(listeners.size(), options.max_order),
                              .max_radius = max_radius,
-                             .listener_count = listeners.size()});
+                             .listener_count = listeners.size()},
+                            executor);
     const ListenerBeamTree to = finder.trace_listeners(listeners, executor);
     TraceResult result = finder.find(source, to, {}, executor);
     result.statistics.frusta += to.frusta();

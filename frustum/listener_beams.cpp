@@ -255,22 +255,35 @@ void ListenerBeams::trace_reflected_beams(double contact_radius,
                 chunk.ends.push_back(chunk.visible.size());
             }
         });
-    std::size_t frustum = first_reflected;
+    // Where the subpaths of each chunk and frustum go, then the subpaths.
+    std::vector<std::size_t> first_of_chunk;
+    std::size_t count = subpaths_.size();
     for (const Chunk& chunk : chunks) {
         kept_frusta_ += chunk.kept_frusta;
-        std::size_t begin = 0;
+        first_of_chunk.push_back(count);
         for (const std::size_t end : chunk.ends) {
-            for (; begin < end; ++begin) {
-                subpaths_.push_back({.first = chunk.visible[begin],
-                                     .last = frusta_[frustum].facet,
-                                     .listener = listener_of_reflected_[frustum - first_reflected],
-                                     .frustum = static_cast<std::uint32_t>(frustum),
-                                     .has_two = true});
-            }
-            first_subpath_.push_back(static_cast<std::uint32_t>(subpaths_.size()));
-            ++frustum;
+            first_subpath_.push_back(static_cast<std::uint32_t>(count + end));
         }
+        count += chunk.visible.size();
     }
+    subpaths_.resize(count);
+    executor.for_each(chunks.size(), 1, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            std::size_t reflected = kGrain * i;
+            std::size_t begin = 0;
+            for (const std::size_t end : chunks[i].ends) {
+                for (; begin < end; ++begin) {
+                    subpaths_[first_of_chunk[i] + begin] = {
+                        .first = chunks[i].visible[begin],
+                        .last = frusta_[first_reflected + reflected].facet,
+                        .listener = listener_of_reflected_[reflected],
+                        .frustum = static_cast<std::uint32_t>(first_reflected + reflected),
+                        .has_two = true};
+                }
+                ++reflected;
+            }
+        }
+    });
 }
 
 // No frustum is mirrored in a facet in whose plane the listener lies. The path comes to the

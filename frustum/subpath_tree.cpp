@@ -138,32 +138,43 @@ SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths, Executor& exec
                                     bounds.image.max_abs_coordinate()});
     }
     numbers_ = order_subpaths(subpaths, executor);
-    std::vector<SubpathBounds> nodes;
-    nodes.reserve(subpaths.size());
-    for (const std::uint32_t number : numbers_) {
-        nodes.push_back(subpaths[number]);
-    }
-    while (!nodes.empty()) {
-        nodes = add_level(nodes);
+    std::size_t block_count = 0;
+    std::size_t count = subpaths.size();
+    do {
+        levels_.push_back({block_count, count});
+        count = chunk_count(count, kWidth);
+        block_count += count;
+    } while (count > 1);
+    blocks_.resize(block_count);
+    // The subpaths, then the nodes around each block of the level below.
+    std::vector<SubpathBounds> nodes(subpaths.size());
+    constexpr std::size_t kGrain = 4096;
+    executor.for_each(nodes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            nodes[i] = subpaths[numbers_[i]];
+        }
+    });
+    for (const Level& level : levels_) {
+        nodes = fill_level(level, nodes, executor);
     }
 }
 
-// Returns the nodes of the level above; none above a level of one block.
-std::vector<SubpathBounds> SubpathTree::add_level(std::span<const SubpathBounds> nodes) {
-    levels_.push_back({blocks_.size(), nodes.size()});
-    std::vector<SubpathBounds> above(chunk_count(nodes.size(), kWidth));
-    blocks_.resize(blocks_.size() + above.size(), SubpathBlock{});
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-        SubpathBlock& block = blocks_[levels_.back().first_block + i / kWidth];
-        set_box(block.aperture, i % kWidth, nodes[i].aperture);
-        set_box(block.image, i % kWidth, nodes[i].image);
-        above[i / kWidth].aperture.include(nodes[i].aperture);
-        above[i / kWidth].image.include(nodes[i].image);
-    }
-    if (above.size() == 1) {
-        above.clear();
-    }
-    return above;
+// Returns the bounds of the blocks.
+std::vector<SubpathBounds> SubpathTree::fill_level(const Level& level,
+                                                   std::span<const SubpathBounds> nodes,
+                                                   Executor& executor) {
+    std::vector<SubpathBounds> around(chunk_count(nodes.size(), kWidth));
+    constexpr std::size_t kGrain = 512;
+    executor.for_each(around.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = kWidth * begin; i < std::min(kWidth * end, nodes.size()); ++i) {
+            SubpathBlock& block = blocks_[level.first_block + i / kWidth];
+            set_box(block.aperture, i % kWidth, nodes[i].aperture);
+            set_box(block.image, i % kWidth, nodes[i].image);
+            around[i / kWidth].aperture.include(nodes[i].aperture);
+            around[i / kWidth].image.include(nodes[i].image);
+        }
+    });
+    return around;
 }
 
 }  // namespace earshot::frustum

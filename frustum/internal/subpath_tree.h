@@ -90,7 +90,9 @@ public:
     std::span<const std::uint32_t> numbers() const noexcept { return numbers_; }
 
 private:
-    std::vector<SubpathBounds> add_level(std::span<const SubpathBounds> nodes);
+    std::vector<SubpathBounds> fill_level(const Level& level,
+                                          std::span<const SubpathBounds> nodes,
+                                          Executor& executor);
 
     std::vector<Level> levels_;
     std::vector<SubpathBlock> blocks_;
