@@ -28,7 +28,7 @@ int primary_pieces(const TraceOptions& options, int orders) noexcept {
     if (options.mode != Mode::complete || options.resolution > 0 || options.max_order < 3) {
         return 1;
     }
-    return orders > 1 ? kPrimaryPieces : kPrimaryPieces / 2;
+    return orders > 1 ? kPrimaryPieces : kPrimaryPieces / 4;
 }
 
 }  // namespace

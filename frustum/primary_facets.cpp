@@ -15,14 +15,28 @@ namespace {
 /// With fewer visible facets the frusta that pieces spare cost less than the pieces.
 constexpr std::size_t kMinFacets = 128;
 
-/// A piece of a frustum.
+/// How finely a frustum is searched again, at most `max_pieces`: a piece for two facets or more.
+int pieces_for(std::size_t facets, int max_pieces) noexcept {
+    if (facets < kMinFacets) {
+        return 1;
+    }
+    int pieces = max_pieces;
+    while (static_cast<std::size_t>(2 * pieces * pieces) > facets) {
+        pieces /= 2;
+    }
+    return pieces;
+}
+
+/// A piece of a frustum, one of `side` x `side`.
 struct Piece {
     std::size_t frustum = 0;
+    int side = 1;
     int row = 0, column = 0;
 };
 
-Frustum narrowed(const Frustum& frustum, const Piece& piece, int pieces) {
-    const glm::dvec2 size = (frustum.rect.upper - frustum.rect.lower) / static_cast<double>(pieces);
+Frustum narrowed(const Frustum& frustum, const Piece& piece) {
+    const glm::dvec2 size =
+        (frustum.rect.upper - frustum.rect.lower) / static_cast<double>(piece.side);
     const glm::dvec2 lower = frustum.rect.lower + glm::dvec2(piece.column, piece.row) * size;
     Frustum narrow = frustum;
     narrow.rect = {.lower = lower - kApertureSlack, .upper = lower + size + kApertureSlack};
@@ -30,11 +44,11 @@ Frustum narrowed(const Frustum& frustum, const Piece& piece, int pieces) {
 }
 
 /// The cells of the whole frustum in which cells of a piece lie. Both have eight rows and columns.
-CellMask cells_of_whole(CellMask cells, const Piece& piece, int pieces) noexcept {
+CellMask cells_of_whole(CellMask cells, const Piece& piece) noexcept {
     CellMask whole = 0;
     for_each_cell(cells, [&](int cell) {
-        const int row = (kGridSide * piece.row + cell / kGridSide) / pieces;
-        const int column = (kGridSide * piece.column + cell % kGridSide) / pieces;
+        const int row = (kGridSide * piece.row + cell / kGridSide) / piece.side;
+        const int column = (kGridSide * piece.column + cell % kGridSide) / piece.side;
         whole |= CellMask{1} << (kGridSide * row + column);
     });
     return whole;
@@ -59,15 +73,14 @@ std::vector<VisibleFacet> joined(std::vector<VisibleFacet> parts) {
     return whole;
 }
 
-/// The pieces of all frusta in which there are many facets.
-std::vector<Piece> pieces_of(std::span<const std::vector<VisibleFacet>> visible, int pieces) {
+/// The pieces of all frusta in which there are many facets, those of a frustum in a row.
+std::vector<Piece> pieces_of(std::span<const std::vector<VisibleFacet>> visible, int max_pieces) {
     std::vector<Piece> all;
     for (std::size_t i = 0; i < visible.size(); ++i) {
-        if (pieces > 1 && visible[i].size() >= kMinFacets) {
-            for (int row = 0; row < pieces; ++row) {
-                for (int column = 0; column < pieces; ++column) {
-                    all.push_back({i, row, column});
-                }
+        const int side = pieces_for(visible[i].size(), max_pieces);
+        for (int row = 0; side > 1 && row < side; ++row) {
+            for (int column = 0; column < side; ++column) {
+                all.push_back({i, side, row, column});
             }
         }
     }
@@ -78,10 +91,10 @@ std::vector<Piece> pieces_of(std::span<const std::vector<VisibleFacet>> visible,
 
 std::vector<std::vector<VisibleFacet>> find_primary_facets(
     std::span<const Frustum> frusta,
-    int pieces,
+    int max_pieces,
     const std::function<VisibleFacets()>& make_search,
     Executor& executor) {
-    EARSHOT_ASSERT(std::has_single_bit(static_cast<unsigned>(pieces)));
+    EARSHOT_ASSERT(std::has_single_bit(static_cast<unsigned>(max_pieces)));
     std::vector<std::vector<VisibleFacet>> visible(frusta.size());
     executor.for_each(frusta.size(), 1, [&](std::size_t begin, std::size_t end) {
         VisibleFacets search = make_search();
@@ -90,17 +103,17 @@ std::vector<std::vector<VisibleFacet>> find_primary_facets(
             visible[i] = search.found();
         }
     });
-    const std::vector<Piece> narrow = pieces_of(visible, pieces);
+    const std::vector<Piece> narrow = pieces_of(visible, max_pieces);
     constexpr std::size_t kGrain = 8;
     std::vector<std::vector<VisibleFacet>> found(narrow.size());
     executor.for_each(narrow.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         VisibleFacets search = make_search();
         for (std::size_t i = begin; i < end; ++i) {
             const Frustum& whole = frusta[narrow[i].frustum];
-            search.search(narrowed(whole, narrow[i], pieces));
+            search.search(narrowed(whole, narrow[i]));
             found[i] = search.found();
             for (VisibleFacet& part : found[i]) {
-                part.cells = cells_of_whole(part.cells, narrow[i], pieces);
+                part.cells = cells_of_whole(part.cells, narrow[i]);
                 if (part.grazing) {
                     part.aperture = whole.rect;
                     part.cells = whole.active;
@@ -108,16 +121,19 @@ std::vector<std::vector<VisibleFacet>> find_primary_facets(
             }
         }
     });
-    // The pieces of a frustum follow each other.
     executor.for_each(frusta.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             std::vector<VisibleFacet> parts;
-            for (std::size_t k = 0; k < narrow.size(); ++k) {
-                if (narrow[k].frustum == i) {
-                    parts.insert(parts.end(), found[k].begin(), found[k].end());
-                }
+            auto piece =
+                std::partition_point(narrow.begin(), narrow.end(), [&](const Piece& other) {
+                    return other.frustum < i;
+                });
+            const bool has_pieces = piece != narrow.end() && piece->frustum == i;
+            for (; piece != narrow.end() && piece->frustum == i; ++piece) {
+                const auto& some = found[static_cast<std::size_t>(piece - narrow.begin())];
+                parts.insert(parts.end(), some.begin(), some.end());
             }
-            if (pieces > 1 && visible[i].size() >= kMinFacets) {
+            if (has_pieces) {
                 visible[i] = joined(std::move(parts));
             }
         }

@@ -12,17 +12,17 @@
 
 namespace earshot::frustum {
 
-/// How finely frusta around a point are searched where what is visible is reflected: 4 spared less
-/// than it cost, and 16 no more than that, in a concert hall and a map of blocks.
-inline constexpr int kPrimaryPieces = 8;
+/// How finely frusta around a point are searched where what is visible is reflected. In a concert
+/// hall and a map of blocks 16 spared a tenth to a sixth of the time that 8 left, at orders 3 to 5.
+inline constexpr int kPrimaryPieces = 16;
 
 /// The facets visible in each of the frusta around a point, in complete mode. A frustum in which
-/// there are many is searched again in `pieces` x `pieces` narrower ones, a power of two, up to
-/// whose finer cells more facets are occluded and apertures are smaller: what is found there is
-/// joined facet by facet. 1: frusta are searched as they are.
+/// there are many is searched again in up to `max_pieces` x `max_pieces` narrower ones, a power of
+/// two, in whose finer cells more facets are occluded and apertures are smaller: what is found
+/// there is joined facet by facet. 1: frusta are searched as they are.
 std::vector<std::vector<VisibleFacet>> find_primary_facets(
     std::span<const Frustum> frusta,
-    int pieces,
+    int max_pieces,
     const std::function<VisibleFacets()>& make_search,
     Executor& executor);
 
