@@ -76,9 +76,8 @@ DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edg
                                                     double wave_number);
 
 /// A bound on the absolute value of the sum of any of doubly_diffracted_pressure()'s terms at any
-/// frequency, with factors of at most 1, from the ends of the parts alone: a ten-thousandth of the
-/// cost of the integral. It holds for all parts within these, also where these leave the air of the
-/// wedges.
+/// frequency, with factors of at most 1, from the ends of the parts alone, far cheaper than the
+/// integral. It holds for all parts within these, also where these leave the air of the wedges.
 double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept;
 
 /// The sum of doubly_diffracted_pressure().
