@@ -9,12 +9,11 @@
 #include "earshot/cli/material_options.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/cli/simulation_choice.h"
+#include "earshot/cli/way_options.h"
 #include "earshot/propagation/moving_sound.h"
 
 #include <cstdint>
-#include <map>
 #include <string>
-#include <vector>
 
 namespace earshot::cli {
 
@@ -45,10 +44,8 @@ public:
     const Warnings& warnings() const noexcept { return warnings_; }
 
 private:
-    std::map<std::string, propagation::Trajectory> read_ways(const CLI::App& app) const;
-
     std::string file_, from_, to_;
-    std::vector<std::string> ways_;
+    WayOptions ways_;
     SceneChoice scene_choice_;
     EmitterOptions emitters_;
     MaterialOptions materials_;
@@ -61,7 +58,7 @@ private:
     propagation::Scene scene_;
     propagation::Options simulation_;
     propagation::ResponseFormat format_;
-    std::map<std::string, propagation::Trajectory> trajectories_;  // by source or listener
+    Ways trajectories_;
     Warnings warnings_;
 };
 
