@@ -24,6 +24,7 @@ std::unique_ptr<Command> make_manuals_command(CLI::App& program);
 std::unique_ptr<Command> make_map_command(CLI::App& program);
 std::unique_ptr<Command> make_materials_command(CLI::App& program);
 std::unique_ptr<Command> make_metrics_command(CLI::App& program);
+std::unique_ptr<Command> make_play_command(CLI::App& program);
 std::unique_ptr<Command> make_pvs_command(CLI::App& program);
 std::unique_ptr<Command> make_report_command(CLI::App& program);
 std::unique_ptr<Command> make_visible_command(CLI::App& program);

@@ -21,6 +21,7 @@ constexpr std::unique_ptr<Command> (*kCommands[])(CLI::App&) = {
     make_metrics_command,
     make_calibrate_command,
     make_auralize_command,
+    make_play_command,
     make_report_command,
     make_bvh_command,
     make_los_command,
