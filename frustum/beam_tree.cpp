@@ -2,7 +2,6 @@
 #include "earshot/frustum/internal/beam_tree.h"
 
 #include "earshot/base/random.h"
-#include "earshot/frustum/internal/kept_frusta.h"
 
 #include <glm/geometric.hpp>
 
@@ -93,18 +92,13 @@ bool BeamTracer::is_followed(const Frustum& frustum, std::size_t order) const {
                   bits(frustum.apex.z) + frustum.facet) < sample_.share;
 }
 
-void BeamRecorder::record(const VisibleFacets& search, bool is_continued) {
+void BeamRecorder::record(const Frustum& frustum,
+                          std::span<const VisibleFacet> visible,
+                          const OccluderDepths& occluders,
+                          bool is_continued) {
     const std::size_t begin = tree_.visible.size();
-    tree_.visible.insert(tree_.visible.end(), search.found().begin(), search.found().end());
-    tree_.nodes.push_back({search.frustum(), order_, begin, tree_.visible.size(), is_continued});
-}
-
-void BeamRecorder::keep(const Frustum& frustum,
-                        std::span<const VisibleFacet> visible_before,
-                        const GeometryChange& change) {
-    const std::size_t begin = tree_.visible.size();
-    append_renumbered(visible_before, change, tree_.visible);
-    tree_.nodes.push_back({frustum, order_, begin, tree_.visible.size()});
+    tree_.visible.insert(tree_.visible.end(), visible.begin(), visible.end());
+    tree_.nodes.push_back({frustum, order_, begin, tree_.visible.size(), is_continued, occluders});
 }
 
 }  // namespace earshot::frustum

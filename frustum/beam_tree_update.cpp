@@ -101,8 +101,11 @@ private:
     bool update_node(const Frustum& frustum, const OldNode& old) {
         VisibleFacets& search = searches_[recorder_.order()];
         search.set_frustum(frustum);
-        if (are_still_visible(search, old.visible(), change_)) {
-            recorder_.keep(frustum, old.visible(), change_);
+        const OccluderDepths& occluders = old.node().occluders;
+        if (are_still_visible(search, old.visible(), occluders, change_)) {
+            renumbered_.clear();
+            append_renumbered(old.visible(), change_, renumbered_);
+            recorder_.record(frustum, renumbered_, occluders);
             ++kept_frusta_;
             return true;
         }
@@ -113,8 +116,9 @@ private:
 
     const BeamTracer& tracer_;
     const GeometryChange& change_;
-    std::vector<VisibleFacets> searches_;  // one per order
-    std::vector<FrustumLookup> lookups_;   // likewise
+    std::vector<VisibleFacets> searches_;   // one per order
+    std::vector<FrustumLookup> lookups_;    // likewise
+    std::vector<VisibleFacet> renumbered_;  // scratch
     BeamRecorder recorder_;
     std::uint64_t kept_frusta_ = 0;
 };
@@ -151,7 +155,7 @@ UpdatedBeams BeamTracer::update(const geometry::Vec3& source,
     const PrimaryFacets facets = update_primary_facets(
         primary, primary_before, change, primary_pieces_, [&] { return make_search(); }, executor);
     UpdatedBeams result;
-    result.kept_frusta = facets.kept_frusta;
+    result.kept_frusta = facets.kept_frusta();
     std::vector<Subtree> subtrees;
     VisibleFacets search = make_search();
     for (const FacetRange& range : divide_facets(facets.visible)) {

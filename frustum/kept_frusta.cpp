@@ -13,6 +13,7 @@ using geometry::Aabb;
 
 bool are_still_visible(const VisibleFacets& search,
                        std::span<const VisibleFacet> visible_before,
+                       const OccluderDepths& occluders,
                        const GeometryChange& change) {
     const bool are_unchanged =
         std::all_of(visible_before.begin(), visible_before.end(), [&](const VisibleFacet& visible) {
@@ -22,8 +23,9 @@ bool are_still_visible(const VisibleFacets& search,
         return false;
     }
     const BoxCull cull = search.box_cull();
-    return !change.any_swept_box([&](const Aabb& box) { return cull.may_overlap(box); },
-                                 [&](const Aabb& box) { return search.may_overlap(box); });
+    return !change.any_swept_box(
+        [&](const Aabb& box) { return cull.may_overlap(box); },
+        [&](const Aabb& box) { return search.may_overlap(box, occluders); });
 }
 
 void append_renumbered(std::span<const VisibleFacet> visible_before,
@@ -35,6 +37,10 @@ void append_renumbered(std::span<const VisibleFacet> visible_before,
     }
 }
 
+std::size_t PrimaryFacets::kept_frusta() const noexcept {
+    return static_cast<std::size_t>(std::count(is_kept.begin(), is_kept.end(), 1));
+}
+
 PrimaryFacets update_primary_facets(std::span<const Frustum> frusta,
                                     std::span<const std::vector<VisibleFacet>> visible_before,
                                     const GeometryChange& change,
@@ -43,14 +49,15 @@ PrimaryFacets update_primary_facets(std::span<const Frustum> frusta,
                                     Executor& executor) {
     PrimaryFacets result;
     result.visible.resize(frusta.size());
+    result.is_kept.resize(frusta.size(), 0);
     std::vector<Frustum> concerned;
     std::vector<std::size_t> numbers;
     VisibleFacets search = make_search();
     for (std::size_t i = 0; i < frusta.size(); ++i) {
         search.set_frustum(frusta[i]);
-        if (are_still_visible(search, visible_before[i], change)) {
+        if (are_still_visible(search, visible_before[i], {}, change)) {
             append_renumbered(visible_before[i], change, result.visible[i]);
-            ++result.kept_frusta;
+            result.is_kept[i] = 1;
         } else {
             concerned.push_back(frusta[i]);
             numbers.push_back(i);

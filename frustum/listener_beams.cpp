@@ -4,6 +4,7 @@
 #include "earshot/frustum/internal/geometry_change.h"
 #include "earshot/frustum/internal/kept_frusta.h"
 #include "earshot/frustum/internal/primary_facets.h"
+#include "earshot/frustum/internal/subpath_order.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -93,12 +94,17 @@ void ListenerBeams::trace(std::span<const Vec3> listeners,
             }
         }
     }
-    place_images(listeners, executor);
+    place_images(listeners, before, executor);
+}
+
+std::size_t ListenerBeams::kept_frusta() const noexcept {
+    return kept_from_.size() -
+           static_cast<std::size_t>(std::count(kept_from_.begin(), kept_from_.end(), kNone));
 }
 
 std::size_t ListenerBeams::bytes() const noexcept {
     constexpr std::size_t kInTree = sizeof(SubpathBounds) + sizeof(Vec3);
-    return frusta_.size() * sizeof(Frustum) +
+    return frusta_.size() * sizeof(Frustum) + occluders_.size() * sizeof(OccluderDepths) +
            subpaths_.size() * (sizeof(ListenerSubpath) + kInTree);
 }
 
@@ -116,18 +122,21 @@ bool ListenerBeams::find_visible(std::size_t frustum,
                                  std::optional<std::size_t> old,
                                  const Before& before,
                                  VisibleFacets& search,
-                                 std::vector<VisibleFacet>& visible) const {
+                                 std::vector<VisibleFacet>& visible,
+                                 OccluderDepths& occluders) const {
     visible.clear();
     if (old) {
         search.set_frustum(frusta_[frustum]);
         const std::vector<VisibleFacet> visible_before = before.beams->visible_in(*old);
-        if (are_still_visible(search, visible_before, *before.change)) {
+        occluders = before.beams->occluders_of(*old);
+        if (are_still_visible(search, visible_before, occluders, *before.change)) {
             append_renumbered(visible_before, *before.change, visible);
             return true;
         }
     }
     search.search(frusta_[frustum]);
     visible = search.found();
+    occluders = search.occluder_depths();
     return false;
 }
 
@@ -157,7 +166,10 @@ void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
             ? update_primary_facets(
                   frusta_, visible_before, *before.change, pieces, make_search, executor)
             : PrimaryFacets{find_primary_facets(frusta_, pieces, make_search, executor)};
-    kept_frusta_ = primary.kept_frusta;
+    for (std::size_t i = 0; i < frusta_.size(); ++i) {
+        const bool is_kept = before.beams != nullptr && primary.is_kept[i] != 0;
+        kept_from_.push_back(is_kept ? static_cast<std::uint32_t>(i) : kNone);
+    }
     const auto& visible = primary.visible;
     const std::vector<FacetRange> ranges = divide_facets(visible);
     std::vector<Found> found(ranges.size());
@@ -239,8 +251,9 @@ void ListenerBeams::trace_reflected_beams(double contact_radius,
     struct Chunk {
         std::vector<VisibleFacet> visible;
         std::vector<std::size_t> ends;  // per frustum, into `visible`
-        std::size_t kept_frusta = 0;
     };
+    kept_from_.resize(frusta_.size(), kNone);
+    occluders_.resize(listener_of_reflected_.size());
     std::vector<Chunk> chunks(chunk_count(listener_of_reflected_.size(), kGrain));
     executor.for_each(
         listener_of_reflected_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -250,7 +263,10 @@ void ListenerBeams::trace_reflected_beams(double contact_radius,
             std::vector<VisibleFacet> visible;
             for (std::size_t i = first_reflected + begin; i < first_reflected + end; ++i) {
                 const auto old = lookup.find(frusta_[i]);
-                chunk.kept_frusta += find_visible(i, old, before, search, visible) ? 1 : 0;
+                if (find_visible(
+                        i, old, before, search, visible, occluders_[i - first_reflected])) {
+                    kept_from_[i] = static_cast<std::uint32_t>(*old);
+                }
                 chunk.visible.insert(chunk.visible.end(), visible.begin(), visible.end());
                 chunk.ends.push_back(chunk.visible.size());
             }
@@ -259,7 +275,6 @@ void ListenerBeams::trace_reflected_beams(double contact_radius,
     std::vector<std::size_t> first_of_chunk;
     std::size_t count = subpaths_.size();
     for (const Chunk& chunk : chunks) {
-        kept_frusta_ += chunk.kept_frusta;
         first_of_chunk.push_back(count);
         for (const std::size_t end : chunk.ends) {
             first_subpath_.push_back(static_cast<std::uint32_t>(count + end));
@@ -328,23 +343,82 @@ void ListenerBeams::append_before_grazing(const Vec3& listener,
     }
 }
 
-void ListenerBeams::place_images(std::span<const Vec3> listeners, Executor& executor) {
+// Per subpath its number before the change, or kNone. A frustum that was kept has the same subpaths
+// in the same order.
+std::vector<std::uint32_t> ListenerBeams::subpaths_before(const ListenerBeams& before) const {
+    std::vector<std::uint32_t> numbers(subpaths_.size(), kNone);
+    for (std::size_t i = 0; i < kept_from_.size(); ++i) {
+        for (std::uint32_t k = first_subpath_[i];
+             kept_from_[i] != kNone && k < first_subpath_[i + 1];
+             ++k) {
+            numbers[k] = before.first_subpath_[kept_from_[i]] + (k - first_subpath_[i]);
+        }
+    }
+    return numbers;
+}
+
+// The subpaths that there were in the order of the tree before, then the others in an order of
+// their own.
+std::vector<std::uint32_t> ListenerBeams::order_as_before(
+    std::span<const std::uint32_t> number_before,
+    const ListenerBeams& before,
+    Executor& executor) const {
+    std::vector<std::uint32_t> number_now(before.subpaths_.size(), kNone);
+    std::vector<std::uint32_t> others;
+    std::vector<SubpathBounds> bounds_of_others;
+    for (std::uint32_t i = 0; i < number_before.size(); ++i) {
+        if (number_before[i] != kNone) {
+            number_now[number_before[i]] = i;
+        } else {
+            others.push_back(i);
+            bounds_of_others.push_back(bounds_[i]);
+        }
+    }
+    std::vector<std::uint32_t> order;
+    order.reserve(number_before.size());
+    for (const std::uint32_t number : before.tree_.numbers()) {
+        if (number_now[number] != kNone) {
+            order.push_back(number_now[number]);
+        }
+    }
+    if (!others.empty()) {
+        for (const std::uint32_t number : order_subpaths(bounds_of_others, executor)) {
+            order.push_back(others[number]);
+        }
+    }
+    return order;
+}
+
+void ListenerBeams::place_images(std::span<const Vec3> listeners,
+                                 const Before& before,
+                                 Executor& executor) {
     images_.resize(subpaths_.size());
-    std::vector<SubpathBounds> bounds(subpaths_.size());
+    bounds_.resize(subpaths_.size());
+    const std::vector<std::uint32_t> number_before =
+        before.beams != nullptr ? subpaths_before(*before.beams)
+                                : std::vector<std::uint32_t>(subpaths_.size(), kNone);
     constexpr std::size_t kImageGrain = 1024;
     executor.for_each(subpaths_.size(), kImageGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
+            if (number_before[i] != kNone) {
+                images_[i] = before.beams->images_[number_before[i]];
+                bounds_[i] = before.beams->bounds_[number_before[i]];
+                continue;
+            }
             const ListenerSubpath& subpath = subpaths_[i];
             Vec3 image = index_.plane(subpath.last).mirror(listeners[subpath.listener]);
             if (subpath.has_two) {
                 image = index_.plane(subpath.first.facet).mirror(image);
             }
-            bounds[i].aperture = aperture_box(subpath);
-            bounds[i].image = box_around(image);
+            bounds_[i].aperture = aperture_box(subpath);
+            bounds_[i].image = box_around(image);
             images_[i] = image;
         }
     });
-    tree_ = SubpathTree(bounds, executor);
+    tree_ = before.beams != nullptr
+                ? SubpathTree(
+                      bounds_, order_as_before(number_before, *before.beams, executor), executor)
+                : SubpathTree(bounds_, executor);
 }
 
 // A box around the points of the first facet that lie in its aperture. It is the box of the facet

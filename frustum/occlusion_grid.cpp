@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/occlusion_grid.h"
 
+#include "earshot/geometry/aabb.h"
+
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 namespace earshot::frustum {
 
@@ -26,6 +30,18 @@ inline bool OcclusionGrid::occludes(const Occluder& occluder,
                                     int cell) const noexcept {
     return occluder.centre - depth.at(centre_of(cell)) >
            max_change(occluder.depth.slope - depth.slope) + kDepthSlack * (occluder.size + size);
+}
+
+bool OccluderDepths::hide(double depth, CellMask cells) const noexcept {
+    const double limit = (1.0 + 2.0 * kDepthSlack) / depth;
+    for (; cells != 0; cells &= cells - 1) {
+        const auto bits =
+            static_cast<std::uint32_t>(inverse[static_cast<std::size_t>(std::countr_zero(cells))]);
+        if (!(static_cast<double>(std::bit_cast<float>(bits << 16)) > limit)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 void OcclusionGrid::reset(const glm::dvec2& first_centre, const glm::dvec2& cell_size) noexcept {
@@ -101,6 +117,20 @@ bool OcclusionGrid::all_occlude(double inverse_depth, CellMask cells) const noex
         }
     }
     return true;
+}
+
+// Cutting off the lower half of a positive float rounds it down.
+OccluderDepths OcclusionGrid::max_depths() const noexcept {
+    OccluderDepths depths;
+    for_each_cell(occluded_, [&](int cell) {
+        const auto i = static_cast<std::size_t>(cell);
+        const float bound = geometry::round_down(occluders_[i].lowest);
+        if (bound > 0.0F) {
+            depths.inverse[i] =
+                static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(bound) >> 16);
+        }
+    });
+    return depths;
 }
 
 bool OcclusionGrid::all_centres_occlude(double inverse_depth, CellMask cells) const noexcept {

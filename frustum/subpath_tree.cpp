@@ -128,7 +128,16 @@ void ConnectingLegs::project(const Frustum& reflected) noexcept {
     min_depth = geometry::round_down(kRoundedDown * min_advance * reflected.min_depth);
 }
 
-SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths, Executor& executor) {
+SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths, Executor& executor)
+    : SubpathTree(
+          subpaths,
+          subpaths.empty() ? std::vector<std::uint32_t>{} : order_subpaths(subpaths, executor),
+          executor) {}
+
+SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths,
+                         std::vector<std::uint32_t> order,
+                         Executor& executor)
+    : numbers_(std::move(order)) {
     if (subpaths.empty()) {
         return;
     }
@@ -137,7 +146,6 @@ SubpathTree::SubpathTree(std::span<const SubpathBounds> subpaths, Executor& exec
                                     bounds.aperture.max_abs_coordinate(),
                                     bounds.image.max_abs_coordinate()});
     }
-    numbers_ = order_subpaths(subpaths, executor);
     std::size_t block_count = 0;
     std::size_t count = subpaths.size();
     do {

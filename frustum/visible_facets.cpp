@@ -276,9 +276,15 @@ bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
     return all_occlude_depth(seen->min_depth, cells_overlapping(seen->bounds, seen->min_depth));
 }
 
-bool VisibleFacets::may_overlap(const geometry::Aabb& box) const noexcept {
+bool VisibleFacets::may_overlap(const geometry::Aabb& box,
+                                const OccluderDepths& occluders) const noexcept {
     const auto seen = bounds_of(box);
-    return !seen || cells_overlapping(seen->bounds, seen->min_depth) != 0;
+    if (!seen) {
+        return true;
+    }
+    const double depth = seen->min_depth - position_error_;
+    const CellMask cells = cells_overlapping(seen->bounds, seen->min_depth);
+    return cells != 0 && !(depth > position_error_ && occluders.hide(depth, cells));
 }
 
 void VisibleFacets::collect_found() {

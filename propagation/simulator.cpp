@@ -259,10 +259,19 @@ frustum::TraceResult Simulator::State::trace(std::size_t source,
     if (placed.is_moved) {
         return finder->find(placed, first, executor);
     }
-    if (!options.keep_traces) {
+    KeptSource& kept = sources[source];
+    if (!options.keep_traces || kept.is_too_large) {
         return finder->find(position, *listeners, first, executor, progress);
     }
-    auto& [beams, verdicts] = sources[source];
+    return trace_kept(kept, position, first, executor, progress);
+}
+
+frustum::TraceResult Simulator::State::trace_kept(KeptSource& kept,
+                                                  const Vec3& position,
+                                                  std::span<const std::uint8_t> first,
+                                                  Executor& executor,
+                                                  Progress* progress) {
+    auto& beams = kept.beams;
     std::size_t kept_frusta = 0;
     if (!beams || beams->source() != position) {
         beams.emplace(finder->trace_source(position, first, executor, progress));
@@ -272,9 +281,13 @@ frustum::TraceResult Simulator::State::trace(std::size_t source,
         finder->update(*beams, first, executor, progress);
         kept_frusta = beams->kept_frusta();
     }
-    frustum::TraceResult result = finder->connect(*beams, *listeners, verdicts, executor);
+    frustum::TraceResult result = finder->connect(*beams, *listeners, kept.verdicts, executor);
     result.statistics.kept_frusta += kept_frusta;
     result.statistics.frusta += beams->frusta() - kept_frusta;
+    if (beams->bytes() > kMaxKeptBytes / sources.size()) {
+        kept = KeptSource();
+        kept.is_too_large = true;
+    }
     return result;
 }
 

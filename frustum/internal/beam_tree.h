@@ -25,7 +25,8 @@ struct BeamNode {
     Frustum frustum;
     std::size_t order = 0;  ///< reflections so far
     std::size_t visible_begin = 0, visible_end = 0;
-    bool is_continued = false;  ///< the same frustum as that of another node, with further facets
+    bool is_continued = false;   ///< the same frustum as that of another node, with further facets
+    OccluderDepths occluders{};  ///< of a frustum that starts at a facet
 };
 
 /// A part of the beam tree of a point (Heckbert and Hanrahan 1984; Funkhouser et al. 1998). The
@@ -142,17 +143,19 @@ public:
     void push(geometry::FacetId) { ++order_; }
     void pop() { --order_; }
     std::size_t order() const { return order_; }
-    void visit(const VisibleFacets& search) { record(search, false); }
-    void visit_more(const VisibleFacets& search) { record(search, true); }
-    /// A frustum that was not traced again, with what was visible in it before a change.
-    void keep(const Frustum& frustum,
-              std::span<const VisibleFacet> visible_before,
-              const GeometryChange& change);
+    void visit(const VisibleFacets& search) {
+        record(search.frustum(), search.found(), search.occluder_depths());
+    }
+    void visit_more(const VisibleFacets& search) {
+        record(search.frustum(), search.found(), {}, true);
+    }
+    void record(const Frustum& frustum,
+                std::span<const VisibleFacet> visible,
+                const OccluderDepths& occluders,
+                bool is_continued = false);
     BeamTree take_tree() { return std::move(tree_); }
 
 private:
-    void record(const VisibleFacets& search, bool is_continued);
-
     BeamTree tree_;
     std::size_t order_ = 0;
 };

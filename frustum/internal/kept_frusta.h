@@ -7,6 +7,7 @@
 #include "earshot/frustum/internal/visible_facets.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <span>
@@ -17,10 +18,12 @@ namespace earshot::frustum {
 
 /// Whether the facets that were visible in a frustum at the instant before a change are still a
 /// superset of those that sound in it can hit first: none of them has changed, and no swept box
-/// overlaps an active sub-frustum. Then nothing that has changed hid or hides, was or is visible
-/// there. `search` has the frustum, by the numbers of now, as its current one.
+/// overlaps an active sub-frustum in front of its occluder. Then nothing that has changed hid or
+/// hides, was or is visible there. `search` has the frustum, by the numbers of now, as its current
+/// one. `occluders`: of the instant before.
 bool are_still_visible(const VisibleFacets& search,
                        std::span<const VisibleFacet> visible_before,
+                       const OccluderDepths& occluders,
                        const GeometryChange& change);
 
 /// Appends unchanged facets under their numbers of now.
@@ -31,7 +34,8 @@ void append_renumbered(std::span<const VisibleFacet> visible_before,
 /// The facets visible in each of the frusta around a point.
 struct PrimaryFacets {
     std::vector<std::vector<VisibleFacet>> visible;
-    std::size_t kept_frusta = 0;  ///< that were not searched again
+    std::vector<std::uint8_t> is_kept{};  ///< per frustum: 1 if it was not searched again
+    std::size_t kept_frusta() const noexcept;
 };
 
 /// find_primary_facets() after a change, which only searches the frusta that it concerns.

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -93,7 +94,7 @@ public:
     /// In all.
     std::size_t frusta() const noexcept { return frusta_.size(); }
     /// Of these, that were not traced again.
-    std::size_t kept_frusta() const noexcept { return kept_frusta_; }
+    std::size_t kept_frusta() const noexcept;
     /// Of memory, about.
     std::size_t bytes() const noexcept;
 
@@ -128,17 +129,27 @@ private:
     void trace_reflected_beams(double contact_radius, const Before& before, Executor& executor);
     /// The facets that were visible in a frustum, by their numbers then.
     std::vector<VisibleFacet> visible_in(std::size_t frustum) const;
+    const OccluderDepths& occluders_of(std::size_t reflected) const noexcept {
+        return occluders_[reflected - (frusta_.size() - occluders_.size())];
+    }
     bool find_visible(std::size_t frustum,
                       std::optional<std::size_t> old,
                       const Before& before,
                       VisibleFacets& search,
-                      std::vector<VisibleFacet>& visible) const;
+                      std::vector<VisibleFacet>& visible,
+                      OccluderDepths& occluders) const;
     void append_last_reflections(std::span<const geometry::Vec3> listeners,
                                  const std::vector<Found>& found);
     void append_before_grazing(const geometry::Vec3& listener,
                                const ListenerSubpath& grazing,
                                int max_order);
-    void place_images(std::span<const geometry::Vec3> listeners, Executor& executor);
+    void place_images(std::span<const geometry::Vec3> listeners,
+                      const Before& before,
+                      Executor& executor);
+    std::vector<std::uint32_t> subpaths_before(const ListenerBeams& before) const;
+    std::vector<std::uint32_t> order_as_before(std::span<const std::uint32_t> number_before,
+                                               const ListenerBeams& before,
+                                               Executor& executor) const;
     geometry::Aabb aperture_box(const ListenerSubpath& subpath) const;
 
     const FacetIndex& index_;
@@ -146,10 +157,13 @@ private:
     std::vector<Frustum> frusta_;  // six around each listener, then the reflected ones
     std::vector<std::uint32_t> listener_of_reflected_;
     std::vector<std::uint32_t> first_subpath_;  // per frustum, and one past the last
-    std::size_t kept_frusta_ = 0;
+    std::vector<OccluderDepths> occluders_;     // per reflected frustum
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> kept_from_;  // per frustum: its number before a change, or kNone
     PointsByFacet<LastReflection> last_reflections_;
     std::vector<ListenerSubpath> subpaths_;
     std::vector<geometry::Vec3> images_;
+    std::vector<SubpathBounds> bounds_;
     SubpathTree tree_;
 };
 

@@ -8,8 +8,18 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace earshot::frustum {
+
+/// Per sub-frustum how deep its occluder lies at most, in few bits: as a bound from below of the
+/// inverse depth, the upper half of a float; 0: without an occluder.
+struct OccluderDepths {
+    std::array<std::uint16_t, 64> inverse{};
+
+    /// Whether all of `cells` have an occluder that is closer than a depth in metres.
+    bool hide(double depth, CellMask cells) const noexcept;
+};
 
 /// A coarse depth buffer over the sub-frusta of a frustum: per cell the closest known plane that
 /// occludes everything behind it. In complete mode a facet occludes the cells that it covers wholly
@@ -41,6 +51,9 @@ public:
 
     /// Whether all of `cells` have an occluder that is everywhere closer than an inverse depth.
     bool all_occlude(double inverse_depth, CellMask cells) const noexcept;
+
+    /// How deep the occluders lie at most.
+    OccluderDepths max_depths() const noexcept;
 
     /// Whether all of `cells` have an occluder that is closer at the centre than an inverse depth.
     bool all_centres_occlude(double inverse_depth, CellMask cells) const noexcept;

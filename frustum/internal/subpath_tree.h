@@ -71,6 +71,11 @@ public:
     SubpathTree() = default;
     SubpathTree(std::span<const SubpathBounds> subpaths, Executor& executor);
 
+    /// The same with the numbers of the subpaths in a given order, in which neighbours are close.
+    SubpathTree(std::span<const SubpathBounds> subpaths,
+                std::vector<std::uint32_t> order,
+                Executor& executor);
+
     /// Appends the numbers of a superset of the subpaths that a leg may connect, in an order that
     /// depends on the subpaths alone. The same numbers on every instruction set.
     void find(const ConnectingLegs& legs, std::vector<std::uint32_t>& found) const;

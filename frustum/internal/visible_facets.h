@@ -103,9 +103,12 @@ public:
     /// Culls boxes that do not overlap the current frustum.
     BoxCull box_cull() const noexcept;
 
-    /// Whether a box may overlap an active sub-frustum of the current frustum, given that its
-    /// box_cull() does not cull it.
-    bool may_overlap(const geometry::Aabb& box) const noexcept;
+    /// Whether a box may overlap an active sub-frustum of the current frustum in front of its
+    /// occluder, given that the frustum's box_cull() does not cull it.
+    bool may_overlap(const geometry::Aabb& box, const OccluderDepths& occluders) const noexcept;
+
+    /// Of the last search.
+    OccluderDepths occluder_depths() const noexcept { return occlusion_.max_depths(); }
 
     /// The part of the current frustum that a visible facet reflects.
     Frustum reflect(const VisibleFacet& visible);

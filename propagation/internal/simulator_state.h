@@ -49,7 +49,10 @@ struct Simulator::State {
     struct KeptSource {
         std::optional<frustum::SourceBeamTree> beams;
         frustum::KeptVerdicts verdicts{};
+        bool is_too_large = false;  // for kMaxKeptBytes: no longer kept
     };
+    /// Of the beam trees of all sources.
+    static constexpr std::size_t kMaxKeptBytes = std::size_t{1} << 30;
     std::vector<std::size_t> selected;  // sources of a run, ascending
 
     double time = 0.0;
@@ -77,6 +80,11 @@ struct Simulator::State {
                                const geometry::Vec3& position,
                                std::span<const geometry::Vec3> to,
                                Executor& executor) const;
+    frustum::TraceResult trace_kept(KeptSource& kept,
+                                    const geometry::Vec3& position,
+                                    std::span<const std::uint8_t> first,
+                                    Executor& executor,
+                                    Progress* progress);
     frustum::TraceResult trace(std::size_t source,
                                const geometry::Vec3& position,
                                const frustum::PlacedPairs& placed,

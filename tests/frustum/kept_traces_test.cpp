@@ -124,7 +124,8 @@ TraceStatistics follow(std::uint64_t seed, const Way& way, int order, int steps)
                           .forward_only = way.forward_only,
                           .listener_count = way.listener_count,
                           .track_changes = true};
-    if (seed % 6 == 5) {
+    const bool has_limits = seed % 6 == 5;
+    if (has_limits) {
         options.trace.max_length = 9.0;
         options.trace.min_pressure = 0.06;
     }
@@ -150,6 +151,11 @@ TraceStatistics follow(std::uint64_t seed, const Way& way, int order, int steps)
         EXPECT_EQ(kept.paths, fresh.paths)
             << "seed " << seed << ", step " << step << ", listeners " << way.listener_count
             << ", forward " << way.forward_only;
+        if (order < 3 && !has_limits) {
+            const TraceResult all = find_specular_paths_brute_force(
+                room->scene_view(), stage.source, stage.listeners, order);
+            EXPECT_EQ(kept.paths, all.paths) << "seed " << seed << ", step " << step;
+        }
         if (step > 0) {
             work += kept.statistics;
         }
@@ -174,7 +180,7 @@ TEST(KeptTraces, PathsWhileOnePartMovesAreThoseOfAFreshSearch) {
 }
 
 TEST(SlowKeptTraces, PathsInManyRoomsAreThoseOfAFreshSearch) {
-    for (std::uint64_t seed = 100; seed < 300; ++seed) {
+    for (std::uint64_t seed = 100; seed < 140; ++seed) {
         for (const Way& way : kWays) {
             follow(seed, way, 3, 9);
             if (HasFailure()) {

@@ -93,6 +93,20 @@ TEST(KeptTraces, WorkFallsWhereOnePartOfManyMoves) {
     EXPECT_GT(work.fresh.candidates, 5 * work.kept.candidates);
 }
 
+// Of what moves behind walls nothing is traced again but the frusta around source and listener,
+// which do not tell.
+TEST(KeptTraces, WhatMovesInAnotherRoomCostsNextToNothing) {
+    Scene scene = furnished_office(2, 2);
+    SceneWithMovingPart building(std::move(scene), Vec3(0.0), Vec3(0.0));
+    building.add_box({0.0, 0.0, -5.2}, {5.0, 2.8, -0.2}, 0, false, true);
+    building.add_chair({1.5, 0.0, -3.0}, 1, true);
+    const Work work =
+        follow(building.finish(straight_way({0.4, 0.0, 0.3})), {.specular_order = 3}, 3);
+    EXPECT_EQ(work.different_paths, 0U);
+    EXPECT_EQ(work.kept.candidates, 0U);
+    EXPECT_LE(work.kept.frusta, 3U * 2U * 6U);
+}
+
 TEST(KeptTraces, SourcesAndListenersMoveTogetherWithTheGeometry) {
     Scene scene = furnished_office(1, 2);
     Simulator keeping(scene, {.specular_order = 3, .keep_traces = true});
