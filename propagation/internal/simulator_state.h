@@ -53,6 +53,7 @@ struct Simulator::State {
     };
     /// Of the beam trees of all sources.
     static constexpr std::size_t kMaxKeptBytes = std::size_t{1} << 30;
+
     std::vector<std::size_t> selected;  // sources of a run, ascending
 
     double time = 0.0;
