@@ -54,9 +54,9 @@ std::vector<double> project(const std::vector<std::vector<double>>& rows,
 }
 
 /// Leaves out the end of a filter that holds so little of its energy that it does not count beside
-/// `error`: a tenth of it.
+/// `error`: half of it.
 void trim(double error, std::vector<double>& taps) {
-    double rest = 0.01 * error * error * dot(taps, taps);
+    double rest = 0.25 * error * error * dot(taps, taps);
     while (taps.size() > 1 && taps.back() * taps.back() <= rest) {
         rest -= taps.back() * taps.back();
         taps.pop_back();

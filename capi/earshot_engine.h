@@ -20,7 +20,7 @@ typedef struct es_engine_options {
                               ///< least the time between updates, 0 ... 10 (0.1)
     double max_delay;         ///< seconds; longer paths are left out, up to 10 (1)
     uint32_t max_paths;       ///< per listener, 1 ... 65536 (512)
-    uint32_t max_filters;     ///< that stand for the spectra of all paths, 1 ... 64 (16)
+    uint32_t max_filters;     ///< that stand for the spectra of all paths, 1 ... 64 (24)
     double late_length;       ///< seconds, 0 ... 20; 0: as the sound decays, at most 3 (0)
     double update_interval;   ///< seconds between updates of the engine's thread, 0 ... 60 (0.05)
     double budget_milliseconds;  ///< of an update; 0: no limit (0)

@@ -31,7 +31,7 @@ constexpr es_engine_options kDefaults = {.struct_size = sizeof(es_engine_options
                                          .motion_delay = 0.1,
                                          .max_delay = 1.0,
                                          .max_paths = 512,
-                                         .max_filters = 16,
+                                         .max_filters = 24,
                                          .late_length = 0.0,
                                          .update_interval = 0.05,
                                          .budget_milliseconds = 0.0,

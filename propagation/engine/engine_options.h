@@ -45,7 +45,7 @@ struct EngineOptions {
     double motion_delay = 0.1;
     double max_delay = 1.0;        ///< seconds; paths that take longer are left out
     std::size_t max_paths = 512;   ///< per listener, of all sources; the faintest are left out
-    std::size_t max_filters = 16;  ///< that stand for the spectra of all paths
+    std::size_t max_filters = 24;  ///< that stand for the spectra of all paths
     double late_length = 0.0;      ///< seconds; 0: as long as the decay, at most 3
     /// Virtual sources that each listener tests when the late sound of a source is renewed, by
     /// CoherentLateSound; 0: all rays are traced again, by trace_late_rays(). For budgets that are

@@ -57,7 +57,7 @@ class Engine(Object):
         Seconds: by which motion is heard later (0.1); of the longest path (1); of late sound, 0: as
         it decays (0); between the updates of the engine's thread (0.05).
     max_paths, max_filters : int
-        Per listener (512); that stand for all spectra (16).
+        Per listener (512); that stand for all spectra (24).
     budget_milliseconds, budget_work : float, int
         Of an update; 0: no limit (0).
     options
@@ -88,7 +88,7 @@ class Engine(Object):
         motion_delay: float = 0.1,
         max_delay: float = 1.0,
         max_paths: int = 512,
-        max_filters: int = 16,
+        max_filters: int = 24,
         late_length: float = 0.0,
         update_interval: float = 0.05,
         budget_milliseconds: float = 0.0,
