@@ -9,19 +9,35 @@
 #include <algorithm>
 #include <ctime>
 #include <functional>
-#include <mutex>
 
 namespace {
 
 using Body = std::function<void(std::size_t, std::size_t)>;
 
-bench::LoopCounts counts;
-thread_local bool is_inside = false;
+bench::LoopCounts* counts = nullptr;  // null: nothing is counted
+bool is_inside = false;
 
 double seconds_of_thread() {
     timespec now{};
     clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
     return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void count_loop(std::size_t count, std::size_t grain, const Body& body) {
+    double all = 0.0, longest = 0.0;
+    is_inside = true;
+    for (std::size_t begin = 0; begin < count; begin += grain) {
+        const double start = seconds_of_thread();
+        body(begin, std::min(count, begin + grain));
+        const double seconds = seconds_of_thread() - start;
+        all += seconds;
+        longest = std::max(longest, seconds);
+    }
+    is_inside = false;
+    ++counts->loops;
+    counts->max_chunks = std::max(counts->max_chunks, earshot::chunk_count(count, grain));
+    counts->in_loops += all;
+    counts->bound_64 += std::max(longest, all / 64.0);
 }
 
 }  // namespace
@@ -45,39 +61,26 @@ void __wrap__ZN7earshot8Executor8for_eachEmmRKSt8functionIFvmmEE(  // NOLINT
     std::size_t count,
     std::size_t grain,
     const Body& body) {
-    if (is_inside) {
+    if (counts == nullptr) {
         __real__ZN7earshot8Executor8for_eachEmmRKSt8functionIFvmmEE(executor, count, grain, body);
-        return;
+    } else if (is_inside) {
+        earshot::Executor one(1);
+        __real__ZN7earshot8Executor8for_eachEmmRKSt8functionIFvmmEE(&one, count, grain, body);
+    } else {
+        count_loop(count, grain, body);
     }
-    std::mutex mutex;
-    double all = 0.0, longest = 0.0;
-    std::size_t chunks = 0;
-    const Body timed = [&](std::size_t begin, std::size_t end) {
-        is_inside = true;
-        const double start = seconds_of_thread();
-        body(begin, end);
-        const double seconds = seconds_of_thread() - start;
-        is_inside = false;
-        const std::lock_guard lock(mutex);
-        all += seconds;
-        longest = std::max(longest, seconds);
-        ++chunks;
-    };
-    __real__ZN7earshot8Executor8for_eachEmmRKSt8functionIFvmmEE(executor, count, grain, timed);
-    ++counts.loops;
-    counts.max_chunks = std::max(counts.max_chunks, chunks);
-    counts.in_loops += all;
-    counts.bound_64 += std::max(longest, all / 64.0);
 }
 
 namespace bench {
 
-void reset_loop_counts() {
-    counts = {};
-}
-
-LoopCounts loop_counts() {
-    return counts;
+LoopCounts count_loops(const std::function<void()>& work) {
+    LoopCounts result;
+    counts = &result;
+    const double start = seconds_of_thread();
+    work();
+    result.all = seconds_of_thread() - start;
+    counts = nullptr;
+    return result;
 }
 
 }  // namespace bench

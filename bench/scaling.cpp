@@ -102,42 +102,41 @@ void measure_growth(std::size_t triangles, Executor& executor) {
     std::fflush(stdout);
 }
 
-/// On two threads, so that loops are divided as they are on many.
 void count_parts(const char* name, const std::function<void()>& work) {
-    work();
-    bench::reset_loop_counts();
-    const double all = bench::times_of(work).processor;
-    const bench::LoopCounts counts = bench::loop_counts();
-    const double outside = std::max(0.0, all - counts.in_loops);
+    bench::count_loops(work);  // warms up
+    const bench::LoopCounts counts = bench::count_loops(work);
+    const double outside = std::max(0.0, counts.all - counts.in_loops);
     std::printf("| %s | %.1f | %zu | %zu | %.1f | %.0f |\n",
                 name,
-                1e3 * all,
+                1e3 * counts.all,
                 counts.loops,
                 counts.max_chunks,
-                100.0 * outside / all,
-                all / (outside + counts.bound_64));
+                100.0 * outside / counts.all,
+                counts.all / (outside + counts.bound_64));
     std::fflush(stdout);
 }
 
-void measure_parts() {
-    Executor two(2);
+void measure_parts_of_trees(Executor& executor) {
     const Mesh city = bench::generated_city(1'000'000);
     WideTree tree;
-    count_parts("build, `binned_sah`", [&] { tree = build(city, {}, two); });
-    count_parts("build, `fast`",
-                [&] { tree = build(city, {.builder = Builder::fast, .max_leaf_size = 8}, two); });
-    count_parts("refit", [&] { tree.refit(city.view(), two); });
+    count_parts("build, `binned_sah`", [&] { tree = build(city, {}, executor); });
+    count_parts("build, `fast`", [&] {
+        tree = build(city, {.builder = Builder::fast, .max_leaf_size = 8}, executor);
+    });
+    count_parts("refit", [&] { tree.refit(city.view(), executor); });
     const std::vector<Ray> rays = rays_over(tree);
     std::vector<std::optional<Hit>> hits(rays.size());
-    count_parts("262,144 rays", [&] { closest_hits(tree, city.view(), rays, hits, two); });
+    count_parts("262,144 rays", [&] { closest_hits(tree, city.view(), rays, hits, executor); });
+}
 
+void measure_parts_of_sound(Executor& executor) {
     const auto hall = earshot::io::load_scene("scenes/concert_hall.gltf").scene;
-    const earshot::propagation::Simulator simulator(hall, {}, two);
+    const earshot::propagation::Simulator simulator(hall, {}, Executor::serial());
     const Vec3 source = hall.position_at(hall.sources.front(), 0.0);
     const Vec3 listener = hall.position_at(hall.listeners.front(), 0.0);
     count_parts("frusta, hall, order 3", [&] {
         earshot::frustum::find_specular_paths(
-            simulator.scene_view(), source, std::span(&listener, 1), {.max_order = 3}, two);
+            simulator.scene_view(), source, std::span(&listener, 1), {.max_order = 3}, executor);
     });
     const Mesh mesh = {hall.mesh.positions_at(0.0),
                        {hall.mesh.triangles().begin(), hall.mesh.triangles().end()}};
@@ -146,13 +145,22 @@ void measure_parts() {
     materials[0].absorption = earshot::propagation::EnergyCoefficient(0.1);
     materials[0].scattering = earshot::propagation::EnergyCoefficient(0.2);
     const std::vector<std::uint32_t> material_of_triangle(mesh.triangles.size(), 0);
-    count_parts("20,000 late rays, hall", [&] {
+    const auto trace = [&](const earshot::propagation::RayOptions& options) {
         earshot::propagation::trace_late_rays({bvh.view(), material_of_triangle, materials},
                                               {.pose = {.position = source}},
                                               std::span(&listener, 1),
-                                              {.rays = 20000},
-                                              two);
-    });
+                                              options,
+                                              executor);
+    };
+    count_parts("20,000 late rays, hall", [&] { trace({.rays = 20000}); });
+    count_parts("late rays until T30 is known to 2 %",
+                [&] { trace({.rays = 1'000'000, .max_error = 0.02, .length = 2.0}); });
+}
+
+void measure_parts() {
+    Executor many(64);
+    measure_parts_of_trees(many);
+    measure_parts_of_sound(many);
 }
 
 int run(int argc, char** argv) {

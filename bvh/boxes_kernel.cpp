@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/bvh/internal/boxes_kernel.h"
 
+#include "earshot/bvh/internal/touch_pages.h"
 #include "earshot/bvh/tree.h"
 
 #include <algorithm>
@@ -80,10 +81,7 @@ geometry::Aabb united_box(std::span<const geometry::Aabb> boxes,
 
 std::vector<geometry::Aabb> triangle_boxes(const geometry::MeshView& mesh, Executor& executor) {
     constexpr std::size_t kGrain = 16384;
-    std::vector<geometry::Aabb> boxes;
-    boxes.reserve(mesh.triangles.size());
-    ask_for_large_pages(boxes.data(), mesh.triangles.size() * sizeof(geometry::Aabb));
-    boxes.resize(mesh.triangles.size());
+    auto boxes = vector_on_touched_pages<geometry::Aabb>(mesh.triangles.size(), executor);
     executor.for_each(boxes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         set_triangle_boxes(mesh, begin, std::span(boxes).subspan(begin, end - begin));
     });

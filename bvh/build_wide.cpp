@@ -31,6 +31,7 @@ constexpr float kNodeCost = 1.0F;
 constexpr float kLeafCost = 1.0F;
 
 using Slots = std::array<Slot, WideNode::kWidth>;
+using Children = std::array<std::uint32_t, WideNode::kWidth>;
 
 /// The collapse of a binary tree to a wide one of the least SAH cost (Ylitie, Karras and Laine
 /// 2017, section 3.2). Dynamic programming from the leaves up: for every subtree, the least cost of
@@ -51,8 +52,7 @@ using Slots = std::array<Slot, WideNode::kWidth>;
 ///         c   d
 class Collapse {
 public:
-    Collapse(const Tree& tree, LeafEncoding encoding, Executor& executor)
-        : tree_(tree), encoding_(encoding), costs_(tree.nodes().size() / 2) {
+    Collapse(const Tree& tree, Executor& executor) : tree_(tree), costs_(tree.nodes().size() / 2) {
         const double root_area = tree.nodes().front().box.half_area();
         inverse_root_area_ = 1.0 / root_area;
         for_each_bottom_up(tree.nodes(), executor, [&](std::size_t i) {
@@ -61,37 +61,38 @@ public:
                 compute_costs(node);
             }
         });
-        // Wide nodes have six children or so, of four triangles or so.
-        slots.reserve(tree.nodes().size() / 8 + 1);
-        children.reserve(slots.capacity());
     }
 
-    /// Appends the wide nodes of the subtree in depth-first order and returns the first's index.
-    std::uint32_t emit(std::uint32_t root) {
-        const auto index = static_cast<std::uint32_t>(slots.size());
-        slots.emplace_back();
-        children.emplace_back();
-        children.back().fill(kNoChild);
+    const Tree& tree() const { return tree_; }
+
+    /// Fills the slots of the wide node of a subtree, from the first on, and returns how many.
+    std::size_t fill_slots(std::uint32_t root, Slots& slots) const {
         std::size_t count = 0;
-        fill_slots(root, index, count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const Slot slot = slots[index][i];
-            if (is_inner(slot)) {
-                children[index][i] = emit(slot.node);
-            } else {
-                const std::uint32_t in_leaf = count_of(slot);
-                children[index][i] = kLeafFlag | (in_leaf - 1) << kLeafCountShift | blocks_;
-                blocks_ += static_cast<std::uint32_t>(leaf_blocks(encoding_, in_leaf));
-            }
+        const Node& node = tree_.nodes()[root];
+        if (is_leaf_at(root)) {
+            slots[count++] = {root};
+        } else if (node.is_leaf()) {
+            const std::uint32_t end = node.first + node.count;
+            const std::uint32_t middle = node.first + node.count / 2;
+            slots[count++] = {root, node.first, middle};
+            slots[count++] = {root, middle, end};
+        } else {
+            const std::uint8_t left = costs_at(node).left_slots_of_node;
+            distribute(node.first, left, slots, count);
+            distribute(node.first + 1, WideNode::kWidth - left, slots, count);
         }
-        return index;
+        return count;
     }
 
-    /// Blocks of all packed leaves.
-    std::size_t blocks() const { return blocks_; }
+    /// Whether a slot becomes a wide node, and not a packed leaf.
+    bool is_inner(const Slot& slot) const {
+        return slot.run_begin == slot.run_end && !is_leaf_at(slot.node);
+    }
 
-    std::vector<Slots> slots;
-    std::vector<std::array<std::uint32_t, WideNode::kWidth>> children;
+    /// The primitives of a packed leaf.
+    std::uint32_t count_of(const Slot& slot) const {
+        return slot.run_begin != slot.run_end ? slot.run_end - slot.run_begin : count_at(slot.node);
+    }
 
 private:
     static constexpr std::size_t kMaxSlots = WideNode::kWidth - 1;
@@ -189,61 +190,264 @@ private:
         return ratio <= 1.0 ? static_cast<float>(ratio) : 1.0F;
     }
 
-    bool is_inner(const Slot& slot) const {
-        return slot.run_begin == slot.run_end && !is_leaf_at(slot.node);
-    }
-
-    std::uint32_t count_of(const Slot& slot) const {
-        return slot.run_begin != slot.run_end ? slot.run_end - slot.run_begin : count_at(slot.node);
-    }
-
-    /// Fills the slots of a wide node.
-    void fill_slots(std::uint32_t root, std::size_t index, std::size_t& count) {
-        const Node& node = tree_.nodes()[root];
-        if (is_leaf_at(root)) {
-            slots[index][count++] = {root};
-        } else if (node.is_leaf()) {
-            const std::uint32_t end = node.first + node.count;
-            const std::uint32_t middle = node.first + node.count / 2;
-            slots[index][count++] = {root, node.first, middle};
-            slots[index][count++] = {root, middle, end};
-        } else {
-            const std::uint8_t left = costs_at(node).left_slots_of_node;
-            distribute(node.first, left, index, count);
-            distribute(node.first + 1, WideNode::kWidth - left, index, count);
-        }
-    }
-
     /// Fills at most `available` slots with the forest of a subtree.
     void distribute(std::uint32_t root,
                     std::size_t available,
-                    std::size_t index,
-                    std::size_t& count) {
+                    Slots& slots,
+                    std::size_t& count) const {
         const Node& node = tree_.nodes()[root];
         const std::uint8_t left = node.is_leaf() ? 0 : costs_at(node).left_slots[available - 1];
         if (left == 0) {
-            slots[index][count++] = {root};
+            slots[count++] = {root};
             return;
         }
         const std::size_t used = std::min<std::size_t>(available, costs_at(node).useful_slots);
-        distribute(node.first, left, index, count);
-        distribute(node.first + 1, used - left, index, count);
+        distribute(node.first, left, slots, count);
+        distribute(node.first + 1, used - left, slots, count);
     }
 
     const Tree& tree_;
-    LeafEncoding encoding_;
     double inverse_root_area_ = 1.0;
     LargeArray<Costs> costs_;
-    std::uint32_t blocks_ = 0;
 };
 
-/// Writes the primitives of a subtree.
-std::uint32_t* write_primitives(const Tree& tree, std::uint32_t index, std::uint32_t* out) {
-    const Node& node = tree.nodes()[index];
-    if (node.is_leaf()) {
-        return std::copy_n(tree.primitives().begin() + node.first, node.count, out);
+/// Wide nodes of a subtree, in depth-first order, that one task makes; or, high up in the tree, one
+/// wide node, below whose inner slots there are other parts.
+struct Part {
+    std::uint32_t root = 0;  // of the binary tree
+    bool is_single = false;
+    std::vector<Slots> slots{};  // per wide node
+    /// Per wide node. Of a subtree, nodes and blocks are counted from the part's first; of a single
+    /// one, inner slots have the numbers of other parts.
+    std::vector<Children> children{};
+    std::uint32_t blocks = 0;  // of the packed leaves of a subtree
+    std::uint32_t first_node = 0, first_block = 0;
+};
+
+/// All wide nodes of a tree, in depth-first order.
+class Layout {
+public:
+    Layout(const Collapse& collapse, LeafEncoding encoding, Executor& executor)
+        : collapse_(collapse), encoding_(encoding) {
+        // One thread has no use for several parts, and the layout is the same.
+        if (executor.threads() > 1) {
+            top_ = decompose_into_subtrees(collapse.tree().nodes()).top;
+            std::sort(top_.begin(), top_.end());
+        }
+        divide(0);
+        executor.for_each(parts_.size(), 1, [&](std::size_t i, std::size_t) {
+            if (!parts_[i].is_single) {
+                reserve(parts_[i]);
+                emit(parts_[i], parts_[i].root);
+            }
+        });
+        number(0);
     }
-    return write_primitives(tree, node.first + 1, write_primitives(tree, node.first, out));
+
+    std::span<const Part> parts() const { return parts_; }
+    std::size_t nodes() const { return nodes_; }
+    std::size_t blocks() const { return blocks_; }
+
+private:
+    void reserve(Part& part) const {
+        // Wide nodes have six children or so, of four triangles or so.
+        const std::size_t nodes = collapse_.tree().nodes().size();
+        const std::size_t expected = (top_.empty() ? nodes : kSubtreeTaskSize) / 8 + 1;
+        part.slots.reserve(expected);
+        part.children.reserve(expected);
+    }
+
+    static std::uint32_t leaf_child(std::uint32_t count, std::uint32_t block) {
+        return kLeafFlag | (count - 1) << kLeafCountShift | block;
+    }
+    std::uint32_t blocks_of(std::uint32_t leaf) const {
+        return static_cast<std::uint32_t>(leaf_blocks(encoding_, leaf_count(leaf)));
+    }
+
+    /// Appends the parts of a subtree of the binary tree and returns the number of the first.
+    std::uint32_t divide(std::uint32_t root) {
+        const auto index = static_cast<std::uint32_t>(parts_.size());
+        parts_.push_back({.root = root});
+        if (!std::binary_search(top_.begin(), top_.end(), root)) {
+            return index;
+        }
+        Slots slots;
+        Children children;
+        children.fill(kNoChild);
+        const std::size_t count = collapse_.fill_slots(root, slots);
+        for (std::size_t i = 0; i < count; ++i) {
+            children[i] = collapse_.is_inner(slots[i])
+                              ? divide(slots[i].node)
+                              : leaf_child(collapse_.count_of(slots[i]), 0);
+        }
+        parts_[index].is_single = true;
+        parts_[index].slots = {slots};
+        parts_[index].children = {children};
+        return index;
+    }
+
+    /// Appends the wide nodes of a subtree to those of its part and returns the first's number.
+    std::uint32_t emit(Part& part, std::uint32_t root) const {
+        const auto index = static_cast<std::uint32_t>(part.slots.size());
+        part.children.emplace_back().fill(kNoChild);
+        const std::size_t count = collapse_.fill_slots(root, part.slots.emplace_back());
+        for (std::size_t i = 0; i < count; ++i) {
+            const Slot slot = part.slots[index][i];
+            if (collapse_.is_inner(slot)) {
+                part.children[index][i] = emit(part, slot.node);
+            } else {
+                const std::uint32_t leaf = leaf_child(collapse_.count_of(slot), part.blocks);
+                part.children[index][i] = leaf;
+                part.blocks += blocks_of(leaf);
+            }
+        }
+        return index;
+    }
+
+    /// Numbers the nodes and blocks of a part and of those below it.
+    void number(std::uint32_t index) {
+        Part& part = parts_[index];
+        part.first_node = nodes_;
+        nodes_ += static_cast<std::uint32_t>(part.slots.size());
+        if (!part.is_single) {
+            part.first_block = blocks_;
+            blocks_ += part.blocks;
+            return;
+        }
+        for (std::uint32_t& child : part.children.front()) {
+            if (is_leaf(child)) {
+                child += blocks_;
+                blocks_ += blocks_of(child);
+            } else if (child != kNoChild) {
+                number(child);
+            }
+        }
+    }
+
+    const Collapse& collapse_;
+    LeafEncoding encoding_;
+    std::vector<std::size_t> top_;  // nodes of the binary tree above its tasks, sorted
+    std::vector<Part> parts_;
+    std::uint32_t nodes_ = 0, blocks_ = 0;
+};
+
+/// Writes the nodes and packed leaves of parts.
+class PartWriter {
+public:
+    PartWriter(const Tree& tree,
+               const Layout& layout,
+               const geometry::MeshView& mesh,
+               LeafEncoding encoding,
+               std::span<WideNode> nodes,
+               std::uint32_t* words)
+        : tree_(tree),
+          layout_(layout),
+          mesh_(mesh),
+          encoding_(encoding),
+          nodes_(nodes),
+          words_(words) {}
+
+    /// Some nodes at a time, so that what is prefetched for them is still in the cache when it is
+    /// read.
+    void write(const Part& part) const {
+        constexpr std::size_t kGrain = 8;
+        for (std::size_t begin = 0; begin < part.slots.size(); begin += kGrain) {
+            const std::size_t end = std::min(begin + kGrain, part.slots.size());
+            for (std::size_t i = begin; i < end; ++i) {
+                set_node(part, i);
+            }
+            const std::span<const WideNode> written =
+                nodes_.subspan(part.first_node + begin, end - begin);
+            for_each_leaf(written, [&](std::uint32_t leaf) {
+                prefetch_vertices({triangles_of(leaf), leaf_count(leaf)}, mesh_);
+            });
+            for_each_leaf(written, [&](std::uint32_t leaf) {
+                pack_leaf(encoding_, packed_leaf(leaf), leaf_count(leaf), mesh_);
+            });
+        }
+    }
+
+private:
+    template <typename Visit>
+    static void for_each_leaf(std::span<const WideNode> nodes, const Visit& visit) {
+        for (const WideNode& node : nodes) {
+            for (const std::uint32_t child : node.child) {
+                if (is_leaf(child)) {
+                    visit(child);
+                }
+            }
+        }
+    }
+
+    std::uint32_t* packed_leaf(std::uint32_t leaf) const {
+        return words_ + words_per_block(encoding_) * leaf_block(leaf);
+    }
+    std::uint32_t* triangles_of(std::uint32_t leaf) const {
+        return packed_leaf(leaf) + triangle_ids_offset(encoding_, leaf_count(leaf));
+    }
+
+    std::uint32_t final_child(const Part& part, std::uint32_t child) const {
+        if (is_leaf(child)) {
+            return child + part.first_block;
+        }
+        if (child == kNoChild) {
+            return child;
+        }
+        return part.is_single ? layout_.parts()[child].first_node : child + part.first_node;
+    }
+
+    void set_node(const Part& part, std::size_t index) const {
+        WideNode& node = nodes_[part.first_node + index];
+        static const Node kEmpty;
+        const Node* boxes[WideNode::kWidth];
+        for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
+            const Slot& slot = part.slots[index][k];
+            boxes[k] = slot.node == kNone ? &kEmpty : &tree_.nodes()[slot.node];
+            node.child[k] = final_child(part, part.children[index][k]);
+            if (is_leaf(node.child[k])) {
+                write_triangles(slot, node.child[k]);
+            }
+        }
+        set_boxes_and_order(node, boxes);
+    }
+
+    void write_triangles(const Slot& slot, std::uint32_t leaf) const {
+        std::uint32_t* out = triangles_of(leaf);
+        if (slot.run_begin != slot.run_end) {
+            write_run(slot.run_begin, slot.run_end - slot.run_begin, out);
+        } else {
+            write_subtree(slot.node, out);
+        }
+    }
+
+    std::uint32_t* write_subtree(std::uint32_t index, std::uint32_t* out) const {
+        const Node& node = tree_.nodes()[index];
+        return node.is_leaf() ? write_run(node.first, node.count, out)
+                              : write_subtree(node.first + 1, write_subtree(node.first, out));
+    }
+
+    std::uint32_t* write_run(std::uint32_t first, std::uint32_t count, std::uint32_t* out) const {
+        const std::span<const std::uint32_t> run = tree_.primitives().subspan(first, count);
+        prefetch_triangles(run, mesh_);
+        return std::copy(run.begin(), run.end(), out);
+    }
+
+    const Tree& tree_;
+    const Layout& layout_;
+    const geometry::MeshView& mesh_;
+    LeafEncoding encoding_;
+    std::span<WideNode> nodes_;
+    std::uint32_t* words_;
+};
+
+void check_count(std::size_t count, LeafEncoding encoding) {
+    const std::size_t max_count = (std::size_t{1} << kLeafCountShift) / leaf_blocks(encoding, 1);
+    if (count >= max_count) {
+        throw Error("hierarchy",
+                    "cannot hold " + std::to_string(max_count) + " triangles or more",
+                    encoding == LeafEncoding::single ? "split the scene"
+                                                     : "split the scene, or do not quantise");
+    }
 }
 
 }  // namespace
@@ -253,74 +457,23 @@ WideTree WideTree::build(const Tree& tree,
                          Executor& executor,
                          LeafEncoding encoding) {
     const std::size_t count = tree.primitives().size();
-    const std::size_t max_count = (std::size_t{1} << kLeafCountShift) / leaf_blocks(encoding, 1);
-    if (count >= max_count) {
-        throw Error("hierarchy",
-                    "cannot hold " + std::to_string(max_count) + " triangles or more",
-                    encoding == LeafEncoding::single ? "split the scene"
-                                                     : "split the scene, or do not quantise");
-    }
+    check_count(count, encoding);
     WideTree wide;
     wide.leaf_encoding_ = encoding;
     wide.words_per_block_ = words_per_block(encoding);
     if (count == 0) {
         return wide;
     }
-    Collapse collapse(tree, encoding, executor);
-    collapse.emit(0);
+    const Collapse collapse(tree, executor);
+    const Layout layout(collapse, encoding, executor);
     wide.triangle_count_ = count;
     wide.set_box(tree.nodes().front().box);
-    wide.nodes_.resize(collapse.slots.size());
-    wide.words_.resize(wide.words_per_block_ * collapse.blocks() + kPaddingWords);
+    wide.nodes_.resize(layout.nodes());
+    wide.words_.resize(wide.words_per_block_ * layout.blocks() + kPaddingWords);
     std::fill_n(wide.words_.end() - kPaddingWords, kPaddingWords, 0U);
-    const auto set_node = [&](std::size_t i) {
-        WideNode& node = wide.nodes_[i];
-        for (std::size_t k = 0; k < WideNode::kWidth; ++k) {
-            const Slot& slot = collapse.slots[i][k];
-            node.child[k] = collapse.children[i][k];
-            set_slot_box(node, k, slot.node == kNone ? Aabb::empty() : tree.nodes()[slot.node].box);
-            if (slot.node == kNone || !is_leaf(node.child[k])) {
-                continue;
-            }
-            const std::size_t in_leaf = leaf_count(node.child[k]);
-            std::uint32_t* out =
-                wide.packed_leaf(node.child[k]) + triangle_ids_offset(encoding, in_leaf);
-            if (slot.run_begin != slot.run_end) {
-                std::copy_n(tree.primitives().begin() + slot.run_begin, in_leaf, out);
-            } else {
-                write_primitives(tree, slot.node, out);
-            }
-            prefetch_triangles({out, in_leaf}, mesh);
-        }
-        set_order(node);
-    };
-    const auto for_each_leaf = [&](std::size_t i, auto&& visit) {
-        for (const std::uint32_t child : wide.nodes_[i].child) {
-            if (is_leaf(child)) {
-                visit(child);
-            }
-        }
-    };
-    // Chunks are short, so that what is prefetched for a chunk is still in the cache when it is
-    // read.
-    constexpr std::size_t kGrain = 16;
-    executor.for_each(wide.nodes_.size(), 64 * kGrain, [&](std::size_t first, std::size_t last) {
-        for (std::size_t begin = first; begin < last; begin += kGrain) {
-            const std::size_t end = std::min(begin + kGrain, last);
-            for (std::size_t i = begin; i < end; ++i) {
-                set_node(i);
-            }
-            for (std::size_t i = begin; i < end; ++i) {
-                for_each_leaf(i, [&](std::uint32_t leaf) {
-                    prefetch_vertices(wide.leaf_triangles(leaf), mesh);
-                });
-            }
-            for (std::size_t i = begin; i < end; ++i) {
-                for_each_leaf(i, [&](std::uint32_t leaf) {
-                    pack_leaf(encoding, wide.packed_leaf(leaf), leaf_count(leaf), mesh);
-                });
-            }
-        }
+    const PartWriter writer(tree, layout, mesh, encoding, wide.nodes_, wide.words_.data());
+    executor.for_each(layout.parts().size(), 1, [&](std::size_t i, std::size_t) {
+        writer.write(layout.parts()[i]);
     });
     if (encoding == LeafEncoding::single) {
         CoordinateRules rules(wide.max_abs_coordinate());

@@ -186,13 +186,14 @@ Tree CurveClusters::tree_below(const Tree& top, Executor& executor) const {
         return node;
     };
     std::vector<Node> nodes =
-        TreeAssembly(std::span<const TopNode>(upper), node_counts_, node_of).nodes(executor, 1024);
+        TreeAssembly(std::span<const TopNode>(upper), node_counts_, node_of, executor)
+            .nodes(executor, 1024);
     return Tree::from_nodes(std::move(nodes), primitives_in(first_slots, executor));
 }
 
 std::vector<std::uint32_t> CurveClusters::primitives_in(std::span<const std::uint32_t> first_slots,
                                                         Executor& executor) const {
-    std::vector<std::uint32_t> primitives(sorted_.size());
+    auto primitives = vector_on_touched_pages<std::uint32_t>(sorted_.size(), executor);
     executor.for_each(clusters_.size(), kClustersPerChunk, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             for (std::uint32_t k = 0; k < clusters_[i].size(); ++k) {

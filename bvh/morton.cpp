@@ -14,7 +14,7 @@ using geometry::Aabb;
 
 namespace {
 
-constexpr std::size_t kGrain = 65536;
+constexpr std::size_t kGrain = 16384;
 constexpr unsigned kCodeBits = 32;
 
 /// Twice the centroid; infinite and undefined ones go to the ends.
@@ -116,33 +116,51 @@ private:
 constexpr unsigned kDigitBits = 11;
 constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 
+using DigitCounts = std::array<std::uint32_t, kDigits>;
+
+/// Turns the counts of each chunk into its offsets among the numbers with the same digit, and
+/// returns where the numbers with each digit begin.
+DigitCounts to_offsets(std::span<DigitCounts> counts, Executor& executor) {
+    constexpr std::size_t kDigitsPerTask = 64;
+    DigitCounts firsts{};
+    executor.for_each(kDigits, kDigitsPerTask, [&](std::size_t begin, std::size_t end) {
+        for (DigitCounts& of_chunk : counts) {
+            for (std::size_t digit = begin; digit < end; ++digit) {
+                firsts[digit] += std::exchange(of_chunk[digit], firsts[digit]);
+            }
+        }
+    });
+    std::uint32_t next = 0;
+    for (std::uint32_t& first : firsts) {
+        next += std::exchange(first, next);
+    }
+    return firsts;
+}
+
 /// One stable pass of a radix sort. Every chunk has its own counts and scatters to its own offsets,
 /// so the order does not depend on the executor.
 void sort_by_digit(std::span<const MortonPrimitive> from,
                    std::span<MortonPrimitive> to,
                    unsigned shift,
                    Executor& executor) {
-    using Counts = std::array<std::uint32_t, kDigits>;
     const std::size_t grain = executor.threads() == 1 ? from.size() : kGrain;
-    std::vector<Counts> offsets(chunk_count(from.size(), grain));
+    std::vector<DigitCounts> chunks(chunk_count(from.size(), grain));
     const auto digit_of = [&](const MortonPrimitive& primitive) {
         return primitive.code >> shift & (kDigits - 1);
     };
     executor.for_each(from.size(), grain, [&](std::size_t begin, std::size_t end) {
-        Counts& counts = offsets[begin / grain];
+        DigitCounts& counts = chunks[begin / grain];
         counts.fill(0);
         for (std::size_t i = begin; i < end; ++i) {
             ++counts[digit_of(from[i])];
         }
     });
-    std::uint32_t next = 0;
-    for (std::size_t digit = 0; digit < kDigits; ++digit) {
-        for (Counts& counts : offsets) {
-            next += std::exchange(counts[digit], next);
-        }
-    }
+    const DigitCounts firsts = to_offsets(chunks, executor);
     executor.for_each(from.size(), grain, [&](std::size_t begin, std::size_t end) {
-        Counts& next_of = offsets[begin / grain];
+        DigitCounts& next_of = chunks[begin / grain];
+        for (std::size_t digit = 0; digit < kDigits; ++digit) {
+            next_of[digit] += firsts[digit];
+        }
         for (std::size_t i = begin; i < end; ++i) {
             to[next_of[digit_of(from[i])]++] = from[i];
         }
@@ -205,9 +223,11 @@ bool code_and_sort(std::span<const Aabb> boxes,
 
 LargeArray<MortonPrimitive> sorted_by_morton_code(std::span<const Aabb> boxes, Executor& executor) {
     LargeArray<MortonPrimitive> primitives(boxes.size());
-    for (std::uint32_t i = 0; i < primitives.size(); ++i) {
-        primitives[i] = {0, i};
-    }
+    executor.for_each(primitives.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            primitives[i] = {0, static_cast<std::uint32_t>(i)};
+        }
+    });
     code_and_sort(boxes, primitives, executor);
     return primitives;
 }

@@ -128,7 +128,7 @@ Tree PrimRefs::build_tree(std::span<const TopNode> top,
                           std::span<const BuildRange> tasks,
                           const SplitRule& rule,
                           Executor& executor) const {
-    std::vector<std::uint32_t> primitives(boxes_.size());
+    auto primitives = vector_on_touched_pages<std::uint32_t>(boxes_.size(), executor);
     std::vector<std::uint32_t> counts(tasks.size());
     executor.for_each(counts.size(), 1, [&](std::size_t task, std::size_t) {
         const BuildRange& range = tasks[task];
@@ -139,8 +139,8 @@ Tree PrimRefs::build_tree(std::span<const TopNode> top,
     const auto node_of = [&](std::uint32_t task, std::uint32_t index) {
         return to_node(load_node(tasks[task], index));
     };
-    Tree tree =
-        Tree::from_nodes(TreeAssembly(top, counts, node_of).nodes(executor), std::move(primitives));
+    Tree tree = Tree::from_nodes(TreeAssembly(top, counts, node_of, executor).nodes(executor),
+                                 std::move(primitives));
     if (are_clamped()) {
         tree.refit(boxes_, executor);
     }

@@ -62,7 +62,7 @@ HWY_INLINE void sort_lanes(Float4 (&keys)[kWidth]) {
     exchange(keys[1], keys[2]), exchange(keys[3], keys[4]), exchange(keys[5], keys[6]);
 }
 
-void set_order_of(WideNode& node) {
+HWY_INLINE void set_order(WideNode& node) {
     alignas(16) float keys[kWidth][kOctants];
     set_keys(node, keys);
     Float4 sorted[kWidth];
@@ -83,6 +83,31 @@ void set_order_of(WideNode& node) {
                            (near[3] & 7U) << 9U | (far[3] & 7U) << 12U | (far[2] & 7U) << 15U |
                            (far[1] & 7U) << 18U | (far[0] & 7U) << 21U;
     }
+}
+
+/// Sets the planes of the slots to those of eight nodes.
+HWY_INLINE void set_planes(const Node* const (&boxes)[kWidth], WideNode& node) {
+    // Four nodes at a time. A fourth number is read behind each corner, which has no use.
+    for (std::size_t slot = 0; slot < kWidth; slot += 4) {
+        const auto transposed = [&](std::size_t first) {
+            const auto row = [&](std::size_t i) {
+                return Float4::load_unaligned(boxes[slot + i]->box.lower.data() + first);
+            };
+            return transpose(row(0), row(1), row(2), row(3));
+        };
+        const ThreeAxes lower = transposed(0), upper = transposed(3);
+        lower.x.store(node.planes[0] + slot);
+        upper.x.store(node.planes[1] + slot);
+        lower.y.store(node.planes[2] + slot);
+        upper.y.store(node.planes[3] + slot);
+        lower.z.store(node.planes[4] + slot);
+        upper.z.store(node.planes[5] + slot);
+    }
+}
+
+void set_boxes_and_order_of(WideNode& node, const Node* const (&boxes)[kWidth]) {
+    set_planes(boxes, node);
+    set_order(node);
 }
 
 geometry::Aabb pack_leaf_of(std::uint32_t* words,
@@ -120,11 +145,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace earshot::bvh {
 
-HWY_EXPORT(set_order_of);
+HWY_EXPORT(set_boxes_and_order_of);
 HWY_EXPORT(pack_leaf_of);
 
-void set_order(WideNode& node) noexcept {
-    HWY_DYNAMIC_DISPATCH(set_order_of)(node);
+void set_boxes_and_order(WideNode& node, const Node* const (&boxes)[WideNode::kWidth]) noexcept {
+    HWY_DYNAMIC_DISPATCH(set_boxes_and_order_of)(node, boxes);
 }
 
 geometry::Aabb pack_single_leaf(std::uint32_t* words,

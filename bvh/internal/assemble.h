@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "earshot/base/large_array.h"
+#include "earshot/bvh/internal/touch_pages.h"
 #include "earshot/bvh/tree.h"
 
 #include <cstdint>
@@ -26,15 +26,14 @@ class TreeAssembly {
 public:
     TreeAssembly(std::span<const TopNode> top,
                  std::span<const std::uint32_t> counts,
-                 const NodeOf& node_of)
+                 const NodeOf& node_of,
+                 Executor& executor)
         : top_(top), counts_(counts), node_of_(node_of), shifts_(counts.size()) {
         std::size_t all = 1;
         for (const TopNode& node : top) {
             all += node.left != 0 ? 2 : counts[node.task] - 1;
         }
-        nodes_.reserve(all);
-        ask_for_large_pages(nodes_.data(), all * sizeof(Node));
-        nodes_.resize(all);
+        nodes_ = vector_on_touched_pages<Node>(all, executor);
         emit(0, 0);
     }
 

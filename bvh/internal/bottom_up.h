@@ -22,14 +22,16 @@ struct SubtreeDecomposition {
     std::vector<Subtree> tasks;
 };
 
+/// Nodes of a subtree, at most.
+inline constexpr std::size_t kSubtreeTaskSize = 4096;
+
 inline SubtreeDecomposition decompose_into_subtrees(std::span<const Node> nodes) {
-    constexpr std::size_t kTaskSize = 8192;
     SubtreeDecomposition result;
     std::vector<Subtree> stack = {{0, 1, nodes.size()}};
     while (!stack.empty()) {
         const Subtree subtree = stack.back();
         stack.pop_back();
-        if (subtree.end - subtree.begin <= kTaskSize) {
+        if (subtree.end - subtree.begin <= kSubtreeTaskSize) {
             result.tasks.push_back(subtree);
             continue;
         }

@@ -13,8 +13,8 @@ namespace earshot::bvh {
 /// A primitive with the Morton code of its centroid. Each bit of the code, from the highest on,
 /// halves the longest side of a cell, so that flat and long scenes are divided evenly, too.
 struct MortonPrimitive {
-    std::uint32_t code = 0;
-    std::uint32_t index = 0;
+    std::uint32_t code;
+    std::uint32_t index;
 };
 
 /// The primitives of all boxes, sorted by code and then by index; boxes[i] is primitive i.

@@ -42,7 +42,8 @@ public:
             counts.push_back(static_cast<std::uint32_t>(tree.size()));
         }
         const auto node_of = [&](std::uint32_t task, std::uint32_t i) { return trees[task][i]; };
-        return TreeAssembly(std::span<const TopNode>(top_), counts, node_of).nodes(executor_);
+        return TreeAssembly(std::span<const TopNode>(top_), counts, node_of, executor_)
+            .nodes(executor_);
     }
 
 private:

@@ -17,8 +17,9 @@ void set_slot_box(WideNode& node, std::size_t slot, const geometry::Aabb& box) n
 /// The union of the boxes of all slots.
 geometry::Aabb box_of(const WideNode& node) noexcept;
 
-/// Sets the traversal orders from the boxes: the slots sorted along the eight diagonals.
-void set_order(WideNode& node) noexcept;
+/// Sets the boxes of all slots to those of nodes, and the traversal orders from them: the slots
+/// sorted along the eight diagonals.
+void set_boxes_and_order(WideNode& node, const Node* const (&boxes)[WideNode::kWidth]) noexcept;
 
 // Prefetch what pack_leaf() will read: first the triangles, and when these are in the cache, their
 // vertices.
