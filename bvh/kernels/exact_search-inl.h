@@ -51,14 +51,19 @@ public:
         const Float8 zero = Float8(0.0F);
         const Float8::Mask certain =
             hits.certain & (zero <= hits.near) & (hits.far <= Float8(ray.t_max_inside));
-        const float sure = reduce_min(select(certain, hits.far, Float8(bound)));
-        const std::uint32_t in_range = bits((hits.near <= Float8(sure)) & (zero <= hits.far));
+        // The search goes on with this bound, and does not wait for the decisions.
+        bound = reduce_min(select(certain, min(hits.far, Float8(bound)), Float8(bound)));
+        const std::uint32_t sure = bits(certain);
+        const std::uint32_t in_range = bits((hits.near <= Float8(bound)) & (zero <= hits.far));
         for (; possible != 0; possible &= possible - 1) {
             // The lane does not depend on the bounds of distance, so a processor that predicts the
             // branch decides while it computes them.
             const auto lane = static_cast<std::size_t>(std::countr_zero(possible));
             if ((in_range >> lane & 1U) != 0) {
-                decide(leaf, lane);
+                const bool is_better = decide(leaf, lane);
+                if ((sure >> lane & 1U) == 0 && is_better) {
+                    bound = std::min(bound, float_beyond(t_));
+                }
             }
         }
     }
@@ -73,7 +78,8 @@ public:
     float bound;
 
 private:
-    HWY_INLINE void decide(const LeafTriangles& leaf, std::size_t lane) {
+    /// Decides one triangle; whether it is the best hit so far.
+    HWY_INLINE bool decide(const LeafTriangles& leaf, std::size_t lane) {
         if (!is_prepared_) {
             test_ = ExactRay(ray_);
             is_prepared_ = true;
@@ -83,13 +89,13 @@ private:
         const std::uint32_t triangle = leaf.triangles()[lane];
         double t = 0.0, u = 0.0, v = 0.0;
         if (!test_.hit(corners, reach_, t, u, v) || t > t_ || (t == t_ && triangle > triangle_)) {
-            return;
+            return false;
         }
         triangle_ = triangle;
         t_ = t;
         u_ = u;
         v_ = v;
-        bound = std::min(bound, float_beyond(t));
+        return true;
     }
 
     ExactCoordinates exact_;
