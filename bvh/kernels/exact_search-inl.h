@@ -51,9 +51,12 @@ public:
         const Float8 zero = Float8(0.0F);
         const Float8::Mask certain =
             hits.certain & (zero <= hits.near) & (hits.far <= Float8(ray.t_max_inside));
-        // The search goes on with this bound, and does not wait for the decisions.
-        bound = reduce_min(select(certain, min(hits.far, Float8(bound)), Float8(bound)));
+        // The search goes on with this bound, and does not wait for the decisions; nor for the
+        // bound where no triangle is hit for sure.
         const std::uint32_t sure = bits(certain);
+        if (sure != 0) {
+            bound = reduce_min(select(certain, min(hits.far, Float8(bound)), Float8(bound)));
+        }
         const std::uint32_t in_range = bits((hits.near <= Float8(bound)) & (zero <= hits.far));
         for (; possible != 0; possible &= possible - 1) {
             // The lane does not depend on the bounds of distance, so a processor that predicts the
