@@ -376,7 +376,8 @@ void EngineUpdater::add_arrivals(std::size_t source,
     const Trajectory& way = source_history_[source].trajectory();
     const Motion motion = listener_history_[listener].motion();
     const Pose still{};
-    for (const auto& [key, path] : pair(source, listener).paths()) {
+    for (const auto& entry : pair(source, listener).paths()) {
+        const TrackedPath& path = entry.second;
         if (path.slot == VoiceSlots::kNone) {
             continue;
         }

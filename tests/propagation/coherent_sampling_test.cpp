@@ -199,7 +199,7 @@ TEST(CoherentSampling, AnyBudgetThatSufficesChoosesAll) {
 
 TEST(CoherentSampling, EstimatesTheSumOfTheImportancesExactly) {
     const std::vector<double> maps = peaked_maps();
-    for (const std::size_t budget : {1, 16, 1000}) {
+    for (const std::size_t budget : std::vector<std::size_t>{1, 16, 1000}) {
         for (std::uint64_t seed = 1; seed <= 5; ++seed) {
             const auto samples = samples_of(maps, budget, seed);
             EXPECT_LE(samples.size(), budget);
@@ -230,7 +230,7 @@ TEST(CoherentSampling, IsUnbiased) {
 TEST(CoherentSampling, VariesLessThanIndependentChoices) {
     const std::vector<double> maps = peaked_maps(32);
     const std::vector<double> values = partly_hidden(maps);
-    for (const std::size_t budget : {16, 256}) {
+    for (const std::size_t budget : std::vector<std::size_t>{16, 256}) {
         const Trials coherent =
             trials(values, [&](std::uint64_t seed) { return samples_of(maps, budget, seed); });
         const Trials independent = trials(values, [&](std::uint64_t seed) {
