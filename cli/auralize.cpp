@@ -26,7 +26,8 @@ namespace {
 constexpr const char* kFooter =
     "A mono recording gets the channels of the response; a recording of several channels needs a\n"
     "response of one channel or of the same number. Several responses, computed for the frames of\n"
-    "a scene that moves, are applied to equal parts of the recording in turn and cross-faded.\n"
+    "a scene that moves, are applied to equal parts of the recording in turn and cross-faded: the\n"
+    "room changes, but the pitch does not follow motion as it does with --scene.\n"
     "Each --mix adds a source with responses of its own; all of them begin together.\n"
     "A recording is resampled to the rate of its responses, and the result to that of the first\n"
     "source's responses or to --sample-rate. Levels are kept, unless --gain or --peak changes "
@@ -187,6 +188,7 @@ public:
         }
         if (!common().quiet) {
             print_warnings(scene_.warnings());
+            warn_of_cross_fades(sources);
         }
         write(std::move(sum), format);
     }
@@ -217,6 +219,19 @@ private:
             sources.push_back({files.front(), {files.begin() + 1, files.end()}});
         }
         return sources;
+    }
+
+    /// Between two responses of a source that moves phases are faded, not shifted.
+    void warn_of_cross_fades(const std::vector<SourceFiles>& sources) const {
+        const auto moving = std::find_if(sources.begin(), sources.end(), [](const auto& source) {
+            return source.responses.size() > 1;
+        });
+        if (moving != sources.end()) {
+            print_warnings({{moving->responses.front(),
+                             std::to_string(moving->responses.size()) +
+                                 " responses are cross-faded, so that the pitch does not follow "
+                                 "motion; --scene with --path-of or an animation renders it"}});
+        }
     }
 
     Signal played(const SourceFiles& source, Executor& executor) {

@@ -24,7 +24,7 @@ constexpr double kShaftCost = 2.0;
 constexpr double kBoxCost = 0.3;       // of a box against a shaft
 constexpr double kTriangleCost = 0.5;  // of a triangle against a shaft
 constexpr double kOccluderCost = 2.0;
-constexpr double kSearchCost = 4.0;  // of the blocker of a segment
+constexpr double kSearchCost = 6.0;  // of the blocker of a segment
 
 /// What proofs may cost: a part of what asking all points in a batch costs, and a part of what
 /// proofs have saved. So frames are at most that much slower than batches.

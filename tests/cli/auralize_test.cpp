@@ -94,6 +94,18 @@ TEST_F(Auralize, ResponsesOfFramesFollowEachOther) {
     EXPECT_NEAR(wet.samples.back(), -0.5, 1e-6);
 }
 
+TEST_F(Auralize, WarnsThatThePitchOfResponsesOfFramesDoesNotFollowMotion) {
+    const std::string dry = write("dry.wav", 1, std::vector<double>(1000, 0.5));
+    const std::string first = write("a.wav", 1, {1.0});
+    const std::string second = write("b.wav", 1, {-1.0});
+    EXPECT_NE(
+        run_earshot({"auralize", dry, first, second, "-o", out()})
+            .err.find("warning: " + first + ": 2 responses are cross-faded, so that the pitch"),
+        std::string::npos);
+    EXPECT_EQ(run_earshot({"auralize", dry, first, "-o", out()}).err, "");
+    EXPECT_EQ(run_earshot({"auralize", dry, first, second, "-o", out(), "--quiet"}).err, "");
+}
+
 TEST_F(Auralize, SourcesAreMixedAndTheShorterEndsFirst) {
     const std::string voice = write("voice.wav", 1, {1.0, 0.5});
     const std::string flute = write("flute.wav", 1, {0.25, 0.0, 0.125, 0.5});

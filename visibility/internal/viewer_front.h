@@ -51,7 +51,7 @@ public:
 
 private:
     using Id = Occluders::Id;
-    static constexpr std::size_t kMaxRemembered = 6;
+    static constexpr std::size_t kMaxRemembered = 2;
 
     struct Unit {
         ViewerRegion region{};        // for which the proofs hold
