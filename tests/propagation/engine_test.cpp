@@ -6,11 +6,10 @@
 #include "earshot/base/random.h"
 #include "earshot/io/default_hrir_set.h"
 #include "earshot/propagation/response.h"
-#include "earshot/propagation/room_shapes.h"
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "support/moving_images.h"
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -26,26 +25,12 @@ namespace {
 using geometry::Vec3;
 
 constexpr double kRate = 48000.0;
-constexpr double kSpeedOfSound = 343.2;
 constexpr double kFrequency = 1000.0;
 constexpr std::size_t kBlock = 256;
-const Vec3 kSize(40.0, 12.0, 30.0);
-const Vec3 kListener(20.0, 2.0, 10.0);
+const Vec3 kListener = test::PassingSource().listener;
 
 Scene box(double absorption) {
-    Scene scene = shoebox_room(kSize);
-    for (Material& material : scene.materials) {
-        material.absorption = EnergyCoefficient(absorption);
-        material.scattering = EnergyCoefficient(0.0);
-    }
-    scene.sources = {{.name = "s", .node = -1, .position = {15.0, 2.0, 13.0}}};
-    scene.listeners = {{.name = "l", .node = -1, .position = kListener}};
-    return scene;
-}
-
-/// Passes the listener at 3 m, 0.5 s after the begin.
-Vec3 place(double speed, double t) {
-    return {20.0 + speed * (t - 0.5), 2.0, 13.0};
+    return test::PassingSource().scene(absorption);
 }
 
 std::vector<float> tone(std::size_t samples, double frequency = kFrequency) {
@@ -96,42 +81,6 @@ Signals play(Engine& engine,
     return heard;
 }
 
-/// The delays and the level of an image that the listener hears at `t`: by bisection of
-/// t = t_e + r(t_e) / c.
-struct Heard {
-    double delay = 0.0, pressure = 0.0;
-};
-std::vector<Heard> images(double speed, double t, int order, double reflection) {
-    const auto along = [](double length, double x, int n) {
-        return n * length + (n % 2 == 0 ? x : length - x);
-    };
-    std::vector<Heard> all;
-    for (int i = -order; i <= order; ++i) {
-        for (int j = -order; j <= order; ++j) {
-            for (int k = -order; k <= order; ++k) {
-                const int reflections = std::abs(i) + std::abs(j) + std::abs(k);
-                if (reflections > order) {
-                    continue;
-                }
-                const auto distance = [&](double at) {
-                    const Vec3 s = place(speed, at);
-                    return glm::distance(
-                        Vec3(
-                            along(kSize.x, s.x, i), along(kSize.y, s.y, j), along(kSize.z, s.z, k)),
-                        kListener);
-                };
-                double low = t - 0.5, high = t;
-                for (int step = 0; step < 60; ++step) {
-                    const double middle = 0.5 * (low + high);
-                    (middle + distance(middle) / kSpeedOfSound < t ? low : high) = middle;
-                }
-                all.push_back({t - low, std::pow(reflection, reflections) / distance(low)});
-            }
-        }
-    }
-    return all;
-}
-
 EngineOptions mono(int order) {
     EngineOptions options;
     options.simulation.specular_order = order;
@@ -154,9 +103,9 @@ TEST(Engine, HearsTheMovingImages) {
         EngineOptions options = mono(2);
         options.motion_delay = static_cast<double>(pass.step) / kRate;
         Engine engine(box(0.19), options);
+        const test::PassingSource source{.speed = pass.speed};
         const auto heard = play(engine, tone(43008), pass.step, [&](std::size_t frame) {
-            engine.place_source(
-                0, {.position = place(pass.speed, static_cast<double>(frame) / kRate)});
+            engine.place_source(0, {.position = source.place(static_cast<double>(frame) / kRate)});
             engine.publish();
             engine.update();
         });
@@ -165,9 +114,11 @@ TEST(Engine, HearsTheMovingImages) {
         for (std::size_t n = 19200; n < 42000; n += 7) {
             const double t = static_cast<double>(n) / kRate;
             double expected = 0.0;
-            for (const Heard& image : images(pass.speed, t - options.motion_delay, 2, 0.9)) {
-                expected += image.pressure * std::sin(2.0 * std::numbers::pi * kFrequency *
-                                                      (t - late - image.delay));
+            const double moved = t - options.motion_delay;
+            for (const auto& image : source.images(moved, 2, 0.9)) {
+                const double delay = moved - image.emission;
+                expected += image.pressure *
+                            std::sin(2.0 * std::numbers::pi * kFrequency * (t - late - delay));
             }
             ASSERT_NEAR(heard[0][n], expected, pass.bound * level)
                 << pass.speed << " m/s, " << t << " s";

@@ -6,11 +6,10 @@
 #include "earshot/base/random.h"
 #include "earshot/io/default_hrir_set.h"
 #include "earshot/propagation/response.h"
-#include "earshot/propagation/room_shapes.h"
 
-#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "support/moving_images.h"
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -22,28 +21,14 @@ namespace {
 using geometry::Vec3;
 
 constexpr double kRate = 48000.0;
-constexpr double kSpeedOfSound = 343.2;
 constexpr double kFrequency = 1000.0;
-const Vec3 kSize(40.0, 12.0, 30.0);
-const Vec3 kListener(20.0, 2.0, 10.0);
 
 Scene box(double absorption) {
-    Scene scene = shoebox_room(kSize);
-    for (Material& material : scene.materials) {
-        material.absorption = EnergyCoefficient(absorption);
-        material.scattering = EnergyCoefficient(0.0);
-    }
-    scene.sources = {{.name = "s", .node = -1, .position = {15.0, 2.0, 13.0}}};
-    scene.listeners = {{.name = "l", .node = -1, .position = kListener}};
-    return scene;
-}
-
-/// Passes the listener at 3 m, 0.5 s after the begin.
-Vec3 place(double speed, double t) {
-    return {20.0 + speed * (t - 0.5), 2.0, 13.0};
+    return test::PassingSource().scene(absorption);
 }
 Trajectory pass(double speed, double seconds) {
-    return Trajectory({{0.0, place(speed, 0.0)}, {seconds, place(speed, seconds)}});
+    const test::PassingSource source{.speed = speed};
+    return Trajectory({{0.0, source.place(0.0)}, {seconds, source.place(seconds)}});
 }
 
 std::vector<double> tone(double seconds) {
@@ -63,35 +48,11 @@ std::vector<double> noise(double seconds) {
     return samples;
 }
 
-/// p(t) = s(t_e) / r(t_e) of all images up to an order, t_e by bisection of t = t_e + r(t_e) / c.
+/// The sum over all images up to an order.
 double heard_of_images(double speed, double t, int order, double reflection) {
-    const auto along = [](double length, double x, int n) {
-        return n * length + (n % 2 == 0 ? x : length - x);
-    };
     double sum = 0.0;
-    for (int i = -order; i <= order; ++i) {
-        for (int j = -order; j <= order; ++j) {
-            for (int k = -order; k <= order; ++k) {
-                const int reflections = std::abs(i) + std::abs(j) + std::abs(k);
-                if (reflections > order) {
-                    continue;
-                }
-                const auto distance = [&](double at) {
-                    const Vec3 s = place(speed, at);
-                    return glm::distance(
-                        Vec3(
-                            along(kSize.x, s.x, i), along(kSize.y, s.y, j), along(kSize.z, s.z, k)),
-                        kListener);
-                };
-                double low = t - 0.5, high = t;
-                for (int step = 0; step < 60; ++step) {
-                    const double middle = 0.5 * (low + high);
-                    (middle + distance(middle) / kSpeedOfSound < t ? low : high) = middle;
-                }
-                sum += std::pow(reflection, reflections) / distance(low) *
-                       std::sin(2.0 * std::numbers::pi * kFrequency * low);
-            }
-        }
+    for (const auto& image : test::PassingSource{.speed = speed}.images(t, order, reflection)) {
+        sum += image.pressure * std::sin(2.0 * std::numbers::pi * kFrequency * image.emission);
     }
     return sum;
 }
