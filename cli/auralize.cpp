@@ -3,6 +3,7 @@
 #include "earshot/base/error.h"
 #include "earshot/base/math.h"
 #include "earshot/base/simd.h"
+#include "earshot/cli/auralize_paths.h"
 #include "earshot/cli/auralize_scene.h"
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
@@ -27,17 +28,22 @@ constexpr const char* kFooter =
     "A mono recording gets the channels of the response; a recording of several channels needs a\n"
     "response of one channel or of the same number. Several responses, computed for the frames of\n"
     "a scene that moves, are applied to equal parts of the recording in turn and cross-faded: the\n"
-    "room changes, but the pitch does not follow motion as it does with --scene.\n"
+    "room changes, but the pitch does not follow motion as it does with --scene and --paths.\n"
     "Each --mix adds a source with responses of its own; all of them begin together.\n"
     "A recording is resampled to the rate of its responses, and the result to that of the first\n"
     "source's responses or to --sample-rate. Levels are kept, unless --gain or --peak changes "
     "them.\n\n"
     "With --scene a source plays a mono recording while sources, the listener and surfaces move,\n"
     "by the scene's animation or by --path-of. Every path is a delay that follows its length, so\n"
-    "that motion is heard as it is: a source that comes nearer at 10 m/s sounds 3 % higher.\n\n"
+    "that motion is heard as it is: a source that comes nearer at 10 m/s sounds 3 % higher.\n"
+    "With --paths the same is made of paths that `earshot ir --frames` has found already, without\n"
+    "the scene: mono, and without late sound, which paths.json does not hold. --from and --to "
+    "name\n"
+    "the pair; DRY begins at the first instant.\n\n"
     "Examples:\n"
     "  earshot auralize speech.wav out/stage__seat.wav -o wet.wav\n"
     "  earshot auralize horn.wav --scene street.glb --path-of car=way.csv -o passing.wav\n"
+    "  earshot auralize horn.wav --paths out/paths.json --from car --to seat -o passing.wav\n"
     "  earshot auralize steps.wav out/stage__seat__*.wav -o wet.flac --peak -1\n"
     "  earshot auralize violin.flac out/violin__seat.wav --mix cello.flac out/cello__seat.wav \\\n"
     "      --gain -6 --gain 0 --sample-rate 44100 -o duo.ogg";
@@ -126,12 +132,12 @@ public:
             ->required();
         app().add_option("RESPONSE",
                          source_.responses,
-                         "impulse responses, in order of time; none with --scene");
+                         "impulse responses, in order of time; none with --scene or --paths");
         app()
             .add_option("--mix",
                         mix_,
-                        "another recording and its responses, or with --scene its source, added to "
-                        "the first (repeatable)")
+                        "another recording and its responses, or with --scene or --paths its "
+                        "source, added to the first (repeatable)")
             ->expected(2, CLI::detail::expected_max_vector_size)
             ->type_name("DRY RESPONSE ...");
         add_output("-o,--output",
@@ -143,7 +149,7 @@ public:
                                           sample_rate_,
                                           {1000, 655350},
                                           "of the result, hertz; default: that of RESPONSE, with "
-                                          "--scene that of DRY");
+                                          "--scene or --paths that of DRY");
         add_repeatable(app(),
                        "--gain",
                        gains_,
@@ -156,6 +162,7 @@ public:
             {-200.0, 0.0},
             "scale the largest sample to this level, decibels re full scale; default: no scaling");
         scene_.add_to(app());
+        paths_.add_to(app(), *app().get_option("--from"), *app().get_option("--to"));
         app().footer(kFooter);
     }
 
@@ -167,11 +174,13 @@ public:
         if (scene_.is_chosen()) {
             scene_.load(app(), common().seed);
         }
+        if (paths_.is_chosen()) {
+            paths_.load();
+        }
         Executor executor(static_cast<int>(common().threads));
         Signal sum;
         for (std::size_t i = 0; i < sources.size(); ++i) {
-            Signal wet =
-                scene_.is_chosen() ? played(sources[i], executor) : auralized(sources[i], executor);
+            Signal wet = plays() ? played(sources[i], executor) : auralized(sources[i], executor);
             if (i == 0) {
                 sum.sample_rate = sample_rate_option_->count() > 0 ? sample_rate_ : wet.sample_rate;
                 sum.channels.resize(wet.channels.size());
@@ -188,22 +197,28 @@ public:
         }
         if (!common().quiet) {
             print_warnings(scene_.warnings());
+            print_warnings(paths_.warnings());
             warn_of_cross_fades(sources);
         }
         write(std::move(sum), format);
     }
 
 private:
-    /// Recordings with their responses, or with --scene the names of their sources.
+    /// Whether sources that are named play, in place of responses.
+    bool plays() const noexcept { return scene_.is_chosen() || paths_.is_chosen(); }
+
+    /// Recordings with their responses, or the names of the sources that play them.
     std::vector<SourceFiles> sources_of() {
-        const bool needs_responses = !scene_.is_chosen();
+        const bool needs_responses = !plays();
         if (needs_responses && source_.responses.empty()) {
-            throw wrong_usage(app(), "RESPONSE", "is missing, and there is no --scene");
+            throw wrong_usage(app(), "RESPONSE", "is missing, and there is no --scene or --paths");
         }
         if (!needs_responses && !source_.responses.empty()) {
             throw wrong_usage(app(),
                               source_.responses.front(),
-                              "is a response, which --scene takes the place of");
+                              "is a response, which " +
+                                  std::string(paths_.is_chosen() ? "--paths" : "--scene") +
+                                  " takes the place of");
         }
         std::vector<SourceFiles> sources = {source_};
         for (const auto& files : mix_) {
@@ -230,18 +245,23 @@ private:
             print_warnings({{moving->responses.front(),
                              std::to_string(moving->responses.size()) +
                                  " responses are cross-faded, so that the pitch does not follow "
-                                 "motion; --scene with --path-of or an animation renders it"}});
+                                 "motion; --scene with --path-of or an animation renders it, and "
+                                 "so does --paths"}});
         }
     }
 
     Signal played(const SourceFiles& source, Executor& executor) {
         ProgressBar progress(common().quiet);
+        const std::string name = source.responses.empty() ? "" : source.responses.front();
+        const Signal dry = read_signal(source.dry);
         propagation::MovingSound sound =
-            scene_.play(source.responses.empty() ? "" : source.responses.front(),
-                        source.dry,
-                        read_signal(source.dry),
-                        executor,
-                        progress);
+            paths_.is_chosen() ? paths_.play(name.empty() ? scene_.from() : name,
+                                             scene_.to(),
+                                             source.dry,
+                                             dry,
+                                             executor,
+                                             progress)
+                               : scene_.play(name, source.dry, dry, executor, progress);
         played_ += "; " + std::to_string(sound.paths) + " paths at " +
                    std::to_string(sound.instants) + " instants";
         return std::move(sound.signal);
@@ -303,6 +323,7 @@ private:
     std::int64_t sample_rate_ = 0;
     double peak_db_ = 0.0;
     AuralizeScene scene_;
+    AuralizePaths paths_;
     std::string played_;                         // what is told of it
     CLI::Option* sample_rate_option_ = nullptr;  // owned by the program
     CLI::Option* peak_option_ = nullptr;         // owned by the program

@@ -28,6 +28,10 @@ public:
 
     bool is_chosen() const noexcept { return !file_.empty(); }
 
+    /// The values of --from and --to.
+    const std::string& from() const noexcept { return from_; }
+    const std::string& to() const noexcept { return to_; }
+
     /// Reads the scene. Call before play(). Throws Error, and UsageError for options that are
     /// not of their form.
     void load(const CLI::App& app, std::int64_t seed);

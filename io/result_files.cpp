@@ -73,9 +73,7 @@ std::uint32_t result_index(const ReportFile& file, const Json& json) {
     return json.get<std::uint32_t>();
 }
 
-namespace {
-
-double number_in(const ReportFile& file, const Json& json, double min, double max) {
+double result_number(const ReportFile& file, const Json& json, double min, double max) {
     const double value = json.get<double>();
     if (!(value >= min && value <= max)) {
         refuse_result_file(file,
@@ -84,21 +82,20 @@ double number_in(const ReportFile& file, const Json& json, double min, double ma
     return value;
 }
 
-geometry::Vec3 point_in(const ReportFile& file, const Json& json) {
+geometry::Vec3 result_point(const ReportFile& file, const Json& json) {
     if (json.size() != 3) {
         refuse_result_file(file, "holds a point without three coordinates");
     }
     constexpr double kMaxCoordinate = 1e12;
     const auto at = [&](std::size_t axis) {
-        return number_in(file, json.at(axis), -kMaxCoordinate, kMaxCoordinate);
+        return result_number(file, json.at(axis), -kMaxCoordinate, kMaxCoordinate);
     };
     return {at(0), at(1), at(2)};
 }
 
-/// The bands of a file, which are octaves or thirds. `given`: as another file has them.
-audio::Bands bands_in(const ReportFile& file,
-                      const Json& json,
-                      const std::optional<audio::Bands>& given) {
+audio::Bands result_bands(const ReportFile& file,
+                          const Json& json,
+                          const std::optional<audio::Bands>& given) {
     const auto list = json.at("bands_hz").get<std::vector<double>>();
     for (const audio::Bands& bands : {audio::Bands::octaves(), audio::Bands::third_octaves()}) {
         if (std::equal(
@@ -112,13 +109,15 @@ audio::Bands bands_in(const ReportFile& file,
     refuse_result_file(file, "has bands that are neither octaves nor third octaves");
 }
 
+namespace {
+
 /// Reads the files one after another into one table of pairs.
 class Reader {
 public:
     void read_metrics(const ReportFile& file) {
         const Json json = parse_result_file(file);
         read_result_file(file, [&] {
-            bands_ = bands_in(file, json, bands_);
+            bands_ = result_bands(file, json, bands_);
             files_.room = json.contains("room") ? json.at("room") : Json(nullptr);
             for (const Json& pair : json.at("pairs")) {
                 pair_of(pair).metrics = pair;
@@ -130,7 +129,7 @@ public:
     void read_reference(const ReportFile& file, const std::string& name) {
         const Json json = parse_result_file(file);
         read_result_file(file, [&] {
-            bands_ = bands_in(file, json, bands_);
+            bands_ = result_bands(file, json, bands_);
             bool fits = false;
             for (const Json& pair : json.at("pairs")) {
                 const auto known = index_.find(key_of(pair));
@@ -168,7 +167,7 @@ public:
                 }
                 return depth != kPathDepth && depth != kPairDepth;
             });
-            bands_ = bands_in(file, json, bands_);
+            bands_ = result_bands(file, json, bands_);
             if (pressures_ && *pressures_ != bands_->count()) {
                 refuse_result_file(file, "has paths of other bands");
             }
@@ -178,7 +177,7 @@ public:
     void read_histograms(const ReportFile& file) {
         const Json json = parse_result_file(file);
         read_result_file(file, [&] {
-            bands_ = bands_in(file, json, bands_);
+            bands_ = result_bands(file, json, bands_);
             for (const Json& pair : json.at("pairs")) {
                 pair_of(pair).late = histogram_in(file, pair);
             }
@@ -188,7 +187,7 @@ public:
     void read_sensitivity(const ReportFile& file) {
         const Json json = parse_result_file(file);
         read_result_file(file, [&] {
-            bands_ = bands_in(file, json, bands_);
+            bands_ = result_bands(file, json, bands_);
             files_.materials = json.at("materials");
             if (!files_.materials.is_array()) {
                 refuse_result_file(file, "has no list of materials");
@@ -267,11 +266,11 @@ private:
             refuse_result_file(file, "has a path without two points");
         }
         for (const Json& point : points) {
-            point_in(file, point);
+            result_point(file, point);
         }
-        pair.source_position = point_in(file, points.front());
-        pair.listener_position = point_in(file, points.back());
-        audio::Arrival arrival{.delay = number_in(file, path.at("delay"), 0.0, kMaxTime)};
+        pair.source_position = result_point(file, points.front());
+        pair.listener_position = result_point(file, points.back());
+        audio::Arrival arrival{.delay = result_number(file, path.at("delay"), 0.0, kMaxTime)};
         const Json& pressure = path.at("pressure");
         if (pressures_.value_or(pressure.size()) != pressure.size() ||
             pressure.size() > audio::kMaxBands) {
@@ -280,7 +279,8 @@ private:
         pressures_ = pressure.size();
         double energy = 0.0;
         for (std::size_t band = 0; band < pressure.size(); ++band) {
-            const double value = number_in(file, pressure.at(band), -kMaxPressure, kMaxPressure);
+            const double value =
+                result_number(file, pressure.at(band), -kMaxPressure, kMaxPressure);
             arrival.pressure[band] = std::abs(value);
             energy += value * value;
         }
@@ -335,13 +335,13 @@ private:
                 refuse_result_file(file, "has histograms of different length");
             }
             for (std::size_t n = 0; n < bins.size(); ++n) {
-                bins[n][band] = number_in(file, row[n], 0.0, kMaxEnergy);
+                bins[n][band] = result_number(file, row[n], 0.0, kMaxEnergy);
             }
         }
     }
 
     audio::EnergyHistogram histogram_in(const ReportFile& file, const Json& pair) const {
-        audio::EnergyHistogram late{.bin = number_in(file, pair.at("bin"), 1e-6, kMaxTime)};
+        audio::EnergyHistogram late{.bin = result_number(file, pair.at("bin"), 1e-6, kMaxTime)};
         add_bins(file, pair.at("energy"), late.energy);
         add_bins(file, pair.at("error"), late.error);
         if (late.error.size() != late.energy.size() ||

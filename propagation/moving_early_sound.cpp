@@ -129,7 +129,7 @@ private:
             const double end = time_of(static_cast<double>(recording_.size()));
             double longest = 0.0;
             for (const MovingPath& path : sound_.paths.paths()) {
-                const double emission = std::min(end, sound_.paths.end_of(path));
+                const double emission = std::min(end, end_of(path));
                 // The listener has moved on when the sound arrives: the delay is sought from there.
                 double delay = 0.0;
                 for (int step = 0; step < 8; ++step) {

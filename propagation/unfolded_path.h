@@ -13,21 +13,34 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace earshot::propagation {
+
+/// A triangle of a facet.
+struct FacetTriangle {
+    geometry::TriangleId triangle = 0;
+    geometry::TriangleId first_triangle = 0;  ///< of the facet
+    geometry::Plane plane{};                  ///< of the facet
+};
 
 /// The facets of a scene at an instant, by the triangles of its file.
 class FacetTable {
 public:
     explicit FacetTable(const Simulator& simulator, Executor& executor = Executor::serial());
+    /// Of some triangles, in ascending order.
+    explicit FacetTable(std::span<const FacetTriangle> triangles);
 
     /// The facet's first triangle, which names it from instant to instant.
     geometry::TriangleId first_triangle(geometry::TriangleId triangle) const;
     const geometry::Plane& plane(geometry::TriangleId triangle) const;
 
 private:
-    std::vector<geometry::FacetId> of_triangle_;
+    geometry::FacetId facet_of(geometry::TriangleId triangle) const;
+
+    std::vector<geometry::TriangleId> triangles_;       // ascending; empty: all of the scene
+    std::vector<geometry::FacetId> of_triangle_;        // per triangle of those
     std::vector<geometry::TriangleId> first_triangle_;  // per facet
     std::vector<geometry::Plane> planes_;               // likewise
 };

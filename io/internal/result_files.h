@@ -32,6 +32,19 @@ void read_result_file(const ReportFile& file, const std::function<void()>& body)
 /// none.
 std::uint32_t result_index(const ReportFile& file, const nlohmann::ordered_json& json);
 
+/// A number from `min` to `max`, and a point within 1e12 m. Throw Error naming the file if it is
+/// none.
+double result_number(const ReportFile& file,
+                     const nlohmann::ordered_json& json,
+                     double min,
+                     double max);
+geometry::Vec3 result_point(const ReportFile& file, const nlohmann::ordered_json& json);
+
+/// The bands of a file, which are octaves or thirds. `given`: as another file has them.
+audio::Bands result_bands(const ReportFile& file,
+                          const nlohmann::ordered_json& json,
+                          const std::optional<audio::Bands>& given);
+
 /// A source and a listener at one time, by their names.
 struct ResultPair {
     std::string source{}, listener{};

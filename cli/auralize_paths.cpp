@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+#include "earshot/cli/auralize_paths.h"
+
+#include "earshot/base/spelling.h"
+#include "earshot/propagation/path_frames.h"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace earshot::cli {
+
+namespace {
+
+/// The name that is meant: `name` itself, or the only one there is.
+std::string chosen_name(const std::string& file,
+                        const std::vector<std::string>& names,
+                        const std::string& role,
+                        const std::string& option,
+                        const std::string& name) {
+    if (name.empty() && names.size() > 1) {
+        throw Error(file,
+                    "has " + std::to_string(names.size()) + " " + role + "s",
+                    "name one of them with " + option);
+    }
+    if (name.empty()) {
+        return names.front();
+    }
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+        throw Error(name,
+                    file + " has no such " + role,
+                    did_you_mean(name, names, "check the names of its " + role + "s"));
+    }
+    return name;
+}
+
+void add_if_new(const std::string& name, std::vector<std::string>& names) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+        names.push_back(name);
+    }
+}
+
+}  // namespace
+
+void AuralizePaths::add_to(CLI::App& app, const CLI::Option& from, const CLI::Option& to) {
+    CLI::Option* paths =
+        app.add_option("--paths",
+                       file_,
+                       "in place of responses: paths.json of `earshot ir --frames`, over whose "
+                       "paths DRY is played from the first instant on, as pressure at a point and "
+                       "without late sound")
+            ->type_name("FILE");
+    // The file tells what other options of scenes choose.
+    bool is_of_scene = false;
+    for (CLI::Option* other : app.get_options()) {
+        is_of_scene = is_of_scene || other->check_lname("scene");
+        if (is_of_scene && other != paths && other != &from && other != &to) {
+            paths->excludes(other);
+        }
+    }
+}
+
+void AuralizePaths::load() {
+    pairs_ = io::read_path_frames(file_);
+}
+
+const propagation::PathFrames& AuralizePaths::frames_of(const std::string& source,
+                                                        const std::string& listener) const {
+    std::vector<std::string> sources, listeners;
+    for (const io::PairPathFrames& pair : pairs_) {
+        add_if_new(pair.source, sources);
+        add_if_new(pair.listener, listeners);
+    }
+    const std::string from = chosen_name(file_, sources, "source", "--from", source);
+    const std::string to = chosen_name(file_, listeners, "listener", "--to", listener);
+    for (const io::PairPathFrames& pair : pairs_) {
+        if (pair.source == from && pair.listener == to) {
+            return pair.frames;
+        }
+    }
+    throw Error(file_, "has no pair of " + from + " and " + to, "choose another");
+}
+
+propagation::MovingSound AuralizePaths::play(const std::string& source,
+                                             const std::string& listener,
+                                             const std::string& recording_name,
+                                             const audio::Signal& recording,
+                                             Executor& executor,
+                                             Progress& progress) {
+    if (recording.channels.size() != 1) {
+        throw Error(recording_name,
+                    "has " + std::to_string(recording.channels.size()) + " channels",
+                    "a source plays a mono recording");
+    }
+    const propagation::PathFrames& frames = frames_of(source, listener);
+    const std::vector<double>& samples = recording.channels.front();
+    const auto rate = static_cast<double>(recording.sample_rate);
+    const double seconds = frames.instants.back().time - frames.instants.front().time;
+    const double played = static_cast<double>(samples.size()) / rate;
+    // Frames that end with the recording do so but for rounding.
+    if (frames.instants.size() > 1 && played > seconds + 1.0 / rate) {
+        warnings_.push_back({recording_name,
+                             "goes on after the last instant of " + file_ +
+                                 ": source and listener stay there from then on"});
+    }
+    return propagation::render_path_frames(frames, rate, samples, executor, &progress);
+}
+
+}  // namespace earshot::cli
