@@ -127,7 +127,7 @@ void PathFacets::observe(std::size_t instant, const Path& path) {
             const Vec3 turn = geometry::direction_between(point, path.points[i + 2]) -
                               geometry::direction_between(path.points[i], point);
             const double quality = glm::length(turn) * leg;
-            if (quality > kEdgeQuality) {
+            if (quality > kRounding * extent_) {
                 add(instant,
                     {.plane = plane_through(point, turn), .point = point, .quality = quality},
                     surface);

@@ -110,6 +110,11 @@ MovingSound render_path_frames(const PathFrames& frames,
                     "has paths at one instant alone",
                     "compute them with earshot ir --frames BEGIN:END:STEP");
     }
+    for (std::size_t i = 1; i < frames.instants.size(); ++i) {
+        if (!(frames.instants[i - 1].time < frames.instants[i].time)) {
+            refuse(frames, "has instants whose times do not ascend");
+        }
+    }
     const Ways ways = ways_of(frames);
     const MovingPaths paths = moving_paths_of(frames);
     const ResponseFormat format{.sample_rate = sample_rate};

@@ -33,10 +33,10 @@ struct PathFrames {
 /// instant, as render_moving_pair() without late sound. Planes of reflections follow from the
 /// points of the paths, ways of source and listener go through the points at which paths begin and
 /// end; both stay where they are after the last instant. Throws Error if there are no two instants
-/// or no path, if the points of a path are not those of reflections, if a path is longer than the
-/// way of sound in 100 s, if source or listener move at more than 0.9 of the speed of sound or are
-/// at two places at an instant, and as audio::Assembler.
-/// Reports the stage "sound".
+/// whose times ascend or no path, if the points of a path are not those of reflections, if a path
+/// is longer than the way of sound in 100 s, if source or listener move at more than 0.9 of the
+/// speed of sound or are at two places at an instant, and as audio::Assembler. Reports the stage
+/// "sound".
 MovingSound render_path_frames(const PathFrames& frames,
                                double sample_rate,
                                std::span<const double> recording,

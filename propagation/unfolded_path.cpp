@@ -66,14 +66,16 @@ namespace {
 enum class Interaction : std::int64_t { reflection, transmission, edge };
 
 /// Which of the path's interactions is at its edge: its point lies on the edge, and its facet
-/// contains it. At an end of the edge the point of a reflection may lie on it, too.
+/// contains it. At an end of the edge the point of a reflection may lie on it, too; only then the
+/// facets decide, for a table made of paths may have another plane through the edge's triangle.
 std::size_t edge_interaction(const Path& path, const FacetTable& facets) {
+    constexpr double kPointWeight = 1e6;
     const std::array<Vec3, 2>& edge = path.edges.front();
     std::size_t nearest = 0;
     double distance = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < path.triangles.size(); ++i) {
         const Plane& plane = facets.plane(path.triangles[i]);
-        const double away = distance_to_segment(path.points[i + 1], edge) +
+        const double away = kPointWeight * distance_to_segment(path.points[i + 1], edge) +
                             std::abs(plane.distance(edge[0])) + std::abs(plane.distance(edge[1]));
         if (away < distance) {
             distance = away;
