@@ -2,8 +2,8 @@
 #include "earshot/audio/harmonic_hrirs.h"
 
 #include "earshot/audio/internal/fft.h"
+#include "earshot/audio/internal/spiral_directions.h"
 #include "earshot/audio/spatial.h"
-#include "earshot/base/math.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,18 +22,6 @@ constexpr std::size_t kDirections = 600;
 constexpr double kPhaseLimit = 2000.0;  // hertz
 // Room for what the change of phase at the limit spreads.
 constexpr std::size_t kMargin = 64;  // samples
-
-std::vector<std::array<double, 3>> spiral() {
-    std::vector<std::array<double, 3>> directions;
-    const double turn = math::kPi * (3.0 - std::sqrt(5.0));
-    for (std::size_t k = 0; k < kDirections; ++k) {
-        const auto at = static_cast<double>(k);
-        const double z = 1.0 - (2.0 * at + 1.0) / static_cast<double>(kDirections);
-        const double radius = std::sqrt(1.0 - z * z);
-        directions.push_back({radius * math::cos(turn * at), radius * math::sin(turn * at), z});
-    }
-    return directions;
-}
 
 /// Responses of all directions, with a common first sample.
 struct Responses {
@@ -150,7 +138,7 @@ std::vector<std::vector<double>> filters_of(const Responses& responses,
 }  // namespace
 
 HarmonicHrirs harmonic_hrirs(const HrirInterpolator& hrirs, int order) {
-    const std::vector<std::array<double, 3>> directions = spiral();
+    const std::vector<std::array<double, 3>> directions = spiral_directions(kDirections);
     const Responses responses = responses_of(hrirs, directions);
     const std::vector<std::vector<double>> harmonics = harmonics_of(directions, order);
     HarmonicHrirs result;

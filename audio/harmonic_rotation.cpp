@@ -2,8 +2,8 @@
 #include "earshot/audio/harmonic_rotation.h"
 
 #include "earshot/audio/internal/arrival_mixing_kernel.h"
+#include "earshot/audio/internal/spiral_directions.h"
 #include "earshot/base/assert.h"
-#include "earshot/base/math.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,24 +31,11 @@ void harmonics_of(int degree, const std::array<double, 3>& direction, double* va
     std::copy_n(all.begin() + first, side_of(degree), values);
 }
 
-/// A spiral of equal areas (Saff and Kuijlaars 1997).
-std::vector<std::array<double, 3>> candidates() {
-    std::vector<std::array<double, 3>> directions;
-    const double turn = math::kPi * (3.0 - std::sqrt(5.0));
-    for (std::size_t k = 0; k < kCandidates; ++k) {
-        const auto at = static_cast<double>(k);
-        const double z = 1.0 - (2.0 * at + 1.0) / static_cast<double>(kCandidates);
-        const double radius = std::sqrt(1.0 - z * z);
-        directions.push_back({radius * math::cos(turn * at), radius * math::sin(turn * at), z});
-    }
-    return directions;
-}
-
 /// As many directions as the degree has harmonics, whose harmonics are far from depending on each
 /// other: again and again that with the largest remainder.
 std::vector<std::array<double, 3>> independent_directions(int degree) {
     const std::size_t side = side_of(degree);
-    const std::vector<std::array<double, 3>> all = candidates();
+    const std::vector<std::array<double, 3>> all = spiral_directions(kCandidates);
     std::vector<std::array<double, kMaxSide>> rests(all.size());
     for (std::size_t k = 0; k < all.size(); ++k) {
         harmonics_of(degree, all[k], rests[k].data());
