@@ -4,8 +4,8 @@
 #include "earshot/io/whole_file.h"
 
 #include "run_earshot.h"
+#include "support/temporary_folder.h"
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -13,14 +13,11 @@
 namespace earshot::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kRate = 16000.0;
 
 class AuralizeScene : public testing::Test {
 protected:
     AuralizeScene() {
-        fs::create_directories(folder_);
         // A hall of 60 x 10 x 10 m.
         write("hall.obj",
               "v 0 0 0\nv 60 0 0\nv 0 10 0\nv 60 10 0\nv 0 0 10\nv 60 0 10\nv 0 10 10\nv 60 10 10\n"
@@ -28,14 +25,9 @@ protected:
         // Nearer at a tenth of the speed of sound.
         write("way.csv", "time,x,y,z\n0,55,5,5\n0.5,37.84,5,5\n1,20.68,5,5\n");
     }
-    ~AuralizeScene() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-
-    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
     void write(const std::string& name, const std::string& text) const {
-        io::write_whole_file(folder_ / name, text);
+        io::write_whole_file(folder_.path() / name, text);
     }
     std::string tone(const std::string& name, int channels = 1) const {
         io::Sound sound{.sample_rate = kRate, .channels = channels, .samples = {}};
@@ -64,10 +56,7 @@ protected:
         return run_earshot(arguments);
     }
 
-    const fs::path folder_ =
-        fs::path(testing::TempDir()) /
-        ("earshot_auralize_scene_" +
-         std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const TemporaryFolder folder_;
 };
 
 TEST_F(AuralizeScene, HearsASourceThatComesNearerAtAHigherFrequency) {

@@ -3,6 +3,7 @@
 #include "earshot/io/whole_file.h"
 
 #include "run_earshot.h"
+#include "support/temporary_folder.h"
 #include <cmath>
 #include <filesystem>
 
@@ -13,29 +14,20 @@ namespace fs = std::filesystem;
 
 class Auralize : public testing::Test {
 protected:
-    Auralize() { fs::create_directories(folder_); }
-    ~Auralize() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-
     std::string write(const std::string& name,
                       int channels,
                       std::vector<double> samples,
                       double sample_rate = 48000.0) const {
-        const fs::path file = folder_ / name;
+        const fs::path file = folder_.path() / name;
         io::write_whole_file(
             file,
             io::encode_wav(
                 {.sample_rate = sample_rate, .channels = channels, .samples = std::move(samples)}));
         return file.string();
     }
-    std::string out() const { return (folder_ / "wet.wav").string(); }
+    std::string out() const { return (folder_.path() / "wet.wav").string(); }
 
-    const fs::path folder_ =
-        fs::path(testing::TempDir()) /
-        ("earshot_auralize_" +
-         std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const TemporaryFolder folder_;
 };
 
 void expect_samples(const io::Sound& sound, const std::vector<double>& expected) {
@@ -182,17 +174,17 @@ TEST_F(Auralize, ResamplesTheRecordingToTheResponsesAndTheResultAsAsked) {
 TEST_F(Auralize, TheSuffixNamesTheFormat) {
     const std::string dry = write("dry.wav", 1, {0.5, -0.25, 0.125});
     const std::string response = write("ir.wav", 1, {1.0});
-    const std::string flac = (folder_ / "wet.FLAC").string();
+    const std::string flac = (folder_.path() / "wet.FLAC").string();
     ASSERT_EQ(run_earshot({"auralize", dry, response, "-o", flac}).status, 0);
     EXPECT_EQ(io::read_whole_file(flac).substr(0, 4), "fLaC");
     expect_samples(io::read_sound(flac), {0.5, -0.25, 0.125});
-    const std::string ogg = (folder_ / "wet.ogg").string();
+    const std::string ogg = (folder_.path() / "wet.ogg").string();
     ASSERT_EQ(run_earshot({"auralize", flac, response, "-o", ogg}).status, 0);  // reads FLAC
     EXPECT_EQ(io::read_whole_file(ogg).substr(0, 4), "OggS");
     ASSERT_EQ(run_earshot({"auralize", ogg, response, "-o", out()}).status, 0);  // reads OGG
     EXPECT_EQ(io::read_sound(out()).samples.size(), 3U);
     for (const char* name : {"wet.mp3", "wet", "wet.wav.txt"}) {
-        const fs::path file = folder_ / name;
+        const fs::path file = folder_.path() / name;
         EXPECT_TRUE(failed_with(run_earshot({"auralize", dry, response, "-o", file.string()}),
                                 1,
                                 "use .wav, .flac or .ogg"));
@@ -203,7 +195,7 @@ TEST_F(Auralize, TheSuffixNamesTheFormat) {
 TEST_F(Auralize, WarnsOfSamplesThatAFileClips) {
     const std::string dry = write("dry.wav", 1, {2.0, -0.25, -3.0});
     const std::string response = write("ir.wav", 1, {1.0});
-    const std::string flac = (folder_ / "wet.flac").string();
+    const std::string flac = (folder_.path() / "wet.flac").string();
     const RunResult result = run_earshot({"auralize", dry, response, "-o", flac});
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_NE(result.err.find("warning: " + flac + ": 2 samples exceed full scale"),
@@ -223,7 +215,9 @@ TEST_F(Auralize, RefusesWhatDoesNotFit) {
     EXPECT_TRUE(failed_with(run_earshot({"auralize", dry, "-o", out()}), 2, "RESPONSE"));
     EXPECT_TRUE(failed_with(run_earshot({"auralize", dry, dry}), 2, "output"));
     EXPECT_TRUE(failed_with(
-        run_earshot({"auralize", dry, dry, "-o", (folder_ / "no" / "wet.wav").string()}), 1, "no"));
+        run_earshot({"auralize", dry, dry, "-o", (folder_.path() / "no" / "wet.wav").string()}),
+        1,
+        "no"));
     EXPECT_FALSE(fs::exists(out()));
 }
 

@@ -4,6 +4,7 @@
 
 #include "run_earshot.h"
 #include "support/read_file.h"
+#include "support/temporary_folder.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <filesystem>
@@ -26,34 +27,25 @@ const std::string kTwoQueries =
 
 class Ccd : public testing::Test {
 protected:
-    Ccd() { fs::create_directories(folder_); }
-    ~Ccd() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-
     RunResult ask(const std::string& text, std::vector<std::string> extra = {}) const {
-        std::ofstream(folder_ / "queries.csv") << text;
+        std::ofstream(folder_.path() / "queries.csv") << text;
         std::vector<std::string> arguments = {"ccd",
-                                              (folder_ / "queries.csv").string(),
+                                              (folder_.path() / "queries.csv").string(),
                                               "--kind",
                                               "vertex-face",
                                               "-o",
-                                              (folder_ / "out.csv").string()};
+                                              (folder_.path() / "out.csv").string()};
         arguments.insert(arguments.end(), extra.begin(), extra.end());
         return run_earshot(arguments);
     }
 
-    const fs::path folder_ =
-        fs::path(testing::TempDir()) /
-        ("earshot_ccd_" +
-         std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const TemporaryFolder folder_;
 };
 
 TEST_F(Ccd, WritesHitsAndTimesAndCountsFaults) {
     const RunResult result = ask(kTwoQueries, {"--json"});
     ASSERT_EQ(result.status, 0) << result.err;
-    const std::string text = read_file(folder_ / "out.csv");
+    const std::string text = read_file(folder_.path() / "out.csv");
     ASSERT_TRUE(text.starts_with("1,0.49999")) << text;
     EXPECT_TRUE(text.ends_with("\n0,\n")) << text;
     const auto json = nlohmann::json::parse(result.out);
@@ -70,7 +62,7 @@ TEST_F(Ccd, MinimumSeparationFindsWhatStopsShort) {
                   {"--min-separation", "0.1"})
                   .status,
               0);
-    const std::string text = read_file(folder_ / "out.csv");
+    const std::string text = read_file(folder_.path() / "out.csv");
     EXPECT_EQ(std::count(text.begin(), text.end(), '1') >= 2, true) << text;
     EXPECT_EQ(text.find("0,\n"), std::string::npos) << text;
 }
@@ -79,7 +71,7 @@ TEST_F(Ccd, FaultsNameTheLine) {
     const auto fault = [&](const std::string& text) {
         const RunResult result = ask(text);
         EXPECT_EQ(result.status, 1);
-        EXPECT_FALSE(fs::exists(folder_ / "out.csv"));
+        EXPECT_FALSE(fs::exists(folder_.path() / "out.csv"));
         return result.err;
     };
     EXPECT_NE(fault("1,4,1,1,1\n").find("line 1"), std::string::npos);
@@ -107,7 +99,7 @@ TEST_F(Ccd, SampleQueriesHaveNoFalseAnswer) {
                                               "--kind",
                                               entry.path().parent_path().filename().string(),
                                               "-o",
-                                              (folder_ / "out.csv").string(),
+                                              (folder_.path() / "out.csv").string(),
                                               "--json"});
         ASSERT_EQ(result.status, 0) << result.err;
         const auto json = nlohmann::json::parse(result.out);

@@ -4,6 +4,7 @@
 
 #include "run_earshot.h"
 #include "support/read_file.h"
+#include "support/temporary_folder.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
@@ -22,25 +23,16 @@ using Json = nlohmann::json;
 
 class Collide : public testing::Test {
 protected:
-    Collide() { fs::create_directories(folder_); }
-    ~Collide() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-
-    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
     /// A floor and a triangle above it at `height`, one mesh.
     std::string pose(const std::string& name, double height) const {
-        std::ofstream file(folder_ / name);
+        std::ofstream file(folder_.path() / name);
         file << "OFF\n6 2 0\n-4 0 -4\n-4 0 4\n4 0 0\n0 " << height << " 0\n1 " << height + 1
              << " 0\n0 " << height + 1 << " 1\n3 0 1 2\n3 3 4 5\n";
         return path(name);
     }
 
-    const fs::path folder_ =
-        fs::path(testing::TempDir()) /
-        ("earshot_collide_" +
-         std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const TemporaryFolder folder_;
 };
 
 TEST_F(Collide, PosesOfOneMeshAreSteps) {
@@ -52,7 +44,7 @@ TEST_F(Collide, PosesOfOneMeshAreSteps) {
                                           path("contacts.json"),
                                           "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
-    const Json json = Json::parse(read_file(folder_ / "contacts.json"));
+    const Json json = Json::parse(read_file(folder_.path() / "contacts.json"));
     EXPECT_EQ(json["version"], 1);
     ASSERT_EQ(json["steps"].size(), 2U);
     EXPECT_TRUE(json["steps"][0]["contacts"].empty());
@@ -72,7 +64,7 @@ TEST_F(Collide, TablesHoldTheSame) {
                   {"collide", pose("a.off", 1.0), pose("b.off", -0.5), "-o", path("contacts.csv")})
                   .status,
               0);
-    const std::string text = read_file(folder_ / "contacts.csv");
+    const std::string text = read_file(folder_.path() / "contacts.csv");
     EXPECT_TRUE(text.starts_with("t0,t1,kind,")) << text;
     EXPECT_NE(text.find("0.0,1.0,vertex_face,0,3,0,0 1 2,0.66666"), std::string::npos) << text;
 }
@@ -86,7 +78,7 @@ TEST_F(Collide, DiscreteContactsAreAtInstants) {
                            path("contacts.json")})
                   .status,
               0);
-    const Json json = Json::parse(read_file(folder_ / "contacts.json"));
+    const Json json = Json::parse(read_file(folder_.path() / "contacts.json"));
     ASSERT_EQ(json["steps"].size(), 2U);
     EXPECT_TRUE(json["steps"][0]["contacts"].empty());
     const Json& step = json["steps"][1];
@@ -138,7 +130,7 @@ TEST_F(Collide, FirstIsTheFirstOfAll) {
         arguments.insert(arguments.end(), more.begin(), more.end());
         const RunResult result = run_earshot(arguments);
         EXPECT_EQ(result.status, 0) << result.err;
-        return Json::parse(read_file(folder_ / file))["steps"];
+        return Json::parse(read_file(folder_.path() / file))["steps"];
     };
     for (const std::vector<std::string>& mode :
          {std::vector<std::string>{}, {"--rigid"}, {"--discrete"}}) {
@@ -176,7 +168,7 @@ TEST_F(Collide, AnAnimationIsTheSameForAnyNumberOfThreads) {
                                               "--threads",
                                               threads});
         ASSERT_EQ(result.status, 0) << result.err;
-        texts.push_back(read_file(folder_ / "contacts.json"));
+        texts.push_back(read_file(folder_.path() / "contacts.json"));
         EXPECT_EQ(Json::parse(texts.back())["steps"].size(), 3U);
     }
     EXPECT_EQ(texts[0], texts[1]);
@@ -199,7 +191,7 @@ TEST_F(Collide, SaysInOneLineWhatIsWrongAndWritesNothing) {
         {1, "empty.off", {path("empty.off"), "-o", out}},
         {1, "no.gltf", {path("no.gltf"), "-o", out}},
         {1, "none/contacts.json", {a, b, "-o", path("none/contacts.json")}},
-        {1, "is a directory", {a, b, "-o", folder_.string()}},
+        {1, "is a directory", {a, b, "-o", folder_.path().string()}},
         {2, "--output", {a}},
         {2, "FILES", {"-o", out}},
         {2, "--frames", {a, "-o", out, "--frames", "1"}},
@@ -210,7 +202,7 @@ TEST_F(Collide, SaysInOneLineWhatIsWrongAndWritesNothing) {
         {2, "--tolerance", {a, b, "-o", out, "--tolerance", "0"}},
     };
     const auto files = [&] {
-        return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
+        return std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator());
     };
     const auto before = files();
     for (const Case& each : cases) {
@@ -237,7 +229,8 @@ TEST_F(Collide, TakesTrianglesWithoutArea) {
     const RunResult result = run_earshot(
         {"collide", write("a.off", 1.0), write("b.off", -1.0), "-o", path("contacts.json")});
     ASSERT_EQ(result.status, 0) << result.err;
-    const Json contacts = Json::parse(read_file(folder_ / "contacts.json"))["steps"][0]["contacts"];
+    const Json contacts =
+        Json::parse(read_file(folder_.path() / "contacts.json"))["steps"][0]["contacts"];
     ASSERT_FALSE(contacts.empty());
     EXPECT_EQ(contacts[0]["kind"], "vertex_face");
     EXPECT_LE(contacts[0]["toi"].get<double>(), 0.5);
@@ -257,7 +250,8 @@ protected:
         arguments.insert(arguments.end(), {"-o", path("contacts.json")});
         const RunResult result = run_earshot(arguments);
         EXPECT_EQ(result.status, 0) << result.err;
-        return result.status == 0 ? Json::parse(read_file(folder_ / "contacts.json")) : Json();
+        return result.status == 0 ? Json::parse(read_file(folder_.path() / "contacts.json"))
+                                  : Json();
     }
     static std::size_t contacts_of(const Json& file) {
         std::size_t count = 0;

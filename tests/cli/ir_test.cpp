@@ -4,6 +4,7 @@
 
 #include "run_earshot.h"
 #include "support/read_file.h"
+#include "support/temporary_folder.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
@@ -24,20 +25,12 @@ const std::string kScenes = test::source_file("scenes/").string();
 /// A folder of its own for each test, removed at the end.
 class Ir : public testing::Test {
 protected:
-    Ir() { fs::create_directories(folder_); }
-    ~Ir() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-
-    std::string out() const { return (folder_ / "out").string(); }
+    std::string out() const { return (folder_.path() / "out").string(); }
     Json json_of(const std::string& name) const {
-        return Json::parse(read_file(folder_ / "out" / name));
+        return Json::parse(read_file(folder_.path() / "out" / name));
     }
 
-    const fs::path folder_ =
-        fs::path(testing::TempDir()) /
-        ("earshot_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const TemporaryFolder folder_;
 };
 
 TEST_F(Ir, WritesResponsesPathsAndMetrics) {
@@ -91,12 +84,12 @@ TEST_F(Ir, WritesResponsesPathsAndMetrics) {
     EXPECT_GT(of_pair["standard_error"]["sti"].get<double>(), 0.0);
     const std::string wav =
         pair["source"].get<std::string>() + "__" + pair["listener"].get<std::string>() + ".wav";
-    EXPECT_EQ(read_file(folder_ / "out" / wav).substr(0, 4), "RIFF");
+    EXPECT_EQ(read_file(folder_.path() / "out" / wav).substr(0, 4), "RIFF");
 }
 
 TEST_F(Ir, TheDirectSoundArrivesWhenAndAsLoudAsItShould) {
     // 10 m apart in the open: a triangle far away makes it a scene.
-    const fs::path scene = folder_ / "field.obj";
+    const fs::path scene = folder_.path() / "field.obj";
     std::ofstream(scene) << "v 900 900 900\nv 901 900 900\nv 900 901 900\nf 1 2 3\n";
     const RunResult result = run_earshot({"ir",
                                           scene.string(),
@@ -120,7 +113,7 @@ TEST_F(Ir, TheDirectSoundArrivesWhenAndAsLoudAsItShould) {
     }
     EXPECT_EQ(path["departure"], (Json{1.0, 0.0, 0.0}));
     // At 34320 Hz the delay is 1000 samples exactly; the header of a float WAV ends with "data".
-    const std::string wav = read_file(folder_ / "out" / "source1__far.wav");
+    const std::string wav = read_file(folder_.path() / "out" / "source1__far.wav");
     const std::size_t data = wav.find("data") + 8;
     const auto sample = [&](std::size_t i) {
         float value = 0.0F;
@@ -135,7 +128,7 @@ TEST_F(Ir, TheDirectSoundArrivesWhenAndAsLoudAsItShould) {
 }
 
 TEST_F(Ir, SilenceIsAnAnswer) {
-    const fs::path scene = folder_ / "sealed.obj";
+    const fs::path scene = folder_.path() / "sealed.obj";
     std::ofstream(scene)
         << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
            "f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 4 8 5\n";
@@ -158,7 +151,7 @@ TEST_F(Ir, SilenceIsAnAnswer) {
     EXPECT_TRUE(metrics["response"]["c80"][3].is_null());
     EXPECT_EQ(metrics["notes"][0],
               Json({{"metric", "all"}, {"band_hz", nullptr}, {"text", "the response is silent"}}));
-    const std::string wav = read_file(folder_ / "out" / "source1__in.wav");
+    const std::string wav = read_file(folder_.path() / "out" / "source1__in.wav");
     const std::string samples = wav.substr(wav.find("data") + 8);
     EXPECT_FALSE(samples.empty());
     EXPECT_EQ(samples.find_first_not_of('\0'), std::string::npos);
@@ -257,7 +250,7 @@ TEST_F(Ir, TwoEarsHearWhereASourceIs) {
                                               "--format",
                                               "binaural"});
         EXPECT_EQ(result.status, 0) << result.err;
-        return channel_energies(folder_ / "out" / "a__b.wav");
+        return channel_energies(folder_.path() / "out" / "a__b.wav");
     };
     // The source is at -x of the listener.
     const auto facing_minus_z = ears_looking_at("b=3,1.5,0.5");
@@ -292,7 +285,7 @@ TEST_F(Ir, RemovesTheDelayAndTheLoudspeakerOfTheDefaultHrirsUnlessTheyAreRaw) {
         arguments.insert(arguments.end(), options.begin(), options.end());
         const RunResult result = run_earshot(arguments);
         EXPECT_EQ(result.status, 0) << result.err;
-        return read_channels(folder_ / "out" / "a__b.wav").at(0);
+        return read_channels(folder_.path() / "out" / "a__b.wav").at(0);
     };
     const auto onset = [](const std::vector<double>& samples) {
         double largest = 0.0;
@@ -332,7 +325,7 @@ TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
     const Json pair = json_of("metrics.json")["pairs"][0];
     const std::string name =
         pair["source"].get<std::string>() + "__" + pair["listener"].get<std::string>() + ".wav";
-    const auto energies = channel_energies(folder_ / "out" / name);
+    const auto energies = channel_energies(folder_.path() / "out" / name);
     ASSERT_EQ(energies.size(), 9U);
     for (const double energy : energies) {
         EXPECT_GT(energy, 0.01 * energies[0]);
@@ -342,7 +335,7 @@ TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
     EXPECT_TRUE(pair["t30"][5].is_number());
     EXPECT_TRUE(pair["response"]["t30"][5].is_number());
     EXPECT_GT(pair["schroeder_hz"].get<double>(), 20.0);
-    EXPECT_TRUE(fs::exists(folder_ / "out" / "responses.sofa"));
+    EXPECT_TRUE(fs::exists(folder_.path() / "out" / "responses.sofa"));
     const Json histogram = json_of("histograms.json")["pairs"][0];
     const auto energy = histogram["energy"][5].get<std::vector<double>>();
     const auto error = histogram["error"][5].get<std::vector<double>>();
@@ -433,7 +426,7 @@ TEST_F(Ir, LimitsLeaveOutWhatIsLongerOrFainter) {
 }
 
 TEST_F(Ir, TransmissionGoesThroughWallsThatLetSoundThrough) {
-    const std::string file = (folder_ / "two_rooms.gltf").string();
+    const std::string file = (folder_.path() / "two_rooms.gltf").string();
     Json scene = Json::parse(read_file(kScenes + "coupled_rooms.gltf"));
     for (Json& material : scene["materials"]) {
         material["extras"]["acoustics"]["transmission"] = 0.01;
@@ -538,12 +531,12 @@ TEST_F(Ir, RefusesBadInputWithStatusOne) {
         return run_earshot(arguments);
     };
     EXPECT_TRUE(failed_with(with("missing.gltf"), 1, "missing.gltf"));
-    EXPECT_TRUE(failed_with(with(folder_.string()), 1, folder_.string()));
-    const fs::path plain = folder_ / "plain.obj";
+    EXPECT_TRUE(failed_with(with(folder_.path().string()), 1, folder_.path().string()));
+    const fs::path plain = folder_.path() / "plain.obj";
     std::ofstream(plain) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     EXPECT_TRUE(failed_with(with(plain.string()), 1, "no source"));
     EXPECT_TRUE(failed_with(with(plain.string(), {"--source", "1,1,1"}), 1, "no listener"));
-    const fs::path flat = folder_ / "flat.obj";
+    const fs::path flat = folder_.path() / "flat.obj";
     std::ofstream(flat) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
     EXPECT_TRUE(failed_with(
         with(flat.string(), {"--source", "1,1,1", "--listener", "2,2,2"}), 1, "no triangle"));
@@ -555,7 +548,7 @@ TEST_F(Ir, RefusesBadInputWithStatusOne) {
 }
 
 TEST_F(Ir, LeavesNothingWhereItCannotWrite) {
-    const fs::path file = folder_ / "file";
+    const fs::path file = folder_.path() / "file";
     std::ofstream(file) << "x";
     const RunResult result = run_earshot({"ir", kScenes + "shoebox.gltf", "-o", file.string()});
     EXPECT_TRUE(failed_with(result, 1, file.string()));
@@ -580,8 +573,8 @@ TEST_F(Ir, AFileNameNeverLeavesTheFolder) {
                                           "--source",
                                           "a/b=1,1.2,1"});
     ASSERT_EQ(result.status, 0) << result.err;
-    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
-        EXPECT_TRUE(entry.is_directory() || entry.path().parent_path() == folder_ / "out")
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+        EXPECT_TRUE(entry.is_directory() || entry.path().parent_path() == folder_.path() / "out")
             << entry.path();
     }
 }

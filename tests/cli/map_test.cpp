@@ -4,6 +4,7 @@
 
 #include "run_earshot.h"
 #include "support/read_file.h"
+#include "support/temporary_folder.h"
 #include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
@@ -54,17 +55,9 @@ std::vector<std::map<std::string, std::string>> read_csv(const fs::path& file) {
 /// A folder of its own for each test, removed at the end.
 class Map : public testing::Test {
 protected:
-    Map() { fs::create_directories(folder_); }
-    ~Map() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
+    std::string file(const std::string& name) const { return (folder_.path() / name).string(); }
 
-    std::string file(const std::string& name) const { return (folder_ / name).string(); }
-
-    const fs::path folder_ = fs::path(testing::TempDir()) /
-                             (std::string("earshot_map_") +
-                              testing::UnitTest::GetInstance()->current_test_info()->name());
+    const TemporaryFolder folder_;
 };
 
 // Rays of ir have other weights of diffuse rain, but the same expected values.
@@ -181,7 +174,7 @@ TEST_F(Map, WritesTablesAndPicturesOfARectangle) {
     EXPECT_EQ(summary["limits"][0]["share"], g["share"]);
     EXPECT_EQ(summary["files"].size(), 6U);
     for (const char* name : {"map__g.svg", "map__c50.svg", "map__g.PNG", "map__c50.PNG"}) {
-        EXPECT_GT(fs::file_size(folder_ / name), 1000U) << name;
+        EXPECT_GT(fs::file_size(folder_.path() / name), 1000U) << name;
     }
     const std::string svg = read_file(file("map__g.svg"));
     EXPECT_NE(svg.find("x, m"), std::string::npos);

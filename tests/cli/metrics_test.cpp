@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_earshot.h"
+#include "support/temporary_folder.h"
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -20,12 +21,6 @@ using Json = nlohmann::json;
 
 class Metrics : public testing::Test {
 protected:
-    Metrics() { fs::create_directories(folder_); }
-    ~Metrics() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-
     /// Decays of 60 dB in these times, a channel each, over steady noise 60 dB below their start.
     std::string write_decays(const std::vector<double>& times) const {
         io::Sound sound{.channels = static_cast<int>(times.size()), .samples = {}};
@@ -37,15 +32,12 @@ protected:
                                         1e-3 * (random(2, channel, n) - 0.5));
             }
         }
-        const fs::path file = folder_ / "decays.wav";
+        const fs::path file = folder_.path() / "decays.wav";
         io::write_whole_file(file, io::encode_wav(sound));
         return file.string();
     }
 
-    const fs::path folder_ =
-        fs::path(testing::TempDir()) /
-        ("earshot_metrics_" +
-         std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const TemporaryFolder folder_;
 };
 
 TEST_F(Metrics, OfEveryChannelAsJson) {
@@ -89,7 +81,7 @@ TEST_F(Metrics, OfSpeechInNoiseDependOnTheLevelAtTheListener) {
 }
 
 TEST_F(Metrics, NotesOfOneReasonAreOneLine) {
-    const fs::path file = folder_ / "brief.wav";
+    const fs::path file = folder_.path() / "brief.wav";
     std::vector<double> samples(3000, 0.0);
     samples[1000] = 1.0;
     io::write_whole_file(file, io::encode_wav({.samples = samples}));
@@ -115,7 +107,7 @@ TEST_F(Metrics, OfOneChannelAsATable) {
 TEST_F(Metrics, RefusesWhatItCannotRead) {
     EXPECT_TRUE(failed_with(run_earshot({"metrics"}), 2, "FILE"));
     EXPECT_TRUE(failed_with(run_earshot({"metrics", "missing.wav"}), 1, "missing.wav"));
-    const fs::path text = folder_ / "text.wav";
+    const fs::path text = folder_.path() / "text.wav";
     std::ofstream(text) << "no sound";
     EXPECT_TRUE(failed_with(run_earshot({"metrics", text.string()}), 1, "text.wav"));
     const std::string file = write_decays({0.3});
@@ -124,7 +116,7 @@ TEST_F(Metrics, RefusesWhatItCannotRead) {
 }
 
 TEST_F(Metrics, OfSilenceAreEmptyWithANote) {
-    const fs::path file = folder_ / "silence.wav";
+    const fs::path file = folder_.path() / "silence.wav";
     io::write_whole_file(file, io::encode_wav({.samples = std::vector<double>(4800, 0.0)}));
     const RunResult result = run_earshot({"metrics", file.string(), "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
@@ -155,9 +147,9 @@ std::vector<std::string> fields_of(const std::string& line) {
 
 TEST_F(Metrics, OfSeveralFilesAreATableWithARowPerBand) {
     const std::string file = write_decays({0.4, 0.9});
-    const std::string other = (folder_ / "a, b.wav").string();
+    const std::string other = (folder_.path() / "a, b.wav").string();
     fs::copy_file(file, other);
-    const std::string table = (folder_ / "t.csv").string();
+    const std::string table = (folder_.path() / "t.csv").string();
     const RunResult result = run_earshot({"metrics", file, other, "-o", table, "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json json = Json::parse(result.out);
@@ -183,13 +175,14 @@ TEST_F(Metrics, OfSeveralFilesAreATableWithARowPerBand) {
     EXPECT_EQ(std::stod(row[column("sti")]), channel["sti"].get<double>());
     EXPECT_EQ(lines[1 + 20].substr(0, 14), "\"a, b.wav\",1,3");
 
-    const std::string again = (folder_ / "t.json").string();
+    const std::string again = (folder_.path() / "t.json").string();
     EXPECT_EQ(run_earshot({"metrics", file, other, "-o", again}).out,
               again + ": metrics of 2 files\n");
     EXPECT_EQ(io::read_whole_file(again), result.out);
-    EXPECT_TRUE(failed_with(run_earshot({"metrics", file, "-o", (folder_ / "t.xls").string()}),
-                            1,
-                            "use .csv or .json"));
+    EXPECT_TRUE(
+        failed_with(run_earshot({"metrics", file, "-o", (folder_.path() / "t.xls").string()}),
+                    1,
+                    "use .csv or .json"));
 }
 
 TEST_F(Metrics, TheOnsetIsToldAndMayBeGiven) {
@@ -229,7 +222,7 @@ TEST_F(Metrics, StrengthNeedsAReference) {
     for (std::size_t n = 0; n < free_field.samples.size(); ++n) {
         free_field.samples[n] += 1e-5 * (random(3, 0, n) - 0.5);
     }
-    const std::string reference = (folder_ / "free.wav").string();
+    const std::string reference = (folder_.path() / "free.wav").string();
     io::write_whole_file(reference, io::encode_wav(free_field));
     // 0.5 at 2 m is 1 at 1 m.
     EXPECT_NEAR(strength({"--reference", reference, "--reference-distance", "2"}).get<double>(),
@@ -247,7 +240,7 @@ TEST_F(Metrics, ClippingIsAWarning) {
     for (double& sample : sound.samples) {
         sample = std::clamp(sample, -0.1, 0.1);
     }
-    const std::string file = (folder_ / "clipped.wav").string();
+    const std::string file = (folder_.path() / "clipped.wav").string();
     io::write_whole_file(file, io::encode_wav(sound));
     const RunResult result = run_earshot({"metrics", file});
     EXPECT_EQ(result.status, 0);

@@ -4,8 +4,8 @@
 #include "earshot/io/whole_file.h"
 
 #include "run_earshot.h"
+#include "support/temporary_folder.h"
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -13,14 +13,11 @@
 namespace earshot::test {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr double kRate = 16000.0;
 
 class Play : public testing::Test {
 protected:
     Play() {
-        fs::create_directories(folder_);
         write("street.obj",
               "v -500 0 -500\nv 500 0 -500\nv 500 0 500\nv -500 0 500\nf 1 3 2\nf 1 4 3\n");
         // Nearer at a tenth of the speed of sound.
@@ -31,14 +28,9 @@ protected:
         }
         write("dry.wav", io::encode_wav(tone));
     }
-    ~Play() override {
-        std::error_code ignored;
-        fs::remove_all(folder_, ignored);
-    }
-
-    std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
     void write(const std::string& name, const std::string& text) const {
-        io::write_whole_file(folder_ / name, text);
+        io::write_whole_file(folder_.path() / name, text);
     }
     RunResult play(const std::vector<std::string>& more) const {
         std::vector<std::string> arguments = {"play",
@@ -55,10 +47,7 @@ protected:
         return run_earshot(arguments);
     }
 
-    const fs::path folder_ =
-        fs::path(testing::TempDir()) /
-        ("earshot_play_" +
-         std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    const TemporaryFolder folder_;
 };
 
 TEST_F(Play, HearsASourceThatComesNearerAtAHigherFrequency) {

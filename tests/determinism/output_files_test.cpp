@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/run_program.h"
+#include "support/temporary_folder.h"
 #include "support/test_paths.h"
 #include <filesystem>
 #include <fstream>
@@ -23,9 +24,8 @@ using Files = std::map<std::string, std::string>;  // name to bytes
 Files output_of(const std::vector<std::string>& job,
                 const std::vector<std::string>& extra,
                 const RunOptions& options = {}) {
-    const std::string test = testing::UnitTest::GetInstance()->current_test_info()->name();
-    const fs::path folder = fs::path(testing::TempDir()) / ("earshot_determinism_" + test);
-    fs::remove_all(folder);
+    const TemporaryFolder temporary;
+    const fs::path folder = temporary.path() / "out";
     std::vector<std::string> command = {EARSHOT_PROGRAM};
     command.insert(command.end(), job.begin(), job.end());
     if (job.front() == "ir") {
@@ -42,7 +42,6 @@ Files output_of(const std::vector<std::string>& job,
         std::ifstream stream(entry.path(), std::ios::binary);
         files[entry.path().filename().string()] = {std::istreambuf_iterator<char>(stream), {}};
     }
-    fs::remove_all(folder);
     return files;
 }
 

@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
 #include <cmath>
-#include <fstream>
 #include <string>
 
 namespace earshot::io {
@@ -14,11 +14,8 @@ namespace {
 
 class DirectivityFile : public testing::Test {
 protected:
-    ~DirectivityFile() override { std::filesystem::remove(file_); }
-
     propagation::Directivity read(const std::string& text) const {
-        std::ofstream(file_) << text;
-        return read_directivity(file_);
+        return read_directivity(folder_.file("directivity.csv", text));
     }
     std::string fault_of(const std::string& text) const {
         try {
@@ -29,8 +26,7 @@ protected:
         return "none";
     }
 
-    const std::filesystem::path file_ =
-        std::filesystem::path(testing::TempDir()) / "earshot_directivity.csv";
+    const test::TemporaryFolder folder_;
 };
 
 TEST_F(DirectivityFile, HoldsADirectionPerLineInAnyOrder) {

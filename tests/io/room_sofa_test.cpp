@@ -2,13 +2,11 @@
 // Written through HDF5, read back by libmysofa, which has a reader of its own.
 #include "earshot/io/room_sofa.h"
 
-#include "earshot/io/whole_file.h"
-
 #include <gtest/gtest.h>
 #include <mysofa.h>
 
+#include "support/temporary_folder.h"
 #include <cstring>
-#include <filesystem>
 
 namespace earshot::io {
 namespace {
@@ -29,12 +27,12 @@ std::vector<float> values_of(const MYSOFA_ARRAY& array) {
 }
 
 TEST(RoomSofa, IsReadBackByAnotherReader) {
-    const auto file = std::filesystem::path(testing::TempDir()) / "earshot_room.sofa";
-    write_whole_file(
-        file, encode_room_responses("hall", propagation::Channels::binaural, two_measurements()));
+    const test::TemporaryFolder folder;
+    const auto file = folder.file(
+        "room.sofa",
+        encode_room_responses("hall", propagation::Channels::binaural, two_measurements()));
     int fault = MYSOFA_OK;
     MYSOFA_HRTF* sofa = mysofa_load(file.c_str(), &fault);
-    std::filesystem::remove(file);
     ASSERT_EQ(fault, MYSOFA_OK);
     ASSERT_NE(sofa, nullptr);
     EXPECT_EQ(sofa->M, 2U);

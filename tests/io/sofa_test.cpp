@@ -6,11 +6,11 @@
 #include <gtest/gtest.h>
 #include <mysofa.h>
 
+#include "support/temporary_folder.h"
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <filesystem>
-#include <fstream>
 #include <numbers>
 
 namespace earshot::io {
@@ -135,8 +135,8 @@ TEST_F(Kemar, KeepsItsSpectrumAtAnotherSampleRate) {
 }
 
 TEST(Sofa, RefusesWhatIsNone) {
-    const auto file = std::filesystem::path(::testing::TempDir()) / "earshot_no.sofa";
-    std::ofstream(file) << "no HDF5 at all";
+    const test::TemporaryFolder folder;
+    const auto file = folder.file("no.sofa", "no HDF5 at all");
     EXPECT_THROW(read_hrir_set(file), Error);
     std::filesystem::remove(file);
     EXPECT_THROW(read_hrir_set(file), Error);

@@ -2,17 +2,15 @@
 #include "earshot/io/sound_file.h"
 
 #include "earshot/base/error.h"
-#include "earshot/io/whole_file.h"
 
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
 #include <cmath>
 #include <string>
 
 namespace earshot::io {
 namespace {
-
-namespace fs = std::filesystem;
 
 Sound two_tones(double sample_rate) {
     Sound sound{.sample_rate = sample_rate, .channels = 2, .samples = {}};
@@ -24,11 +22,8 @@ Sound two_tones(double sample_rate) {
 }
 
 Sound read_back(const std::string& bytes) {
-    const fs::path file = fs::path(testing::TempDir()) / "earshot_sound_file_test";
-    write_whole_file(file, bytes);
-    Sound sound = read_sound(file);
-    fs::remove(file);
-    return sound;
+    const test::TemporaryFolder folder;
+    return read_sound(folder.file("sound", bytes));
 }
 
 double largest_difference(const Sound& a, const Sound& b) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -16,15 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A file of its own for every test, gone when the test is.
 class WavFile : public ::testing::Test {
 protected:
-    WavFile()
-        : path_(fs::temp_directory_path() /
-                (std::string("earshot_") +
-                 ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".wav")) {}
-    ~WavFile() override { fs::remove(path_); }
-
     void write(const std::string& bytes) const {
         std::ofstream(path_, std::ios::binary).write(bytes.data(), std::ssize(bytes));
     }
@@ -36,7 +30,8 @@ protected:
         }
         return "no error";
     }
-    const fs::path path_;
+    const test::TemporaryFolder folder_;
+    const fs::path path_ = folder_.path() / "sound.wav";
 };
 
 Sound three_channels() {
@@ -159,7 +154,7 @@ TEST_F(WavFile, WithSamplesThatAreNotFiniteIsAnError) {
 
 TEST_F(WavFile, ThatIsMissingOrAFolderIsAnError) {
     EXPECT_NE(error_of_reading().find("no such file"), std::string::npos);
-    EXPECT_THROW(read_sound(fs::temp_directory_path()), Error);
+    EXPECT_THROW(read_sound(folder_.path()), Error);
 }
 
 }  // namespace

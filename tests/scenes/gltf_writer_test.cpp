@@ -4,21 +4,17 @@
 #include "earshot/geometry/clean.h"
 #include "earshot/geometry/facets.h"
 #include "earshot/io/scene_file.h"
-#include "earshot/io/whole_file.h"
 #include "earshot/scenes/models.h"
 
 #include "scenes/generated_mesh.h"
-#include <filesystem>
+#include "support/temporary_folder.h"
 
 namespace earshot::scenes {
 namespace {
 
 io::LoadedScene load(const GltfFile& gltf, const std::string& name) {
-    const auto file = std::filesystem::path(testing::TempDir()) / name;
-    io::write_whole_file(file, gltf.bytes);
-    io::LoadedScene loaded = io::load_scene(file);
-    std::filesystem::remove(file);
-    return loaded;
+    const test::TemporaryFolder folder;
+    return io::load_scene(folder.file(name, gltf.bytes));
 }
 
 TEST(GltfWriter, BothFormsHoldTheSameScene) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "support/run_program.h"
+#include "support/temporary_folder.h"
 #include <filesystem>
 
 namespace earshot::scenes {
@@ -36,14 +37,16 @@ TEST(ScenesProgram, RefusesWhatItDoesNotKnow) {
     EXPECT_EQ(run({"shoebox"}).status, 2) << "no output asked for";
     EXPECT_EQ(run({"concert_hall", "--seats", "cosy", "-o", "x.gltf"}).status, 2);
     EXPECT_EQ(run({"shoebox", "--tessellation", "0", "-o", "x.gltf"}).status, 2);
-    const test::RunResult suffix = run({"shoebox", "-o", testing::TempDir() + "shoebox.obj"});
+    const test::TemporaryFolder folder;
+    const test::RunResult suffix = run({"shoebox", "-o", (folder.path() / "shoebox.obj").string()});
     EXPECT_EQ(suffix.status, 1);
     EXPECT_NE(suffix.err.find("name it .gltf or .glb"), std::string::npos);
-    EXPECT_EQ(run({"shoebox", "-o", testing::TempDir() + "no/such/folder/box.glb"}).status, 1);
+    EXPECT_EQ(run({"shoebox", "-o", (folder.path() / "no/such/box.glb").string()}).status, 1);
 }
 
 TEST(ScenesProgram, WritesScenesByParameters) {
-    const std::filesystem::path file = testing::TempDir() + "earshot_scenes_test.glb";
+    const test::TemporaryFolder folder;
+    const std::filesystem::path file = folder.path() / "box.glb";
     const test::RunResult result =
         run({"shoebox", "--size", "5", "3", "4", "--tessellation", "50", "-o", file.string()});
     EXPECT_EQ(result.status, 0) << result.err;

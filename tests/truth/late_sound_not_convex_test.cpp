@@ -9,9 +9,8 @@
 
 #include <gtest/gtest.h>
 
+#include "support/temporary_folder.h"
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <vector>
 
 namespace earshot::propagation {
@@ -23,12 +22,11 @@ constexpr std::size_t kBand = 5;  // 1 kHz
 
 struct Room {
     explicit Room(const scenes::SceneDraft& draft) {
-        const std::filesystem::path file =
-            std::filesystem::path(testing::TempDir()) / ("earshot_late_" + draft.name + ".gltf");
-        std::ofstream(file, std::ios::binary)
-            << scenes::write_gltf(draft, scenes::GltfForm::text, 1).bytes;
-        scene = io::load_scene(file).scene;
-        std::filesystem::remove(file);
+        const TemporaryFolder folder;
+        scene =
+            io::load_scene(folder.file(draft.name + ".gltf",
+                                       scenes::write_gltf(draft, scenes::GltfForm::text, 1).bytes))
+                .scene;
         for (Material& material : scene.materials) {
             material.scattering = EnergyCoefficient(0.1);
         }

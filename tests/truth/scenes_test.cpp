@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/compare_with_oracle.h"
-#include <filesystem>
-#include <fstream>
+#include "support/temporary_folder.h"
 #include <iostream>
 
 namespace earshot::support {
@@ -20,13 +19,10 @@ constexpr PathTolerance kStoredAsFloats = {.length = 2e-5, .point = 2e-4};
 constexpr double kOpenDecision = 2e-5;
 
 propagation::Scene load(const scenes::SceneDraft& draft) {
-    const std::filesystem::path file =
-        std::filesystem::path(testing::TempDir()) / ("earshot_truth_" + draft.name + ".gltf");
-    std::ofstream(file, std::ios::binary)
-        << scenes::write_gltf(draft, scenes::GltfForm::text, 1).bytes;
-    auto loaded = io::load_scene(file);
-    std::filesystem::remove(file);
-    return std::move(loaded.scene);
+    const TemporaryFolder folder;
+    return io::load_scene(folder.file(draft.name + ".gltf",
+                                      scenes::write_gltf(draft, scenes::GltfForm::text, 1).bytes))
+        .scene;
 }
 
 /// Compares every source with all listeners.

@@ -1,0 +1,17 @@
+# Fails if a test names a file in the folder of temporary files, which tests that run beside it may
+# name too: each has a test::TemporaryFolder. Fuzzing keeps what failed, and has a folder of its own.
+file(GLOB_RECURSE sources RELATIVE ${SOURCE_DIR} ${SOURCE_DIR}/tests/*.h ${SOURCE_DIR}/tests/*.cpp)
+list(FILTER sources EXCLUDE REGEX "^tests/(fuzz/|support/temporary_folder[.]h$)")
+if(NOT sources)
+  message(FATAL_ERROR "no tests below ${SOURCE_DIR}")
+endif()
+set(wrong)
+foreach(source IN LISTS sources)
+  file(STRINGS ${SOURCE_DIR}/${source} uses REGEX "TempDir\\(\\)|temp_directory_path\\(\\)")
+  if(uses)
+    string(APPEND wrong "  ${source}\n")
+  endif()
+endforeach()
+if(wrong)
+  message(FATAL_ERROR "write into a test::TemporaryFolder of support/temporary_folder.h:\n${wrong}")
+endif()
