@@ -122,7 +122,7 @@ std::string document_text(const ResultObject& result, std::int32_t document) {
         .scene = result.names, .bands = result.bands, .speed_of_sound = result.info.speed_of_sound};
     if (document == ES_PATHS_JSON) {
         require_paths(result);
-        return io::encode_paths(header, result.pairs);
+        return io::encode_paths(header, result.pairs, result.listener_poses);
     }
     if (document == ES_METRICS_JSON) {
         require_metrics(result);

@@ -119,6 +119,9 @@ std::shared_ptr<ResultObject> Simulation::run(propagation::Simulator& simulator,
     result->channels = format_.channels;
     simulator.set_time(time, executor);
     result->pairs = simulator.run(executor, &progress);
+    for (const PairResult& pair : result->pairs) {
+        result->listener_poses.push_back(scene.pose_at(scene.listeners[pair.listener], time));
+    }
     result->info = {.struct_size = 0,
                     .sources = scene.sources.size(),
                     .listeners = scene.listeners.size(),

@@ -37,9 +37,8 @@ constexpr const char* kFooter =
     "by the scene's animation or by --path-of. Every path is a delay that follows its length, so\n"
     "that motion is heard as it is: a source that comes nearer at 10 m/s sounds 3 % higher.\n"
     "With --paths the same is made of paths that `earshot ir --frames` has found already, without\n"
-    "the scene: mono, and without late sound, which paths.json does not hold. --from and --to "
-    "name\n"
-    "the pair; DRY begins at the first instant.\n\n"
+    "the scene and without late sound, which paths.json does not hold. --from and --to name the\n"
+    "pair; DRY begins at the first instant. --format binaural is heard with two ears.\n\n"
     "Examples:\n"
     "  earshot auralize speech.wav out/stage__seat.wav -o wet.wav\n"
     "  earshot auralize horn.wav --scene street.glb --path-of car=way.csv -o passing.wav\n"
@@ -162,7 +161,7 @@ public:
             {-200.0, 0.0},
             "scale the largest sample to this level, decibels re full scale; default: no scaling");
         scene_.add_to(app());
-        paths_.add_to(app(), *app().get_option("--from"), *app().get_option("--to"));
+        paths_.add_to(app());
         app().footer(kFooter);
     }
 
@@ -175,7 +174,7 @@ public:
             scene_.load(app(), common().seed);
         }
         if (paths_.is_chosen()) {
-            paths_.load();
+            paths_.load(app(), scene_.format_choice());
         }
         Executor executor(static_cast<int>(common().threads));
         Signal sum;

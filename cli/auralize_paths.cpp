@@ -5,6 +5,7 @@
 #include "earshot/propagation/path_frames.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 namespace earshot::cli {
@@ -41,25 +42,30 @@ void add_if_new(const std::string& name, std::vector<std::string>& names) {
 
 }  // namespace
 
-void AuralizePaths::add_to(CLI::App& app, const CLI::Option& from, const CLI::Option& to) {
+void AuralizePaths::add_to(CLI::App& app) {
     CLI::Option* paths =
         app.add_option("--paths",
                        file_,
                        "in place of responses: paths.json of `earshot ir --frames`, over whose "
-                       "paths DRY is played from the first instant on, as pressure at a point and "
-                       "without late sound")
+                       "paths DRY is played from the first instant on, without late sound")
             ->type_name("FILE");
     // The file tells what other options of scenes choose.
+    constexpr std::array<const char*, 6> kShared = {
+        "paths", "from", "to", "format", "hrtf", "hrtf-raw"};
     bool is_of_scene = false;
     for (CLI::Option* other : app.get_options()) {
         is_of_scene = is_of_scene || other->check_lname("scene");
-        if (is_of_scene && other != paths && other != &from && other != &to) {
+        const bool is_shared = std::any_of(kShared.begin(), kShared.end(), [&](const char* name) {
+            return other->check_lname(name);
+        });
+        if (is_of_scene && !is_shared) {
             paths->excludes(other);
         }
     }
 }
 
-void AuralizePaths::load() {
+void AuralizePaths::load(const CLI::App& app, const FormatChoice& choice) {
+    choice.apply(app, format_);
     pairs_ = io::read_path_frames(file_);
 }
 
@@ -102,7 +108,9 @@ propagation::MovingSound AuralizePaths::play(const std::string& source,
                              "goes on after the last instant of " + file_ +
                                  ": source and listener stay there from then on"});
     }
-    return propagation::render_path_frames(frames, rate, samples, executor, &progress);
+    propagation::ResponseFormat format = format_;
+    format.sample_rate = rate;
+    return propagation::render_path_frames(frames, format, samples, executor, &progress);
 }
 
 }  // namespace earshot::cli

@@ -6,8 +6,10 @@
 #include "earshot/base/parallel.h"
 #include "earshot/base/progress.h"
 #include "earshot/cli/arguments.h"
+#include "earshot/cli/format_choice.h"
 #include "earshot/io/path_frames.h"
 #include "earshot/propagation/moving_sound.h"
+#include "earshot/propagation/response.h"
 
 #include <string>
 #include <vector>
@@ -18,13 +20,14 @@ namespace earshot::cli {
 class AuralizePaths {
 public:
     /// Must outlive the parsing of the command line. `app` has the options of AuralizeScene, of
-    /// which `from` and `to` may be given beside it.
-    void add_to(CLI::App& app, const CLI::Option& from, const CLI::Option& to);
+    /// which those of names and FormatChoice may be given beside it.
+    void add_to(CLI::App& app);
 
     bool is_chosen() const noexcept { return !file_.empty(); }
 
-    /// Reads the paths. Call before play(). Throws Error.
-    void load();
+    /// Reads the paths. Call before play(). `choice` has been added to `app`. Throws Error, and
+    /// UsageError as FormatChoice::apply().
+    void load(const CLI::App& app, const FormatChoice& choice);
 
     /// What the listener hears of a mono recording played by the source; an empty name is that of
     /// the only one. Throws Error if the file has no such pair.
@@ -44,6 +47,7 @@ private:
 
     std::string file_;
     std::vector<io::PairPathFrames> pairs_;
+    propagation::ResponseFormat format_;
     Warnings warnings_;
 };
 

@@ -32,6 +32,9 @@ public:
     const std::string& from() const noexcept { return from_; }
     const std::string& to() const noexcept { return to_; }
 
+    /// The options of channels, which --paths takes, too.
+    const FormatChoice& format_choice() const noexcept { return format_choice_; }
+
     /// Reads the scene. Call before play(). Throws Error, and UsageError for options that are
     /// not of their form.
     void load(const CLI::App& app, std::int64_t seed);

@@ -248,7 +248,11 @@ private:
             .scene = job_.scene,
             .bands = job_.simulation.bands,
             .speed_of_sound = propagation::speed_of_sound(job_.simulation.air)};
-        ResponseTexts texts{.paths = io::encode_paths(header, all_pairs_)};
+        std::vector<propagation::Pose> listeners;
+        for (const PairResult& pair : all_pairs_) {
+            listeners.push_back(job_.scene.pose_at(job_.scene.listeners[pair.listener], pair.time));
+        }
+        ResponseTexts texts{.paths = io::encode_paths(header, all_pairs_, listeners)};
         write("paths.json", texts.paths);
         if (job_.format.report_metrics) {
             texts.metrics = io::encode_metrics({.scene = job_.scene,

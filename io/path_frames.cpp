@@ -30,6 +30,7 @@ constexpr double kMinSpeedOfSound = 100.0, kMaxSpeedOfSound = 2000.0;
 constexpr std::size_t kMaxOrder = 100;
 // The turn of a way, twice the cosine at a reflection, up to which it goes straight on.
 constexpr double kMaxTurn = 1e-7;
+constexpr double kMaxAxisDeviation = 1e-6;  // of length from 1, and of a cosine from 0
 
 PathKind kind_of(const ReportFile& file, const std::string& name) {
     for (const PathKind kind :
@@ -115,6 +116,20 @@ Path path_of(const ReportFile& file, const Json& json) {
     return path;
 }
 
+/// Files of earlier versions do not tell how the listener is turned: then along -Z.
+void read_orientation(const ReportFile& file, const Json& json, PathFrame& frame) {
+    if (!json.contains("listener_front") && !json.contains("listener_up")) {
+        return;
+    }
+    frame.listener_front = result_point(file, json.at("listener_front"));
+    frame.listener_up = result_point(file, json.at("listener_up"));
+    const auto is_one = [](double value) { return std::abs(value - 1.0) <= kMaxAxisDeviation; };
+    if (!is_one(glm::length(frame.listener_front)) || !is_one(glm::length(frame.listener_up)) ||
+        !(std::abs(glm::dot(frame.listener_front, frame.listener_up)) <= kMaxAxisDeviation)) {
+        refuse_result_file(file, "has a listener whose axes are no unit vectors at right angles");
+    }
+}
+
 /// The pairs of a file, by their names.
 class PairTable {
 public:
@@ -130,9 +145,10 @@ public:
         if (is_new) {
             pairs_.push_back({.source = names.first, .listener = names.second});
         }
-        pairs_[known->second].frames.instants.push_back(
-            {.time = result_number(file_, json.at("time"), -kMaxTime, kMaxTime),
-             .paths = std::move(paths)});
+        PathFrame frame{.time = result_number(file_, json.at("time"), -kMaxTime, kMaxTime),
+                        .paths = std::move(paths)};
+        read_orientation(file_, json, frame);
+        pairs_[known->second].frames.instants.push_back(std::move(frame));
     }
 
     std::vector<PairPathFrames> finish(const Json& header) {

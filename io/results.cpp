@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/results.h"
 
+#include "earshot/base/assert.h"
 #include "earshot/io/internal/json_lines.h"
 #include "earshot/io/internal/pair_head.h"
 #include "earshot/io/wav.h"
@@ -66,15 +67,22 @@ std::string pair_head(const propagation::Scene& scene,
 }
 
 std::string encode_paths(const ResultHeader& header,
-                         const std::vector<propagation::PairResult>& pairs) {
+                         const std::vector<propagation::PairResult>& pairs,
+                         std::span<const propagation::Pose> listeners) {
+    EARSHOT_ASSERT(listeners.empty() || listeners.size() == pairs.size());
     JsonLines lines;
     lines.begin_list("{\"version\":1,\"scene\":" + json_text(header.scene.name) +
                          ",\"speed_of_sound\":" + json_text(header.speed_of_sound) +
                          ",\"bands_hz\":" + json_text(to_json(header.bands.nominal_hz())) +
                          ",\n\"pairs\":",
                      1);
-    for (const propagation::PairResult& pair : pairs) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const propagation::PairResult& pair = pairs[i];
         lines.add_record(pair_head(header.scene, pair.source, pair.listener, pair.time));
+        if (!listeners.empty()) {
+            lines.append(",\"listener_front\":" + json_text(to_json(listeners[i].front)) +
+                         ",\"listener_up\":" + json_text(to_json(listeners[i].up)));
+        }
         lines.begin_list(",\"paths\":", 2);
         for (const propagation::Path& path : pair.paths) {
             lines.add_record(json_text(to_json(path, header)));

@@ -4,8 +4,10 @@
 #include "earshot/audio/bands.h"
 #include "earshot/audio/impulse_response.h"
 #include "earshot/propagation/pair_result.h"
+#include "earshot/propagation/pose.h"
 #include "earshot/propagation/scene.h"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,9 +21,11 @@ struct ResultHeader {
 };
 
 /// The text of paths.json: one path per line, numbers with the fewest digits that read back as the
-/// same double.
+/// same double. `listeners`: how the listener of each pair is turned, or nothing, and the text
+/// does not tell. Precondition: none, or as many as pairs.
 std::string encode_paths(const ResultHeader& header,
-                         const std::vector<propagation::PairResult>& pairs);
+                         const std::vector<propagation::PairResult>& pairs,
+                         std::span<const propagation::Pose> listeners = {});
 
 /// The text of histograms.json: the late energy of each pair and its standard errors, band by band.
 std::string encode_histograms(const ResultHeader& header,

@@ -4,7 +4,9 @@
 #include "earshot/base/error.h"
 #include "earshot/propagation/internal/moving_early_sound.h"
 #include "earshot/propagation/internal/path_facets.h"
+#include "earshot/propagation/internal/response_parts.h"
 #include "earshot/propagation/moving_paths.h"
+#include "earshot/propagation/pose.h"
 
 #include <glm/geometric.hpp>
 
@@ -98,10 +100,24 @@ MovingPaths moving_paths_of(const PathFrames& frames) {
     return paths;
 }
 
+/// How the listener is turned at a time.
+audio::Orientation orientation_at(const std::vector<PathFrame>& instants, double time) {
+    const auto upper = std::upper_bound(
+        instants.begin() + 1, instants.end() - 1, time, [](double t, const PathFrame& frame) {
+            return t < frame.time;
+        });
+    const PathFrame& from = *(upper - 1);
+    const double along = std::clamp((time - from.time) / (upper->time - from.time), 0.0, 1.0);
+    const auto between = [&](const Vec3& a, const Vec3& b) { return a + along * (b - a); };
+    return orientation_of(pose_towards(Vec3(0.0),
+                                       between(from.listener_front, upper->listener_front),
+                                       between(from.listener_up, upper->listener_up)));
+}
+
 }  // namespace
 
 MovingSound render_path_frames(const PathFrames& frames,
-                               double sample_rate,
+                               const ResponseFormat& format,
                                std::span<const double> recording,
                                Executor& executor,
                                Progress* progress) {
@@ -117,20 +133,21 @@ MovingSound render_path_frames(const PathFrames& frames,
     }
     const Ways ways = ways_of(frames);
     const MovingPaths paths = moving_paths_of(frames);
-    const ResponseFormat format{.sample_rate = sample_rate};
-    const std::optional<audio::HrirInterpolator> no_hrirs;
-    const audio::Assembler assembler(frames.bands, sample_rate);
-    const MovingEarlySound sound = {.paths = paths,
-                                    .source = ways.source,
-                                    .listener = ways.listener,
-                                    .orientation_at = [](double) { return audio::Orientation{}; },
-                                    .format = format,
-                                    .hrirs = no_hrirs,
-                                    .assembler = assembler,
-                                    .speed_of_sound = frames.speed_of_sound,
-                                    .start = frames.instants.front().time};
+    const ResponseFormat checked = checked_format(format);
+    const std::optional<audio::HrirInterpolator> hrirs = prepared_hrirs(checked);
+    const audio::Assembler assembler(frames.bands, checked.sample_rate);
+    const MovingEarlySound sound = {
+        .paths = paths,
+        .source = ways.source,
+        .listener = ways.listener,
+        .orientation_at = [&](double time) { return orientation_at(frames.instants, time); },
+        .format = checked,
+        .hrirs = hrirs,
+        .assembler = assembler,
+        .speed_of_sound = frames.speed_of_sound,
+        .start = frames.instants.front().time};
     MovingSound result{.instants = paths.times().size(), .paths = paths.paths().size()};
-    result.signal = {.sample_rate = static_cast<std::int64_t>(sample_rate),
+    result.signal = {.sample_rate = static_cast<std::int64_t>(checked.sample_rate),
                      .channels = render_early_sound(sound, recording, executor, progress)};
     return result;
 }

@@ -8,6 +8,7 @@
 #include "earshot/io/room_sofa.h"
 #include "earshot/propagation/pair_metrics.h"
 #include "earshot/propagation/pair_result.h"
+#include "earshot/propagation/pose.h"
 #include "earshot/propagation/response.h"
 #include "earshot/propagation/room_statistics.h"
 #include "earshot/propagation/scene.h"
@@ -42,6 +43,7 @@ struct ResultObject : ObjectOf<ES_KIND_RESULT> {
     es_result_info info{};
     std::optional<audio::SpeechConditions> speech{};
     std::vector<propagation::PairResult> pairs;
+    std::vector<propagation::Pose> listener_poses;  ///< per pair
     std::vector<propagation::PairMetrics> metrics;  ///< per pair, or none
     std::optional<propagation::RoomStatistics> room;
     std::vector<propagation::PairSensitivity> sensitivity;  ///< per pair, or none

@@ -59,14 +59,17 @@ std::string passing_source() {
           {{"acoustics",
             {{"absorption", 1.0 - kReflection * kReflection}, {"scattering", 0.0}}}}}}};
     builder.primitive(mesh)["material"] = 0;
-    const auto emitter = [](const char* name, const char* role, const Vec3& at) {
-        return Json{{"name", name},
-                    {"translation", {at.x, at.y, at.z}},
-                    {"extras", {{"acoustics", {{"role", role}}}}}};
+    const auto emitter = [](const char* name, const char* role, const Vec3& at) -> Json {
+        return {{"name", name},
+                {"translation", {at.x, at.y, at.z}},
+                {"extras", {{"acoustics", {{"role", role}}}}}};
     };
     builder.add_node({{"name", "box"}, {"mesh", mesh}});
     const int car = builder.add_node(emitter("car", "source", source_at(0.0)));
-    builder.add_node(emitter("ear", "listener", kListener));
+    Json ear = emitter("ear", "listener", kListener);
+    const double half = std::sqrt(0.5);  // a quarter of a turn about +Y: looks along -X
+    ear["rotation"] = {0.0, half, 0.0, half};
+    builder.add_node(ear);
     builder.json["scenes"] = {{{"nodes", {0, 1, 2}}}};
     std::vector<float> places;
     for (const double t : {0.0, 1.0}) {
@@ -82,12 +85,15 @@ std::string passing_source() {
     return builder.glb();
 }
 
+/// Pressure, and its first-order channels (ACN: left, up, front) by the directions of the images.
+using FirstOrder = std::array<double, 4>;
+
 /// p(t) = s(t_e) / r(t_e) of all images up to an order, t_e by bisection of t = t_e + r(t_e) / c.
-double heard_of_images(double t, int order) {
+FirstOrder heard_of_images(double t, int order) {
     const auto along = [](double length, double x, int n) {
         return n * length + (n % 2 == 0 ? x : length - x);
     };
-    double sum = 0.0;
+    FirstOrder sum{};
     for (int i = -order; i <= order; ++i) {
         for (int j = -order; j <= order; ++j) {
             for (int k = -order; k <= order; ++k) {
@@ -95,20 +101,26 @@ double heard_of_images(double t, int order) {
                 if (reflections > order) {
                     continue;
                 }
-                const auto distance = [&](double at) {
+                const auto way_at = [&](double at) {
                     const Vec3 s = source_at(at);
-                    return glm::distance(
-                        Vec3(
-                            along(kSize.x, s.x, i), along(kSize.y, s.y, j), along(kSize.z, s.z, k)),
-                        kListener);
+                    return Vec3(along(kSize.x, s.x, i),
+                                along(kSize.y, s.y, j),
+                                along(kSize.z, s.z, k)) -
+                           kListener;
                 };
+                const auto distance = [&](double at) { return glm::length(way_at(at)); };
                 double low = t - 0.5, high = t;
                 for (int step = 0; step < 60; ++step) {
                     const double middle = 0.5 * (low + high);
                     (middle + distance(middle) / kSpeedOfSound < t ? low : high) = middle;
                 }
-                sum += std::pow(kReflection, reflections) / distance(low) *
-                       std::sin(2.0 * std::numbers::pi * kFrequency * low);
+                const double pressure = std::pow(kReflection, reflections) / distance(low) *
+                                        std::sin(2.0 * std::numbers::pi * kFrequency * low);
+                const Vec3 towards = glm::normalize(way_at(low));
+                const FirstOrder weights = {1.0, towards.z, towards.y, -towards.x};
+                for (std::size_t channel = 0; channel < 4; ++channel) {
+                    sum[channel] += pressure * weights[channel];
+                }
             }
         }
     }
@@ -169,7 +181,7 @@ TEST_F(AuralizePaths, SoundsAsTheMovingImages) {
             const io::Sound wet = io::read_sound(path("wet.wav"));
             double difference = 0.0, energy = 0.0;
             for (std::size_t n = 19200; n < 47000; n += 7) {
-                const double expected = heard_of_images(static_cast<double>(n) / kRate, order);
+                const double expected = heard_of_images(static_cast<double>(n) / kRate, order)[0];
                 const double off = wet.samples[n] - expected;
                 difference += off * off;
                 energy += expected * expected;
@@ -180,6 +192,61 @@ TEST_F(AuralizePaths, SoundsAsTheMovingImages) {
                            std::to_string(level));
         }
     }
+}
+
+// The listener's turn is that of the file.
+TEST_F(AuralizePaths, SoundsFromTheDirectionsOfTheMovingImages) {
+    find_paths("0.1", 1);
+    const RunResult result = play({"--format", "ambisonic:1"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const io::Sound wet = io::read_sound(path("wet.wav"));
+    ASSERT_EQ(wet.channels, 4);
+    FirstOrder difference{}, energy{};
+    for (std::size_t n = 19200; n < 47000; n += 7) {
+        const FirstOrder expected = heard_of_images(static_cast<double>(n) / kRate, 1);
+        for (std::size_t channel = 0; channel < 4; ++channel) {
+            const double off = wet.samples[4 * n + channel] - expected[channel];
+            difference[channel] += off * off;
+            energy[channel] += expected[channel] * expected[channel];
+        }
+    }
+    for (std::size_t channel = 0; channel < 4; ++channel) {
+        const double level = 10.0 * std::log10(difference[channel] / energy[channel]);
+        EXPECT_LT(level, -60.0) << "channel " << channel;
+        RecordProperty("difference_db_" + std::to_string(channel), std::to_string(level));
+    }
+}
+
+TEST_F(AuralizePaths, SoundsAtTwoEarsAsInTheScene) {
+    find_paths("0.1", 1);
+    ASSERT_EQ(play({"--format", "binaural"}).status, 0);
+    const io::Sound found = io::read_sound(path("wet.wav"));
+    const RunResult scene = run_earshot({"auralize",
+                                         path("dry.wav"),
+                                         "--scene",
+                                         path("box.glb"),
+                                         "--format",
+                                         "binaural",
+                                         "--step",
+                                         "0.1",
+                                         "--order",
+                                         "1",
+                                         "--rays",
+                                         "0",
+                                         "--no-air-absorption",
+                                         "-o",
+                                         path("scene.wav")});
+    ASSERT_EQ(scene.status, 0) << scene.err;
+    const io::Sound expected = io::read_sound(path("scene.wav"));
+    ASSERT_EQ(found.channels, 2);
+    ASSERT_EQ(found.samples.size(), expected.samples.size());
+    double difference = 0.0, energy = 0.0;
+    for (std::size_t i = 0; i < found.samples.size(); ++i) {
+        const double off = found.samples[i] - expected.samples[i];
+        difference += off * off;
+        energy += expected.samples[i] * expected.samples[i];
+    }
+    EXPECT_LT(10.0 * std::log10(difference / energy), -60.0);
 }
 
 TEST_F(AuralizePaths, GivesTheSameBytesForAnyThreads) {
@@ -214,7 +281,9 @@ TEST_F(AuralizePaths, SaysWhatIsWrongWithTheCommandLine) {
     fails({"--to", "nobody"}, 1, "has no such listener");
     fails({"--mix", path("dry.wav"), "bell"}, 1, "has no such source");
     fails({"--scene", path("box.glb")}, 2, "--scene");
-    fails({"--format", "binaural"}, 2, "--format");
+    fails({"--order", "2"}, 2, "--order");
+    fails({"--format", "ears"}, 2, "is not one of mono, binaural, ambisonic:N");
+    fails({"--format", "binaural", "--hrtf", path("none.sofa")}, 1, "none.sofa");
     fails({path("out/car__ear.wav")}, 2, "--paths takes the place of");
     fails({"--paths", path("none.json")}, 2, "--paths");
 }
@@ -256,6 +325,9 @@ TEST_F(AuralizePaths, RefusesWhatIsNotPathsOfFrames) {
         fails_with([&](Json& json) { change(json["pairs"][1]["paths"][2]); }, message);
     };
     fails_with([](Json& json) { json["pairs"] = Json::array(); }, "has no pair");
+    fails_with([](Json& json) { json["pairs"][1].erase("listener_up"); }, "listener_up");
+    fails_with([](Json& json) { json["pairs"][1]["listener_up"] = {0, 2, 0}; }, "unit vectors");
+    fails_with([](Json& json) { json["pairs"][1]["listener_up"] = {-1, 0, 0}; }, "right angles");
     fails_with(
         [](Json& json) {
             Json& paths = json["pairs"][1]["paths"];

@@ -37,13 +37,17 @@ TEST(EncodePaths, NumbersReadBackAsTheSameDoubles) {
     path.materials = {1};
     path.pressure[9] = 5e-324;
     const std::string text =
-        encode_paths(fixture.header, {{.source = 0, .listener = 0, .time = 0.1, .paths = {path}}});
+        encode_paths(fixture.header,
+                     {{.source = 0, .listener = 0, .time = 0.1, .paths = {path}}},
+                     std::vector<propagation::Pose>{{.front = {0.6, 0.0, 0.8}}});
     const Json json = Json::parse(text);
     EXPECT_EQ(json["version"], 1);
     EXPECT_EQ(json["scene"], "a \"b\".gltf");
     EXPECT_EQ(json["bands_hz"][0], 31.5);
     const Json& read = json["pairs"][0]["paths"][0];
     EXPECT_EQ(json["pairs"][0]["time"], 0.1);
+    EXPECT_EQ(json["pairs"][0]["listener_front"], Json::array({0.6, 0.0, 0.8}));
+    EXPECT_EQ(json["pairs"][0]["listener_up"], Json::array({0.0, 1.0, 0.0}));
     EXPECT_EQ(read["length"].get<double>(), path.length);
     EXPECT_EQ(read["delay"].get<double>(), path.delay);
     EXPECT_EQ(read["points"][0][1].get<double>(), 1e-300);

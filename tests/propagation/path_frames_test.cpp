@@ -3,6 +3,7 @@
 
 #include "earshot/base/error.h"
 #include "earshot/base/random.h"
+#include "earshot/io/default_hrir_set.h"
 #include "earshot/propagation/room_shapes.h"
 #include "earshot/propagation/simulator.h"
 
@@ -37,13 +38,17 @@ PathFrames frames_of(const Scene& scene, const Options& options) {
         placed.sources[0].position = source_at(time);
         Simulator simulator(placed, options);
         simulator.set_time(time);
-        std::vector<Path> paths = simulator.run().front().paths;
+        std::vector<Path> paths = std::move(simulator.run().front().paths);
         for (Path& path : paths) {
             path.length = path.delay = 0.0;
             path.parts.clear();
         }
         frames.speed_of_sound = speed_of_sound(options.air);
-        frames.instants.push_back({.time = time, .paths = std::move(paths)});
+        const Pose listener = placed.pose_at(placed.listeners[0], time);
+        frames.instants.push_back({.time = time,
+                                   .paths = std::move(paths),
+                                   .listener_front = listener.front,
+                                   .listener_up = listener.up});
     }
     return frames;
 }
@@ -57,18 +62,22 @@ std::vector<double> noise() {
 }
 
 /// The level of the difference from what is heard in the scene itself.
-double difference_db(const Scene& scene, const Options& options) {
+double difference_db(const Scene& scene, const Options& options, ResponseFormat format = {}) {
+    format.sample_rate = kRate;
     const MovingPair pair{
         .source_path = Trajectory({{0.0, source_at(0.0)}, {kSeconds, source_at(kSeconds)}}),
         .step = kStep};
-    const auto expected = render_moving_pair(scene, options, {.sample_rate = kRate}, pair, noise());
-    const auto found = render_path_frames(frames_of(scene, options), kRate, noise());
-    const std::vector<double>& a = expected.signal.channels.front();
-    const std::vector<double>& b = found.signal.channels.front();
+    const auto expected = render_moving_pair(scene, options, format, pair, noise());
+    const auto found = render_path_frames(frames_of(scene, options), format, noise());
+    EXPECT_EQ(found.signal.channels.size(), expected.signal.channels.size());
     double difference = 0.0, energy = 0.0;
-    for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n) {
-        difference += (a[n] - b[n]) * (a[n] - b[n]);
-        energy += a[n] * a[n];
+    for (std::size_t channel = 0; channel < expected.signal.channels.size(); ++channel) {
+        const std::vector<double>& a = expected.signal.channels[channel];
+        const std::vector<double>& b = found.signal.channels[channel];
+        for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n) {
+            difference += (a[n] - b[n]) * (a[n] - b[n]);
+            energy += a[n] * a[n];
+        }
     }
     return 10.0 * std::log10(difference / energy);
 }
@@ -82,6 +91,16 @@ Scene room() {
 
 TEST(PathFrames, SoundAsTheirSceneWhereWallsStay) {
     EXPECT_LT(difference_db(room(), {.specular_order = 3}), -100.0);
+}
+
+TEST(PathFrames, HaveTheChannelsOfTheirScene) {
+    Scene scene = room();
+    scene.listeners[0].looks_at = Vec3(1.0, 2.0, 1.0);
+    for (const ResponseFormat& format :
+         {ResponseFormat{.channels = Channels::ambisonic, .ambisonic_order = 3},
+          ResponseFormat{.channels = Channels::binaural, .hrir_set = io::default_hrir_set()}}) {
+        EXPECT_LT(difference_db(scene, {.specular_order = 2}, format), -100.0);
+    }
 }
 
 // A plate that rises: its mirror is interpolated between the instants.
@@ -105,7 +124,7 @@ TEST(PathFrames, FollowTheLengthOfDiffractedPaths) {
     for (const PathFrame& frame : frames.instants) {
         EXPECT_TRUE(std::any_of(frame.paths.begin(), frame.paths.end(), bends)) << frame.time;
     }
-    const MovingSound sound = render_path_frames(frames, kRate, noise());
+    const MovingSound sound = render_path_frames(frames, {.sample_rate = kRate}, noise());
     EXPECT_EQ(sound.instants, frames.instants.size());
 }
 
@@ -114,7 +133,7 @@ TEST(PathFrames, RefuseWhatIsNoMotion) {
     const auto fails = [&](const std::function<void(PathFrames&)>& change) {
         PathFrames frames = good;
         change(frames);
-        EXPECT_THROW(render_path_frames(frames, kRate, noise()), Error);
+        EXPECT_THROW(render_path_frames(frames, {.sample_rate = kRate}, noise()), Error);
     };
     fails([](PathFrames& frames) { frames.instants.resize(1); });
     fails([](PathFrames& frames) { frames.instants.clear(); });
