@@ -313,6 +313,7 @@ SimplificationOptions options_for_frequency(double max_frequency_hz, double spee
 }
 
 void validate(const SimplificationOptions& options) {
+    geometry::validate(geometry::SimplifyOptions{.max_angle = options.max_angle});
     const auto check = [](bool is_right, const char* subject, const char* remedy) {
         if (!is_right) {
             throw Error(subject, "is out of range", remedy);
@@ -322,9 +323,6 @@ void validate(const SimplificationOptions& options) {
     check(options.max_distance >= 1e-4 && options.max_distance <= 1e3,
           "distance of simplification",
           "give 0.0001 to 1000 metres");
-    check(options.max_angle >= 0.0 && options.max_angle <= 3.15,
-          "angle of simplification",
-          "give 0 to pi radians");
     check(options.max_object_size >= 0.0 && options.max_object_size <= 1e3,
           "size of objects",
           "give 0 to 1000 metres");

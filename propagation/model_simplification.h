@@ -22,8 +22,8 @@ struct SimplificationOptions {
     /// Metres, 0.0001 ... 1000: proved of every connected part, both from the original to what
     /// stands for it and back, and of every material in it.
     double max_distance = 0.01;
-    /// Radians: the opening of the cone that holds the normals of a triangle and of all that it
-    /// replaces.
+    /// Radians, 0 ... pi: the opening of the cone that holds the normals of a triangle and of all
+    /// that it replaces.
     double max_angle = 3.141592653589793;
     /// Connected parts of at most this extent become boxes, metres; 0: none by their size alone.
     /// Without it those of up to four times max_distance do whose boxes keep max_distance.

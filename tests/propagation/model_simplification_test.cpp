@@ -205,6 +205,7 @@ TEST_F(ModelSimplification, RefusesScenesThatMoveAndOptionsOutOfRange) {
     const Scene scene = room_with_ball(0.4, 1);
     EXPECT_THROW(simplify_model(scene, {.max_distance = 0.0}), Error);
     EXPECT_THROW(simplify_model(scene, {.max_angle = -1.0}), Error);
+    EXPECT_THROW(validate(SimplificationOptions{.max_angle = 3.145}), Error);
     EXPECT_THROW(simplify_model(scene, {.max_object_size = std::nan("")}), Error);
     Scene moving;
     geometry::Node node;
