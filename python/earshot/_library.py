@@ -160,6 +160,17 @@ def view(pointer: Any, shape: tuple[int, ...], dtype: Any, owner: Object) -> npt
     return flat.view(kind).reshape(shape)
 
 
+def told_array(
+    owner: Object, function: Any, *arguments: Any, shape: tuple[int, ...] = (), dtype: Any = np.float64
+) -> npt.NDArray[Any]:
+    """(count, *shape) over the memory that a function of ``owner`` tells by its last two arguments,
+    the address and the count; ``arguments`` are those between."""
+    kind = {np.float64: "double", np.uint32: "uint32_t"}[dtype]
+    address, count = ffi.new(f"const {kind} **"), ffi.new("size_t *")
+    check(function(owner._handle, *arguments, address, count))
+    return view(address[0], (count[0], *shape), dtype, owner)
+
+
 def real_array(values: npt.ArrayLike, name: str, shape: str) -> npt.NDArray[np.float64]:
     """Numbers as doubles in C order, without a copy where they are that; `shape` is told."""
     try:

@@ -23,7 +23,7 @@ from ._library import (
     new_struct,
     number,
     text,
-    view,
+    told_array,
 )
 from ._progress import Progress, run_long
 from .scene import Scene
@@ -123,9 +123,7 @@ class _Lists(Object):
         return [array[0][index] for index in range(count[0])]
 
     def _numbers(self, function: Any, which: int) -> npt.NDArray[np.uint32]:
-        array, count = ffi.new("const uint32_t **"), ffi.new("size_t *")
-        must(function(self._handle, which, array, count))
-        return view(array[0], (count[0],), np.uint32, self)
+        return told_array(self, function, which, dtype=np.uint32)
 
 
 class Mending(_Lists):

@@ -25,6 +25,7 @@ from ._library import (
     new_struct,
     number,
     text,
+    told_array,
     view,
 )
 from ._progress import Progress, run_long
@@ -97,9 +98,7 @@ class Location(Object):
     @property
     def arrivals(self) -> npt.NDArray[np.float64]:
         """(arrivals, 4): model - measured before, after and held out, seconds, and the weight."""
-        errors, count = ffi.new("const double **"), ffi.new("size_t *")
-        check(lib.es_location_arrivals(self._handle, errors, count))
-        return view(errors[0], (count[0], 4), np.float64, self)
+        return told_array(self, lib.es_location_arrivals, shape=(4,))
 
     def write(self, file: str | os.PathLike[str]) -> None:
         """Writes a .json file, as ``earshot calibrate --locate`` does."""

@@ -26,6 +26,7 @@ from ._library import (
     number,
     points,
     text,
+    told_array,
     view,
 )
 from ._progress import Progress, run_long
@@ -92,16 +93,12 @@ class MetricMap(Object):
     @property
     def points(self) -> npt.NDArray[np.float64]:
         """(points, 3) metres: the middles of the cells, or the given points."""
-        values, count = ffi.new("const double **"), ffi.new("size_t *")
-        check(lib.es_map_points(self._handle, values, count))
-        return view(values[0], (count[0], 3), np.float64, self)
+        return told_array(self, lib.es_map_points, shape=(3,))
 
     @property
     def cells(self) -> npt.NDArray[np.float64]:
         """(points, 4): x0, z0, x1, z1 of the cells, metres; NaN for given points."""
-        values, count = ffi.new("const double **"), ffi.new("size_t *")
-        check(lib.es_map_cells(self._handle, values, count))
-        return view(values[0], (count[0], 4), np.float64, self)
+        return told_array(self, lib.es_map_cells, shape=(4,))
 
     def __getitem__(self, metric: str) -> npt.NDArray[np.float64]:
         """A metric's values, (points, sources)."""

@@ -27,6 +27,7 @@ from ._library import (
     messages,
     new_struct,
     text,
+    told_array,
     view,
 )
 from .names import Names
@@ -218,9 +219,7 @@ class Result(Object):
     @functools.cached_property
     def bands(self) -> npt.NDArray[np.float64]:
         """Nominal centres of the frequency bands, hertz."""
-        values, count = ffi.new("const double **"), ffi.new("size_t *")
-        check(lib.es_result_bands(self._handle, values, count))
-        return view(values[0], (count[0],), np.float64, self)
+        return told_array(self, lib.es_result_bands)
 
     @functools.cached_property
     def ir(self) -> npt.NDArray[np.float32]:

@@ -28,6 +28,7 @@ from ._library import (
     number,
     points,
     text,
+    told_array,
     view,
 )
 from ._progress import Progress, run_long
@@ -171,16 +172,12 @@ class VisibleSets(Object):
     @property
     def volumes(self) -> npt.NDArray[np.float64]:
         """(cells,) cubic metres."""
-        values, count = ffi.new("const double **"), ffi.new("size_t *")
-        check(lib.es_visible_sets_volumes(self._handle, values, count))
-        return view(values[0], (count[0],), np.float64, self)
+        return told_array(self, lib.es_visible_sets_volumes)
 
     def objects(self, cell: int) -> npt.NDArray[np.uint32]:
         """The objects that are visible from a cell, ascending."""
-        values, count = ffi.new("const uint32_t **"), ffi.new("size_t *")
-        check(lib.es_visible_sets_objects(self._handle, integer(cell, "cell", 0, NONE), values,
-                                          count))
-        return view(values[0], (count[0],), np.uint32, self)
+        return told_array(
+            self, lib.es_visible_sets_objects, integer(cell, "cell", 0, NONE), dtype=np.uint32)
 
     def triangles(self, cell: int) -> npt.NDArray[np.uint32]:
         """The triangles that are visible from a cell, ascending."""
@@ -198,9 +195,7 @@ class VisibleSets(Object):
     @property
     def object_of_triangle(self) -> npt.NDArray[np.uint32]:
         """(triangles,)"""
-        values, count = ffi.new("const uint32_t **"), ffi.new("size_t *")
-        check(lib.es_visible_sets_object_of_triangle(self._handle, values, count))
-        return view(values[0], (count[0],), np.uint32, self)
+        return told_array(self, lib.es_visible_sets_object_of_triangle, dtype=np.uint32)
 
     def __repr__(self) -> str:
         return (f"<VisibleSets of {self.scene!r}: {self.cells} cells, {self.triangle_count} "
