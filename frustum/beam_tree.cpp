@@ -95,8 +95,13 @@ bool BeamTracer::is_followed(const Frustum& frustum, std::size_t order) const {
 void BeamRecorder::record(const Frustum& frustum,
                           std::span<const VisibleFacet> visible,
                           const OccluderDepths& occluders,
-                          bool is_continued) {
+                          bool is_continued,
+                          std::span<const std::uint32_t> before) {
     const std::size_t begin = tree_.visible.size();
+    if (!before.empty()) {
+        tree_.visible_before.resize(begin, kNotBefore);
+        tree_.visible_before.insert(tree_.visible_before.end(), before.begin(), before.end());
+    }
     tree_.visible.insert(tree_.visible.end(), visible.begin(), visible.end());
     tree_.nodes.push_back({frustum, order_, begin, tree_.visible.size(), is_continued, occluders});
 }

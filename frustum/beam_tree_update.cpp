@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/beam_tree.h"
 #include "earshot/frustum/internal/geometry_change.h"
+#include "earshot/frustum/internal/kept_connections.h"
 #include "earshot/frustum/internal/kept_frusta.h"
 #include "earshot/frustum/internal/primary_facets.h"
 
+#include <numeric>
 #include <utility>
 
 namespace earshot::frustum {
@@ -14,9 +16,14 @@ namespace {
 struct OldNode {
     const BeamTree* tree = nullptr;
     std::size_t index = 0;
+    std::size_t first = 0;  // visible facets of the parts before this one
 
     const BeamNode& node() const { return tree->nodes[index]; }
     std::span<const VisibleFacet> visible() const { return tree->visible_in(node()); }
+    /// Of its visible facets, over all parts.
+    std::uint32_t first_position() const {
+        return static_cast<std::uint32_t>(first + node().visible_begin);
+    }
 
     /// Calls visit(child) for each, in order. Nodes are in depth-first order: the descendants come
     /// after the node, up to one that is no deeper.
@@ -26,11 +33,17 @@ struct OldNode {
         for (std::size_t i = index + 1; i < tree->nodes.size() && tree->nodes[i].order > order;
              ++i) {
             if (tree->nodes[i].order == order + 1) {
-                visit(OldNode{tree, i});
+                visit(OldNode{tree, i, first});
             }
         }
     }
 };
+
+void add_to_positions(std::uint32_t first, std::span<std::uint32_t> positions) {
+    for (std::uint32_t& position : positions) {
+        position += position != kNotBefore ? first : 0;
+    }
+}
 
 /// A frustum of order 1, and its node before the change if there was one.
 struct Subtree {
@@ -78,7 +91,7 @@ public:
             if (tracer_.may_reflect(search.frustum(), visible)) {
                 const Frustum child = search.reflect(visible);
                 const auto known = lookup.find(child);
-                update_or_trace({child, known ? OldNode{old.tree, *known} : OldNode{}});
+                update_or_trace({child, known ? OldNode{old.tree, *known, old.first} : OldNode{}});
             }
         }
     }
@@ -105,12 +118,17 @@ private:
         if (are_still_visible(search, old.visible(), occluders, change_)) {
             renumbered_.clear();
             append_renumbered(old.visible(), change_, renumbered_);
-            recorder_.record(frustum, renumbered_, occluders);
+            positions_.resize(renumbered_.size());
+            std::iota(positions_.begin(), positions_.end(), old.first_position());
+            recorder_.record(frustum, renumbered_, occluders, false, positions_);
             ++kept_frusta_;
             return true;
         }
         search.search(frustum);
-        recorder_.visit(search);
+        positions_.clear();
+        append_positions_before(search.found(), old.visible(), change_, positions_);
+        add_to_positions(old.first_position(), positions_);
+        recorder_.record(frustum, search.found(), search.occluder_depths(), false, positions_);
         return false;
     }
 
@@ -119,6 +137,7 @@ private:
     std::vector<VisibleFacets> searches_;   // one per order
     std::vector<FrustumLookup> lookups_;    // likewise
     std::vector<VisibleFacet> renumbered_;  // scratch
+    std::vector<std::uint32_t> positions_;  // likewise
     BeamRecorder recorder_;
     std::uint64_t kept_frusta_ = 0;
 };
@@ -131,23 +150,30 @@ UpdatedBeams BeamTracer::update(const geometry::Vec3& source,
     // The frusta around the source are the same as before, in the same order. Of those of order 1
     // it does not matter which one they are reflections of.
     std::vector<std::vector<VisibleFacet>> primary_before;
+    std::vector<std::vector<std::uint32_t>> primary_positions;  // likewise, over all parts
     std::vector<OldNode> old_subtrees;
     FrustumLookup lookup;
+    std::size_t first = 0;  // visible facets of earlier parts
     for (const BeamTree& part : before) {
         for (std::size_t i = 0; i < part.nodes.size(); ++i) {
             const BeamNode& node = part.nodes[i];
             if (node.order == 0) {
                 if (!node.is_continued) {
                     primary_before.emplace_back();
+                    primary_positions.emplace_back();
                 }
                 const auto visible = part.visible_in(node);
                 primary_before.back().insert(
                     primary_before.back().end(), visible.begin(), visible.end());
+                for (std::size_t k = node.visible_begin; k < node.visible_end; ++k) {
+                    primary_positions.back().push_back(static_cast<std::uint32_t>(first + k));
+                }
             } else if (node.order == 1) {
                 lookup.add(node.frustum, old_subtrees.size(), change);
-                old_subtrees.push_back({&part, i});
+                old_subtrees.push_back({&part, i, first});
             }
         }
+        first += part.visible.size();
     }
     lookup.finish();
     const auto primary = frusta_around_source(source);
@@ -156,6 +182,13 @@ UpdatedBeams BeamTracer::update(const geometry::Vec3& source,
         primary, primary_before, change, primary_pieces_, [&] { return make_search(); }, executor);
     UpdatedBeams result;
     result.kept_frusta = facets.kept_frusta();
+    std::vector<std::vector<std::uint32_t>> positions(primary.size());
+    for (std::size_t i = 0; i < primary.size(); ++i) {
+        append_positions_before(facets.visible[i], primary_before[i], change, positions[i]);
+        for (std::uint32_t& position : positions[i]) {
+            position = position != kNotBefore ? primary_positions[i][position] : kNotBefore;
+        }
+    }
     std::vector<Subtree> subtrees;
     VisibleFacets search = make_search();
     for (const FacetRange& range : divide_facets(facets.visible)) {
@@ -163,7 +196,12 @@ UpdatedBeams BeamTracer::update(const geometry::Vec3& source,
             primary[range.frustum],
             std::span(facets.visible[range.frustum]).subspan(range.begin, range.end - range.begin));
         BeamRecorder recorder;
-        range.begin == 0 ? recorder.visit(search) : recorder.visit_more(search);
+        recorder.record(
+            search.frustum(),
+            search.found(),
+            {},
+            range.begin > 0,
+            std::span(positions[range.frustum]).subspan(range.begin, range.end - range.begin));
         result.parts.push_back(recorder.take_tree());
         for (const VisibleFacet& visible : search.found()) {
             if (orders_ > 1 && may_reflect(search.frustum(), visible)) {

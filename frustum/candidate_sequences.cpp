@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/candidate_sequences.h"
 
+#include "earshot/frustum/internal/beam_tree.h"
+
 #include <glm/geometric.hpp>
 
 #include <bit>
@@ -17,6 +19,7 @@ void TaskResult::append(TaskResult&& other) {
     std::move(other.paths.begin(), other.paths.end(), std::back_inserter(paths));
     statistics += other.statistics;
     verdicts.append(std::move(other.verdicts));
+    connections.append(other.connections);
 }
 
 CandidateGenerator::CandidateGenerator(const FacetIndex& index,
@@ -108,9 +111,28 @@ void CandidateGenerator::generate_from(const VisibleFacets& search,
     aperture_test_ = search.aperture_test();
     for (const VisibleFacet& visible : visible_facets) {
         connect_last_reflections(search, visible);
-        if (static_cast<int>(order()) == listeners_.connecting_order) {
-            connect_subpaths(search, visible);
-        }
+        connect_subpaths(search, visible, kNotBefore);
+    }
+}
+
+void CandidateGenerator::generate_from(const VisibleFacets& search,
+                                       const BeamTree& part,
+                                       const BeamNode& node,
+                                       std::size_t first) {
+    const auto visible_facets = part.visible_in(node);
+    if (former_connections_ == nullptr || listeners_.beams == nullptr) {
+        generate_from(search, visible_facets);
+        return;
+    }
+    aperture_test_ = search.aperture_test();
+    for (std::size_t i = 0; i < visible_facets.size(); ++i) {
+        const std::size_t position = node.visible_begin + i;
+        connect_last_reflections(search, visible_facets[i]);
+        connect_subpaths(
+            search,
+            visible_facets[i],
+            former_connections_->position(first + position, part.position_before(position)));
+        result_.connections.add(connected_, taken_over_);
     }
 }
 
@@ -143,42 +165,86 @@ void CandidateGenerator::connect_last_reflections(const VisibleFacets& search,
     }
 }
 
-// Sound travels from the visible facet to the first facet of a subpath. Both ends of that leg know
-// where it may run: it lies on the straight line between the images of source and listener, which
-// passes both apertures.
+// Sound travels from the visible facet to the first facet of a subpath.
 void CandidateGenerator::connect_subpaths(const VisibleFacets& search,
-                                          const VisibleFacet& visible) {
+                                          const VisibleFacet& visible,
+                                          std::uint32_t position_before) {
+    connected_.clear();
+    taken_over_ = 0;
+    if (static_cast<int>(order()) != listeners_.connecting_order) {
+        return;
+    }
+    const bool is_known = position_before != kNotBefore;
+    if (is_known) {
+        take_over_connections(visible, position_before);
+    }
+    if (!is_known || !former_connections_->are_of_now) {
+        find_connections(search, visible, is_known);
+    }
+}
+
+void CandidateGenerator::take_over_connections(const VisibleFacet& visible,
+                                               std::uint32_t position_before) {
+    const auto before = former_connections_->connections->of(position_before);
+    if (before.empty()) {
+        return;
+    }
+    push(visible.facet);
+    for (const std::uint32_t number : before) {
+        const std::uint32_t now =
+            former_connections_->are_of_now ? number : listeners_.beams->number_now(number);
+        if (now != kNotBefore) {
+            verify_connection(now);
+        }
+    }
+    pop();
+    taken_over_ = connected_.size();
+}
+
+// Both ends of the leg know where it may run: it lies on the straight line between the images of
+// source and listener, which passes both apertures.
+void CandidateGenerator::find_connections(const VisibleFacets& search,
+                                          const VisibleFacet& visible,
+                                          bool only_new) {
     const ListenerBeams& beams = *listeners_.beams;
+    if (only_new && !beams.has_new()) {
+        return;
+    }
     const Plane& plane = index_.plane(visible.facet);
     const Frustum reflected = mirrored(search.frustum(), plane, visible.facet, visible.aperture);
     const double position_error =
         4.0 * kRounding * (index_.extent() + max_radius_ + glm::length(reflected.apex));
+    const ConnectingLegs legs(
+        reflected, plane, position_error, beams.max_coordinate(), options_.max_length);
     subpaths_.clear();
-    beams.tree().find(
-        ConnectingLegs(
-            reflected, plane, position_error, beams.tree().max_coordinate(), options_.max_length),
-        subpaths_);
+    only_new ? beams.find_new(legs, subpaths_) : beams.tree().find(legs, subpaths_);
     if (subpaths_.empty()) {
         return;
     }
     push(visible.facet);
+    const Vec3 image_source = images_.back();
     for (const std::uint32_t number : subpaths_) {
         const ListenerSubpath& subpath = beams.subpaths()[number];
-        if (subpath.first.facet == visible.facet ||
-            !search.may_pass(visible, plane.mirror(beams.image(number)))) {
-            continue;
+        if (subpath.first.facet != visible.facet &&
+            search.may_pass(visible, plane.mirror(beams.image(number))) &&
+            beams.may_arrive_from(
+                subpath, image_source, index_.plane(subpath.first.facet).mirror(image_source))) {
+            verify_connection(number);
         }
-        const Vec3 image_source = images_.back();
-        push(subpath.first.facet);
-        if (beams.may_arrive_from(subpath, image_source, images_.back())) {
-            if (subpath.has_two) {
-                push(subpath.last);
-            }
-            verify_candidate(subpath.listener);
-            if (subpath.has_two) {
-                pop();
-            }
-        }
+    }
+    pop();
+}
+
+// Precondition: the sequence ends in the visible facet.
+void CandidateGenerator::verify_connection(std::uint32_t number) {
+    const ListenerSubpath& subpath = listeners_.beams->subpaths()[number];
+    connected_.push_back(number);
+    push(subpath.first.facet);
+    if (subpath.has_two) {
+        push(subpath.last);
+    }
+    verify_candidate(subpath.listener);
+    if (subpath.has_two) {
         pop();
     }
     pop();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/kept_frusta.h"
 
+#include "earshot/frustum/internal/kept_connections.h"
 #include "earshot/frustum/internal/primary_facets.h"
 
 #include <algorithm>
@@ -10,6 +11,14 @@
 namespace earshot::frustum {
 
 using geometry::Aabb;
+
+namespace {
+
+bool is_same_aperture(const VisibleFacet& a, const VisibleFacet& b) noexcept {
+    return a.aperture == b.aperture && a.cells == b.cells && a.grazing == b.grazing;
+}
+
+}  // namespace
 
 bool are_still_visible(const VisibleFacets& search,
                        std::span<const VisibleFacet> visible_before,
@@ -34,6 +43,30 @@ void append_renumbered(std::span<const VisibleFacet> visible_before,
     for (const VisibleFacet& before : visible_before) {
         visible.push_back(before);
         visible.back().facet = change.after(before.facet);
+    }
+}
+
+void append_positions_before(std::span<const VisibleFacet> visible,
+                             std::span<const VisibleFacet> visible_before,
+                             const GeometryChange& change,
+                             std::vector<std::uint32_t>& positions) {
+    // A facet is visible in a frustum once.
+    std::vector<std::pair<geometry::FacetId, std::uint32_t>> unchanged;  // by the number of now
+    for (std::uint32_t i = 0; i < visible_before.size(); ++i) {
+        const geometry::FacetId facet = change.after(visible_before[i].facet);
+        if (facet != GeometryChange::kChanged) {
+            unchanged.emplace_back(facet, i);
+        }
+    }
+    std::sort(unchanged.begin(), unchanged.end());
+    for (const VisibleFacet& now : visible) {
+        const auto known =
+            std::partition_point(unchanged.begin(), unchanged.end(), [&](const auto& other) {
+                return other.first < now.facet;
+            });
+        const bool is_known = known != unchanged.end() && known->first == now.facet &&
+                              is_same_aperture(visible_before[known->second], now);
+        positions.push_back(is_known ? known->second : kNotBefore);
     }
 }
 

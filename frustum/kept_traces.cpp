@@ -20,8 +20,16 @@ std::size_t KeptVerdicts::size() const noexcept {
     return kept_->table.size();
 }
 
+std::size_t KeptVerdicts::connections() const noexcept {
+    return kept_->connections.size();
+}
+
+std::size_t KeptVerdicts::kept_connections() const noexcept {
+    return kept_->connections.kept();
+}
+
 std::size_t KeptVerdicts::bytes() const noexcept {
-    return kept_->table.bytes();
+    return kept_->table.bytes() + kept_->connections.bytes();
 }
 
 bool PathFinder::is_current(const SourceBeamTree& source) const noexcept {
@@ -50,6 +58,7 @@ void PathFinder::update(SourceBeamTree& source,
     kept.parts = std::move(updated.parts);
     kept.kept_frusta = updated.kept_frusta;
     kept.instant = state_->instant;
+    kept.stamp_before = std::exchange(kept.stamp, new_stamp());
 }
 
 void PathFinder::update(ListenerBeamTree& listeners, Executor& executor) const {
@@ -74,6 +83,23 @@ void PathFinder::update(ListenerBeamTree& listeners, Executor& executor) const {
                        *state.change,
                        executor);
     kept.instant = state.instant;
+    kept.stamp_before = std::exchange(kept.stamp, new_stamp());
+}
+
+// Of the same beam trees, or of those from which both have been updated.
+FormerConnections PathFinder::State::former_connections(const KeptVerdicts::Kept& kept,
+                                                        const SourceBeamTree::Kept& source,
+                                                        const ListenerBeamTree::Kept& listeners) {
+    if (kept.source_stamp == nullptr) {
+        return {};
+    }
+    if (source.stamp == kept.source_stamp && listeners.stamp == kept.listener_stamp) {
+        return {&kept.connections, true};
+    }
+    if (source.stamp_before == kept.source_stamp && listeners.stamp_before == kept.listener_stamp) {
+        return {&kept.connections, false};
+    }
+    return {};
 }
 
 TraceResult PathFinder::connect(const SourceBeamTree& source,
@@ -109,13 +135,18 @@ TraceResult PathFinder::connect(const SourceBeamTree& source,
     if (!are_known) {
         kept.table = {};
     }
-    const FormerVerdicts former(kept.table,
-                                are_known && !is_same_instant ? &*state.change : nullptr);
     std::optional<ListenerBeamTree> traced;
-    const ListenerSet set = state.with_beams(listeners, traced, executor).kept_->set();
-    TaskResult result = state.connect_beams(source, set, &former, executor);
+    const ListenerBeamTree::Kept& beams = *state.with_beams(listeners, traced, executor).kept_;
+    const State::Former former = {
+        .verdicts = {kept.table, are_known && !is_same_instant ? &*state.change : nullptr},
+        .connections = are_known ? State::former_connections(kept, *source.kept_, beams)
+                                 : FormerConnections{}};
+    TaskResult result = state.connect_beams(source, beams.set(), &former, executor);
     kept.table = std::move(result.verdicts);
     kept.table.finish();
+    kept.connections = std::move(result.connections);
+    kept.source_stamp = source.kept_->stamp;
+    kept.listener_stamp = beams.stamp;
     kept.source = source.source();
     kept.listeners.assign(positions.begin(), positions.end());
     kept.instant = state.instant;
@@ -124,17 +155,22 @@ TraceResult PathFinder::connect(const SourceBeamTree& source,
 
 TaskResult PathFinder::State::connect_beams(const SourceBeamTree& source,
                                             const ListenerSet& listeners,
-                                            const FormerVerdicts* former,
+                                            const Former* former,
                                             Executor& executor) const {
     const auto& parts = source.kept_->parts;
     TaskResult result = find_direct(source.source(), listeners, former);
+    std::vector<std::size_t> first_visible;  // per part
+    for (std::size_t count = 0; const BeamTree& part : parts) {
+        first_visible.push_back(count);
+        count += part.visible.size();
+    }
     std::vector<TaskResult> results(parts.size());
     executor.for_each(parts.size(), 1, [&](std::size_t begin, std::size_t end) {
         VisibleFacets search = tracer.make_search();
         for (std::size_t i = begin; i < end; ++i) {
             CandidateGenerator of_part = generator(source.source(), listeners);
             if (former != nullptr) {
-                of_part.keep_verdicts(*former);
+                of_part.keep(former->verdicts, former->connections);
             }
             for (const BeamNode& node : parts[i].nodes) {
                 // The nodes are in depth-first order: back up to the node's parent, then down.
@@ -145,7 +181,7 @@ TaskResult PathFinder::State::connect_beams(const SourceBeamTree& source,
                     of_part.push(node.frustum.facet);
                 }
                 search.set_frustum(node.frustum);
-                of_part.generate_from(search, parts[i].visible_in(node));
+                of_part.generate_from(search, parts[i], node, first_visible[i]);
             }
             results[i] = of_part.take_result();
         }

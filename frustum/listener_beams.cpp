@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/listener_beams.h"
 
+#include "earshot/base/assert.h"
 #include "earshot/frustum/internal/geometry_change.h"
 #include "earshot/frustum/internal/kept_frusta.h"
 #include "earshot/frustum/internal/primary_facets.h"
-#include "earshot/frustum/internal/subpath_order.h"
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace earshot::frustum {
@@ -98,14 +99,14 @@ void ListenerBeams::trace(std::span<const Vec3> listeners,
 }
 
 std::size_t ListenerBeams::kept_frusta() const noexcept {
-    return kept_from_.size() -
-           static_cast<std::size_t>(std::count(kept_from_.begin(), kept_from_.end(), kNone));
+    return static_cast<std::size_t>(std::count(is_kept_.begin(), is_kept_.end(), 1));
 }
 
 std::size_t ListenerBeams::bytes() const noexcept {
     constexpr std::size_t kInTree = sizeof(SubpathBounds) + sizeof(Vec3);
     return frusta_.size() * sizeof(Frustum) + occluders_.size() * sizeof(OccluderDepths) +
-           subpaths_.size() * (sizeof(ListenerSubpath) + kInTree);
+           subpaths_.size() * (sizeof(ListenerSubpath) + kInTree) +
+           number_now_.size() * sizeof(std::uint32_t) + new_.size() * sizeof(SubpathBounds);
 }
 
 std::vector<VisibleFacet> ListenerBeams::visible_in(std::size_t frustum) const {
@@ -167,8 +168,9 @@ void ListenerBeams::trace_first_beams(std::span<const Vec3> listeners,
                   frusta_, visible_before, *before.change, pieces, make_search, executor)
             : PrimaryFacets{find_primary_facets(frusta_, pieces, make_search, executor)};
     for (std::size_t i = 0; i < frusta_.size(); ++i) {
-        const bool is_kept = before.beams != nullptr && primary.is_kept[i] != 0;
-        kept_from_.push_back(is_kept ? static_cast<std::uint32_t>(i) : kNone);
+        const bool is_known = before.beams != nullptr;
+        before_.push_back(is_known ? static_cast<std::uint32_t>(i) : kNotBefore);
+        is_kept_.push_back(is_known ? primary.is_kept[i] : 0);
     }
     const auto& visible = primary.visible;
     const std::vector<FacetRange> ranges = divide_facets(visible);
@@ -236,23 +238,26 @@ void ListenerBeams::append_last_reflections(std::span<const Vec3> listeners,
 void ListenerBeams::trace_reflected_beams(double contact_radius,
                                           const Before& before,
                                           Executor& executor) {
-    // Frusta of different listeners have different apexes, so one table serves all.
-    FrustumLookup lookup;
+    const std::size_t first_reflected = frusta_.size() - listener_of_reflected_.size();
+    // One table per listener: two may be in one place.
+    std::vector<FrustumLookup> lookups(first_reflected / kFrustaPerListener);
     if (before.beams != nullptr) {
         const std::vector<Frustum>& old = before.beams->frusta_;
-        for (std::size_t i = old.size() - before.beams->listener_of_reflected_.size();
-             i < old.size();
-             ++i) {
-            lookup.add(old[i], i, *before.change);
+        for (std::size_t i = first_reflected; i < old.size(); ++i) {
+            const std::uint32_t listener =
+                before.beams->listener_of_reflected_[i - first_reflected];
+            lookups[listener].add(old[i], i, *before.change);
         }
-        lookup.finish();
+        for (FrustumLookup& lookup : lookups) {
+            lookup.finish();
+        }
     }
-    const std::size_t first_reflected = frusta_.size() - listener_of_reflected_.size();
     struct Chunk {
         std::vector<VisibleFacet> visible;
         std::vector<std::size_t> ends;  // per frustum, into `visible`
     };
-    kept_from_.resize(frusta_.size(), kNone);
+    before_.resize(frusta_.size(), kNotBefore);
+    is_kept_.resize(frusta_.size(), 0);
     occluders_.resize(listener_of_reflected_.size());
     std::vector<Chunk> chunks(chunk_count(listener_of_reflected_.size(), kGrain));
     executor.for_each(
@@ -262,11 +267,13 @@ void ListenerBeams::trace_reflected_beams(double contact_radius,
                 index_, Mode::complete, contact_radius, max_radius_, GrazingFacets::keep);
             std::vector<VisibleFacet> visible;
             for (std::size_t i = first_reflected + begin; i < first_reflected + end; ++i) {
-                const auto old = lookup.find(frusta_[i]);
-                if (find_visible(
-                        i, old, before, search, visible, occluders_[i - first_reflected])) {
-                    kept_from_[i] = static_cast<std::uint32_t>(*old);
-                }
+                const std::uint32_t listener = listener_of_reflected_[i - first_reflected];
+                const auto old = lookups[listener].find(frusta_[i]);
+                before_[i] = old ? static_cast<std::uint32_t>(*old) : kNotBefore;
+                is_kept_[i] =
+                    find_visible(i, old, before, search, visible, occluders_[i - first_reflected])
+                        ? 1
+                        : 0;
                 chunk.visible.insert(chunk.visible.end(), visible.begin(), visible.end());
                 chunk.ends.push_back(chunk.visible.size());
             }
@@ -343,50 +350,73 @@ void ListenerBeams::append_before_grazing(const Vec3& listener,
     }
 }
 
-// Per subpath its number before the change, or kNone. A frustum that was kept has the same subpaths
-// in the same order.
-std::vector<std::uint32_t> ListenerBeams::subpaths_before(const ListenerBeams& before) const {
-    std::vector<std::uint32_t> numbers(subpaths_.size(), kNone);
-    for (std::size_t i = 0; i < kept_from_.size(); ++i) {
-        for (std::uint32_t k = first_subpath_[i];
-             kept_from_[i] != kNone && k < first_subpath_[i + 1];
-             ++k) {
-            numbers[k] = before.first_subpath_[kept_from_[i]] + (k - first_subpath_[i]);
+// Per subpath its number before the change, or kNotBefore. A frustum that was kept has the same
+// subpaths in the same order, another one some of them.
+std::vector<std::uint32_t> ListenerBeams::subpaths_before(const Before& before) const {
+    std::vector<std::uint32_t> numbers(subpaths_.size(), kNotBefore);
+    std::vector<std::uint32_t> positions;
+    for (std::size_t i = 0; before.beams != nullptr && i < before_.size(); ++i) {
+        if (before_[i] == kNotBefore) {
+            continue;
+        }
+        const std::uint32_t begin = first_subpath_[i];
+        const std::uint32_t count = first_subpath_[i + 1] - begin;
+        const std::uint32_t begin_before = before.beams->first_subpath_[before_[i]];
+        if (is_kept_[i] != 0) {
+            std::iota(numbers.begin() + begin, numbers.begin() + begin + count, begin_before);
+            continue;
+        }
+        positions.clear();
+        append_positions_before(
+            visible_in(i), before.beams->visible_in(before_[i]), *before.change, positions);
+        for (std::uint32_t k = 0; k < count; ++k) {
+            numbers[begin + k] =
+                positions[k] != kNotBefore ? begin_before + positions[k] : kNotBefore;
         }
     }
     return numbers;
 }
 
 // The subpaths that there were in the order of the tree before, then the others in an order of
-// their own.
-std::vector<std::uint32_t> ListenerBeams::order_as_before(
-    std::span<const std::uint32_t> number_before,
-    const ListenerBeams& before,
-    Executor& executor) const {
-    std::vector<std::uint32_t> number_now(before.subpaths_.size(), kNone);
-    std::vector<std::uint32_t> others;
-    std::vector<SubpathBounds> bounds_of_others;
+// their own, which also have a tree to themselves.
+void ListenerBeams::plant_trees(std::span<const std::uint32_t> number_before,
+                                const ListenerBeams* before,
+                                Executor& executor) {
+    if (before == nullptr) {
+        tree_ = SubpathTree(bounds_, executor);
+        return;
+    }
+    number_now_.assign(before->subpaths_.size(), kNotBefore);
+    std::vector<SubpathBounds> bounds_of_new;
     for (std::uint32_t i = 0; i < number_before.size(); ++i) {
-        if (number_before[i] != kNone) {
-            number_now[number_before[i]] = i;
+        if (number_before[i] != kNotBefore) {
+            number_now_[number_before[i]] = i;
         } else {
-            others.push_back(i);
-            bounds_of_others.push_back(bounds_[i]);
+            new_.push_back(i);
+            bounds_of_new.push_back(bounds_[i]);
         }
     }
+    tree_of_new_ = SubpathTree(bounds_of_new, executor);
     std::vector<std::uint32_t> order;
     order.reserve(number_before.size());
-    for (const std::uint32_t number : before.tree_.numbers()) {
-        if (number_now[number] != kNone) {
-            order.push_back(number_now[number]);
+    for (const std::uint32_t number : before->tree_.numbers()) {
+        if (number_now_[number] != kNotBefore) {
+            order.push_back(number_now_[number]);
         }
     }
-    if (!others.empty()) {
-        for (const std::uint32_t number : order_subpaths(bounds_of_others, executor)) {
-            order.push_back(others[number]);
-        }
+    for (const std::uint32_t place : tree_of_new_.numbers()) {
+        order.push_back(new_[place]);
     }
-    return order;
+    EARSHOT_ASSERT(order.size() == subpaths_.size());
+    tree_ = SubpathTree(bounds_, std::move(order), executor);
+}
+
+void ListenerBeams::find_new(const ConnectingLegs& legs, std::vector<std::uint32_t>& found) const {
+    const std::size_t first = found.size();
+    tree_of_new_.find(legs, found);
+    for (std::size_t i = first; i < found.size(); ++i) {
+        found[i] = new_[found[i]];
+    }
 }
 
 void ListenerBeams::place_images(std::span<const Vec3> listeners,
@@ -394,13 +424,11 @@ void ListenerBeams::place_images(std::span<const Vec3> listeners,
                                  Executor& executor) {
     images_.resize(subpaths_.size());
     bounds_.resize(subpaths_.size());
-    const std::vector<std::uint32_t> number_before =
-        before.beams != nullptr ? subpaths_before(*before.beams)
-                                : std::vector<std::uint32_t>(subpaths_.size(), kNone);
+    const std::vector<std::uint32_t> number_before = subpaths_before(before);
     constexpr std::size_t kImageGrain = 1024;
     executor.for_each(subpaths_.size(), kImageGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (number_before[i] != kNone) {
+            if (number_before[i] != kNotBefore) {
                 images_[i] = before.beams->images_[number_before[i]];
                 bounds_[i] = before.beams->bounds_[number_before[i]];
                 continue;
@@ -415,10 +443,7 @@ void ListenerBeams::place_images(std::span<const Vec3> listeners,
             images_[i] = image;
         }
     });
-    tree_ = before.beams != nullptr
-                ? SubpathTree(
-                      bounds_, order_as_before(number_before, *before.beams, executor), executor)
-                : SubpathTree(bounds_, executor);
+    plant_trees(number_before, before.beams, executor);
 }
 
 // A box around the points of the first facet that lie in its aperture. It is the box of the facet

@@ -100,7 +100,8 @@ std::size_t SourceBeamTree::kept_frusta() const noexcept {
 std::size_t SourceBeamTree::bytes() const noexcept {
     std::size_t bytes = 0;
     for (const BeamTree& part : kept_->parts) {
-        bytes += part.nodes.size() * sizeof(BeamNode) + part.visible.size() * sizeof(VisibleFacet);
+        bytes += part.nodes.size() * sizeof(BeamNode) + part.visible.size() * sizeof(VisibleFacet) +
+                 part.visible_before.size() * sizeof(std::uint32_t);
     }
     return bytes;
 }

@@ -62,9 +62,9 @@ private:
     std::unique_ptr<Kept> kept_;
 };
 
-/// What the verification of candidate sequences of one source came to, kept so that the ones which
-/// nothing that has moved concerns need no verification at the next instant. Used with one
-/// PathFinder.
+/// With which subpaths of listeners the facets visible to one source have been connected, and what
+/// the verification of its candidate sequences came to, kept so that what nothing that has moved
+/// concerns need not be looked for or verified at the next instant. Used with one PathFinder.
 class KeptVerdicts {
 public:
     KeptVerdicts();
@@ -72,8 +72,10 @@ public:
     KeptVerdicts& operator=(KeptVerdicts&&) noexcept;
     ~KeptVerdicts();
 
-    std::size_t size() const noexcept;   ///< sequences
-    std::size_t bytes() const noexcept;  ///< of memory, about
+    std::size_t size() const noexcept;              ///< sequences
+    std::size_t connections() const noexcept;       ///< of visible facets with subpaths
+    std::size_t kept_connections() const noexcept;  ///< of these: not looked for again
+    std::size_t bytes() const noexcept;             ///< of memory, about
 
 private:
     friend class PathFinder;
@@ -164,8 +166,9 @@ public:
                         Executor& executor = Executor::serial()) const;
 
     /// The same, where only sequences are verified on which `verdicts` has none that still holds:
-    /// of the same source and listeners, before the last move_to() or since. Then holds the
-    /// verdicts of now.
+    /// of the same source and listeners, before the last move_to() or since. If they are of the
+    /// same beam trees, or of those from which update() has made both, connections are only looked
+    /// for where at least one end is another. Then holds the verdicts and connections of now.
     TraceResult connect(const SourceBeamTree& source,
                         const ListenerBeamTree& listeners,
                         KeptVerdicts& verdicts,

@@ -6,6 +6,7 @@
 #include "earshot/base/stage_progress.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
+#include "earshot/frustum/internal/kept_connections.h"
 #include "earshot/frustum/internal/primary_facets.h"
 #include "earshot/frustum/internal/visible_facets.h"
 #include "earshot/frustum/path_finder.h"
@@ -44,10 +45,17 @@ struct BeamNode {
 struct BeamTree {
     std::vector<BeamNode> nodes;
     std::vector<VisibleFacet> visible;
+    /// Of an updated tree, per visible facet: where it was visible through the same aperture of the
+    /// same frustum before, counted over all parts of the tree; kNotBefore: nowhere. May be
+    /// shorter.
+    std::vector<std::uint32_t> visible_before{};
 
     std::span<const VisibleFacet> visible_in(const BeamNode& node) const {
         return std::span(visible).subspan(node.visible_begin,
                                           node.visible_end - node.visible_begin);
+    }
+    std::uint32_t position_before(std::size_t position) const noexcept {
+        return position < visible_before.size() ? visible_before[position] : kNotBefore;
     }
 };
 
@@ -149,10 +157,12 @@ public:
     void visit_more(const VisibleFacets& search) {
         record(search.frustum(), search.found(), {}, true);
     }
+    /// `before`: see BeamTree::visible_before; empty: there was none of them.
     void record(const Frustum& frustum,
                 std::span<const VisibleFacet> visible,
                 const OccluderDepths& occluders,
-                bool is_continued = false);
+                bool is_continued = false,
+                std::span<const std::uint32_t> before = {});
     BeamTree take_tree() { return std::move(tree_); }
 
 private:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/frustum/internal/kept_connections.h"
 #include "earshot/frustum/internal/listener_beams.h"
 #include "earshot/frustum/internal/listener_points.h"
 #include "earshot/frustum/internal/verdict_table.h"
@@ -19,10 +20,14 @@ namespace earshot::frustum {
 struct TaskResult {
     std::vector<SpecularPath> paths;
     TraceStatistics statistics;
-    VerdictTable verdicts{};  ///< if they are kept, in no order
+    VerdictTable verdicts{};    ///< if they are kept, in no order
+    Connections connections{};  ///< likewise, of the visible facets that were passed, in order
 
     void append(TaskResult&& other);
 };
+
+struct BeamNode;
+struct BeamTree;
 
 /// The listeners of a search, and the structure that finds them.
 struct ListenerSet {
@@ -58,14 +63,29 @@ public:
     /// the frustum was reflected in this sequence.
     void generate_from(const VisibleFacets& search, std::span<const VisibleFacet> visible_facets);
 
-    /// Keeps verdicts, and takes over those of `former` that still hold, which must outlive it.
-    void keep_verdicts(const FormerVerdicts& former) { former_ = &former; }
+    /// The same for a node of a part of a beam tree; `first`: visible facets of the parts before.
+    void generate_from(const VisibleFacets& search,
+                       const BeamTree& part,
+                       const BeamNode& node,
+                       std::size_t first);
+
+    /// Keeps verdicts and connections, and takes over those of before that still hold, which must
+    /// outlive it.
+    void keep(const FormerVerdicts& verdicts, const FormerConnections& connections) {
+        former_ = &verdicts;
+        former_connections_ = &connections;
+    }
 
     TaskResult take_result() { return std::move(result_); }
 
 private:
     void connect_last_reflections(const VisibleFacets& search, const VisibleFacet& visible);
-    void connect_subpaths(const VisibleFacets& search, const VisibleFacet& visible);
+    void connect_subpaths(const VisibleFacets& search,
+                          const VisibleFacet& visible,
+                          std::uint32_t position_before);
+    void take_over_connections(const VisibleFacet& visible, std::uint32_t position_before);
+    void find_connections(const VisibleFacets& search, const VisibleFacet& visible, bool only_new);
+    void verify_connection(std::uint32_t subpath);
     void verify_listeners_in_frusta(const VisibleFacets& search,
                                     std::span<const VisibleFacet> visible_facets);
     void verify_candidate(std::size_t listener);
@@ -81,8 +101,11 @@ private:
     std::vector<geometry::Vec3> images_;
     ApertureTest aperture_test_;  // of the current frustum
     std::vector<std::uint8_t> inside_masks_;
-    std::vector<std::uint32_t> subpaths_;
-    const FormerVerdicts* former_ = nullptr;  // null: verdicts are not kept
+    std::vector<std::uint32_t> subpaths_;                    // scratch
+    std::vector<std::uint32_t> connected_;                   // with the current visible facet
+    std::size_t taken_over_ = 0;                             // of these, the first ones
+    const FormerVerdicts* former_ = nullptr;                 // null: verdicts are not kept
+    const FormerConnections* former_connections_ = nullptr;  // likewise
     TaskResult result_;
 };
 

@@ -31,6 +31,13 @@ void append_renumbered(std::span<const VisibleFacet> visible_before,
                        const GeometryChange& change,
                        std::vector<VisibleFacet>& visible);
 
+/// Appends for each facet that is visible in a frustum where in `visible_before` it is, visible
+/// through the same aperture, or kNotBefore. The frustum is the same as before.
+void append_positions_before(std::span<const VisibleFacet> visible,
+                             std::span<const VisibleFacet> visible_before,
+                             const GeometryChange& change,
+                             std::vector<std::uint32_t>& positions);
+
 /// The facets visible in each of the frusta around a point.
 struct PrimaryFacets {
     std::vector<std::vector<VisibleFacet>> visible;

@@ -5,13 +5,13 @@
 #include "earshot/base/parallel.h"
 #include "earshot/frustum/internal/facet_index.h"
 #include "earshot/frustum/internal/frustum.h"
+#include "earshot/frustum/internal/kept_connections.h"
 #include "earshot/frustum/internal/points_by_facet.h"
 #include "earshot/frustum/internal/subpath_tree.h"
 #include "earshot/frustum/internal/visible_facets.h"
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -83,6 +83,12 @@ public:
     const geometry::Vec3& image(std::uint32_t subpath) const noexcept { return images_[subpath]; }
     /// The subpaths by where legs to them run.
     const SubpathTree& tree() const noexcept { return tree_; }
+    /// After a change: those that there were not before; find_new() looks for legs to them.
+    void find_new(const ConnectingLegs& legs, std::vector<std::uint32_t>& found) const;
+    bool has_new() const noexcept { return !new_.empty(); }
+    /// After a change: the number of a subpath that there was, or kNotBefore if it is no more.
+    std::uint32_t number_now(std::uint32_t before) const noexcept { return number_now_[before]; }
+    double max_coordinate() const noexcept { return tree_.max_coordinate(); }
 
     /// Whether sound from an image source that is mirrored in all facets before the subpath may
     /// travel on straight to `first`, and from there to the listener. `folded`: the image source
@@ -146,10 +152,10 @@ private:
     void place_images(std::span<const geometry::Vec3> listeners,
                       const Before& before,
                       Executor& executor);
-    std::vector<std::uint32_t> subpaths_before(const ListenerBeams& before) const;
-    std::vector<std::uint32_t> order_as_before(std::span<const std::uint32_t> number_before,
-                                               const ListenerBeams& before,
-                                               Executor& executor) const;
+    std::vector<std::uint32_t> subpaths_before(const Before& before) const;
+    void plant_trees(std::span<const std::uint32_t> number_before,
+                     const ListenerBeams* before,
+                     Executor& executor);
     geometry::Aabb aperture_box(const ListenerSubpath& subpath) const;
 
     const FacetIndex& index_;
@@ -158,13 +164,16 @@ private:
     std::vector<std::uint32_t> listener_of_reflected_;
     std::vector<std::uint32_t> first_subpath_;  // per frustum, and one past the last
     std::vector<OccluderDepths> occluders_;     // per reflected frustum
-    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-    std::vector<std::uint32_t> kept_from_;  // per frustum: its number before a change, or kNone
+    std::vector<std::uint32_t> before_;  // per frustum: its number before a change, or kNotBefore
+    std::vector<std::uint8_t> is_kept_;  // likewise: 1 if it was not searched again
     PointsByFacet<LastReflection> last_reflections_;
     std::vector<ListenerSubpath> subpaths_;
     std::vector<geometry::Vec3> images_;
     std::vector<SubpathBounds> bounds_;
     SubpathTree tree_;
+    std::vector<std::uint32_t> number_now_;  // per subpath before a change
+    std::vector<std::uint32_t> new_;         // subpaths that there were not before a change
+    SubpathTree tree_of_new_;                // over them, by their places in new_
 };
 
 }  // namespace earshot::frustum

@@ -38,6 +38,8 @@ struct SourceBeamTree::Kept {
     bool has_first_facets = false;
     std::uint64_t instant = 0;  // of the finder
     std::uint64_t kept_frusta = 0;
+    TraceStamp stamp = new_stamp();
+    TraceStamp stamp_before;  // of the tree that this one was updated from; null: none
 };
 
 struct ListenerBeamTree::Kept {
@@ -46,6 +48,8 @@ struct ListenerBeamTree::Kept {
     std::optional<ListenerPoints> points;
     int connecting_order = -1;
     std::uint64_t instant = 0;  // of the finder
+    TraceStamp stamp = new_stamp();
+    TraceStamp stamp_before;  // of the trees that these were updated from; null: none
 
     ListenerSet set() const {
         return {.positions = listeners,
@@ -57,6 +61,8 @@ struct ListenerBeamTree::Kept {
 
 struct KeptVerdicts::Kept {
     VerdictTable table;
+    Connections connections;
+    TraceStamp source_stamp, listener_stamp;  // of the beam trees that were connected
     geometry::Vec3 source{0.0};
     std::vector<geometry::Vec3> listeners;
     std::uint64_t instant = 0;  // of the finder; 0: none yet
@@ -149,13 +155,21 @@ struct PathFinder::State {
         return {index, verifier, listeners, trace, max_radius, source};
     }
 
-    /// `former`: null if verdicts are not kept.
+    /// What was connected before; null: nothing is kept.
+    struct Former {
+        FormerVerdicts verdicts;
+        FormerConnections connections;
+    };
+
+    static FormerConnections former_connections(const KeptVerdicts::Kept& kept,
+                                                const SourceBeamTree::Kept& source,
+                                                const ListenerBeamTree::Kept& listeners);
     TaskResult find_direct(const geometry::Vec3& source,
                            const ListenerSet& listeners,
-                           const FormerVerdicts* former) const {
+                           const Former* former) const {
         CandidateGenerator direct = generator(source, listeners);
         if (former != nullptr) {
-            direct.keep_verdicts(*former);
+            direct.keep(former->verdicts, former->connections);
         }
         direct.generate_direct();
         return direct.take_result();
@@ -163,7 +177,7 @@ struct PathFinder::State {
 
     TaskResult connect_beams(const SourceBeamTree& source,
                              const ListenerSet& listeners,
-                             const FormerVerdicts* former,
+                             const Former* former,
                              Executor& executor) const;
 
     TraceResult finish(TaskResult result) const {

@@ -137,4 +137,40 @@ inline Scene furnished_office(int rows, int columns) {
     return office.finish(straight_way({0.13, 0.0, 0.21}));
 }
 
+/// scenes/classroom.gltf, in which a chair moves.
+inline Scene classroom_with_moving_chair(Scene classroom) {
+    SceneWithMovingPart scene(std::move(classroom), {2.3, 0.0, 4.6}, {3.2, 0.9, 5.3});
+    return scene.finish(straight_way({0.1, 0.0, 0.25}));
+}
+
+/// scenes/city.gltf, in which a bus passes two streets away from the source.
+inline Scene city_with_moving_bus(Scene city) {
+    using geometry::Vec3;
+    const Vec3 source = city.position_at(city.sources.front(), 0.0);
+    SceneWithMovingPart scene(std::move(city), Vec3(0.0), Vec3(0.0));
+    const Vec3 place = source + Vec3(40.0, -source.y + 0.4, -20.0);
+    scene.add_box(place, place + Vec3(2.5, 2.7, 11.0), 0, true);
+    for (const double x : {0.0, 2.2}) {
+        for (const double z : {1.5, 8.0}) {
+            const Vec3 wheel = place + Vec3(x, -0.35, z);
+            scene.add_box(wheel, wheel + Vec3(0.3, 0.34, 0.9), 0, true);
+        }
+    }
+    return scene.finish(straight_way({0.0, 0.0, 40.0}));
+}
+
+/// One source, which walks with move_singer(), and one listener.
+inline Scene hall_with_singer(Scene hall) {
+    hall.sources.front().position = hall.position_at(hall.sources.front(), 0.0);
+    hall.sources.front().node = -1;
+    hall.sources.resize(1);
+    hall.listeners.resize(1);
+    return hall;
+}
+
+/// By a step of `seconds`.
+inline void move_singer(Scene& scene, double seconds) {
+    scene.sources.front().position += seconds * geometry::Vec3(2.0, 0.0, 0.7);
+}
+
 }  // namespace earshot::propagation
