@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "frustum/edge_rooms.h"
 #include "frustum/meshed_scene.h"
 #include "support/air.h"
 #include "support/dice.h"
@@ -26,17 +27,6 @@ namespace {
 using geometry::Vec3;
 using geometry::Wedge;
 using support::Room;
-
-/// A screen in the air, 2 m wide and 1 m high, with its middle in the origin.
-Room screen() {
-    Room room;
-    support::add_polygon(
-        room,
-        std::array{Vec3(-1, -0.5, 0), Vec3(1, -0.5, 0), Vec3(1, 0.5, 0), Vec3(-1, 0.5, 0)},
-        0,
-        true);
-    return room;
-}
 
 EdgePairResult paths_of(const Room& room, const Vec3& source, const Vec3& listener) {
     const MeshedScene scene(room.mesh, room.labels);
@@ -111,23 +101,6 @@ TEST(EdgePairPaths, RunThroughTheAirBetweenScreens) {
     EXPECT_EQ(count_between(room, bottom, far_bottom), (std::array{0, 1}));
     EXPECT_EQ(count_between(room, top, far_bottom), (std::array{0, 1}));
 }
-
-/// A room whose facets have labels of their own, so that labels name facets.
-struct LabelledRoom {
-    explicit LabelledRoom(std::uint64_t seed) : room(support::random_room(seed)) {
-        const geometry::CleanMesh clean = geometry::clean(room.mesh.view());
-        std::vector<geometry::Triangle> kept;
-        std::vector<std::uint32_t> labels;
-        for (const geometry::TriangleId t : clean.kept) {
-            kept.push_back(room.mesh.triangles[t]);
-            labels.push_back(room.labels[t]);
-        }
-        room.is_sheet.assign(kept.size(), 0);
-        room.mesh.triangles = kept;
-        room.labels = geometry::find_facets(room.mesh.view(), clean.weld, labels).of_triangle;
-    }
-    Room room;
-};
 
 struct Sample {
     std::size_t wedge = 0;

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
+#include "frustum/edge_rooms.h"
 #include "frustum/meshed_scene.h"
 #include "support/air.h"
 #include "support/dice.h"
@@ -31,17 +32,6 @@ using geometry::Wedge;
 using support::Room;
 
 using Sequence = std::vector<FacetId>;
-
-/// A screen in the air, 2 m wide and 1 m high, with its middle in the origin.
-Room screen() {
-    Room room;
-    support::add_polygon(
-        room,
-        std::array{Vec3(-1, -0.5, 0), Vec3(1, -0.5, 0), Vec3(1, 0.5, 0), Vec3(-1, 0.5, 0)},
-        0,
-        true);
-    return room;
-}
 
 EdgePathResult paths_of(const Room& room,
                         const Vec3& source,
@@ -136,25 +126,6 @@ TEST(EdgePaths, AFloorReflectsWithinItsOutline) {
     }
     EXPECT_EQ(lower, 1U);
 }
-
-/// A room whose facets have labels of their own, so that labels name facets.
-struct LabelledRoom {
-    explicit LabelledRoom(std::uint64_t seed) : room(support::random_room(seed)) {
-        const geometry::CleanMesh clean = geometry::clean(room.mesh.view());
-        std::vector<geometry::Triangle> kept;
-        std::vector<std::uint32_t> labels;
-        std::vector<std::uint8_t> is_sheet;
-        for (const geometry::TriangleId t : clean.kept) {
-            kept.push_back(room.mesh.triangles[t]);
-            labels.push_back(room.labels[t]);
-            is_sheet.push_back(room.is_sheet[t]);
-        }
-        room.mesh.triangles = kept;
-        room.is_sheet = is_sheet;
-        room.labels = geometry::find_facets(room.mesh.view(), clean.weld, labels).of_triangle;
-    }
-    Room room;
-};
 
 void expect_same(const std::vector<EdgePath>& found, const std::vector<EdgePath>& expected) {
     ASSERT_EQ(found.size(), expected.size());
