@@ -38,4 +38,26 @@ ES_API es_status es_auralize_moving(es_scene scene,
                                     const es_motion_options* motion,
                                     es_sound* wet);
 
+/// What the listener hears of a dry recording of one channel over paths that have been found
+/// already, as `earshot auralize --paths` does: without late sound, from the first instant on.
+/// `paths`: a paths.json of `earshot ir --frames`. `source`, `listener`: names; null: the only one.
+/// Of `simulation` count format (ambisonic order and HRIR set included), threads and progress;
+/// null: mono. The sample rate is that of the recording. Reads `dry`.
+ES_API es_status es_auralize_paths(const char* paths,
+                                   const char* source,
+                                   const char* listener,
+                                   es_sound dry,
+                                   const es_simulation_options* simulation,
+                                   es_sound* wet);
+/// The same over the paths of results, as of es_simulator_run(), whose times ascend: at least two,
+/// of one scene with the same bands and air. `source`, `listener`: indices of the scene. Reads
+/// `results` and `dry`.
+ES_API es_status es_auralize_results(const es_result* results,
+                                     size_t count,
+                                     uint32_t source,
+                                     uint32_t listener,
+                                     es_sound dry,
+                                     const es_simulation_options* simulation,
+                                     es_sound* wet);
+
 #endif

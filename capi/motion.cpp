@@ -7,7 +7,6 @@
 #include "earshot/io/sound_signal.h"
 #include "earshot/propagation/moving_sound.h"
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -66,19 +65,6 @@ std::optional<Trajectory> trajectory_of(const double* path,
     return Trajectory(std::move(keys));
 }
 
-audio::Signal mono_signal(const io::Sound& sound) {
-    if (sound.channels != 1 || sound.samples.empty()) {
-        fail_argument("dry",
-                      "has " + std::to_string(sound.channels) + " channels and " +
-                          std::to_string(sound.samples.size()) + " samples",
-                      "a source plays a recording of one channel");
-    }
-    if (sound.sample_rate != std::floor(sound.sample_rate)) {
-        fail_argument("dry", "has a sample rate that is no whole number", "resample it");
-    }
-    return io::signal_of(sound);
-}
-
 }  // namespace
 }  // namespace earshot::capi
 
@@ -104,7 +90,7 @@ es_status es_auralize_moving(es_scene scene,
         const es_motion_options moved = checked_motion(motion);
         require_index(moved.source, contents.sources.size(), "motion->source");
         require_index(moved.listener, contents.listeners.size(), "motion->listener");
-        const audio::Signal recording = mono_signal(sound_object->sound);
+        const audio::Signal recording = mono_recording(*sound_object);
         propagation::ResponseFormat format = response_format(given);
         format.sample_rate = static_cast<double>(recording.sample_rate);
         const propagation::MovingPair pair = {

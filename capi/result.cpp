@@ -29,13 +29,6 @@ void require_responses(const ResultObject& result) {
     }
 }
 
-void require_paths(const ResultObject& result) {
-    if (!result.has_paths) {
-        throw Error(
-            "paths", "were not asked for", "simulate with es_simulation_options::paths = 1");
-    }
-}
-
 void require_metrics(const ResultObject& result) {
     if (result.metrics.empty()) {
         throw Error(
@@ -115,6 +108,13 @@ es_histogram histogram_of(const ResultObject& result, std::size_t pair) {
 }
 
 }  // namespace
+
+void require_paths(const ResultObject& result) {
+    if (!result.has_paths) {
+        throw Error(
+            "paths", "were not asked for", "simulate with es_simulation_options::paths = 1");
+    }
+}
 
 std::string document_text(const ResultObject& result, std::int32_t document) {
     require_in(std::int64_t{document}, ES_PATHS_JSON, ES_SENSITIVITY_JSON, "document");

@@ -77,6 +77,17 @@ Signal auralized(Signal dry, const std::vector<Signal>& responses, Executor& exe
 }
 
 }  // namespace
+
+audio::Signal mono_recording(const SoundObject& dry) {
+    if (dry.sound.channels != 1 || dry.sound.samples.empty()) {
+        fail_argument("dry",
+                      "has " + std::to_string(dry.sound.channels) + " channels and " +
+                          std::to_string(dry.sound.samples.size()) + " samples",
+                      "a source plays a recording of one channel");
+    }
+    return signal_of(dry.sound, "dry");
+}
+
 }  // namespace earshot::capi
 
 using namespace earshot;

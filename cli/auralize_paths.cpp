@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/auralize_paths.h"
 
-#include "earshot/base/spelling.h"
 #include "earshot/propagation/path_frames.h"
 
 #include <algorithm>
@@ -9,38 +8,6 @@
 #include <cstddef>
 
 namespace earshot::cli {
-
-namespace {
-
-/// The name that is meant: `name` itself, or the only one there is.
-std::string chosen_name(const std::string& file,
-                        const std::vector<std::string>& names,
-                        const std::string& role,
-                        const std::string& option,
-                        const std::string& name) {
-    if (name.empty() && names.size() > 1) {
-        throw Error(file,
-                    "has " + std::to_string(names.size()) + " " + role + "s",
-                    "name one of them with " + option);
-    }
-    if (name.empty()) {
-        return names.front();
-    }
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-        throw Error(name,
-                    file + " has no such " + role,
-                    did_you_mean(name, names, "check the names of its " + role + "s"));
-    }
-    return name;
-}
-
-void add_if_new(const std::string& name, std::vector<std::string>& names) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-        names.push_back(name);
-    }
-}
-
-}  // namespace
 
 void AuralizePaths::add_to(CLI::App& app) {
     CLI::Option* paths =
@@ -69,23 +36,6 @@ void AuralizePaths::load(const CLI::App& app, const FormatChoice& choice) {
     pairs_ = io::read_path_frames(file_);
 }
 
-const propagation::PathFrames& AuralizePaths::frames_of(const std::string& source,
-                                                        const std::string& listener) const {
-    std::vector<std::string> sources, listeners;
-    for (const io::PairPathFrames& pair : pairs_) {
-        add_if_new(pair.source, sources);
-        add_if_new(pair.listener, listeners);
-    }
-    const std::string from = chosen_name(file_, sources, "source", "--from", source);
-    const std::string to = chosen_name(file_, listeners, "listener", "--to", listener);
-    for (const io::PairPathFrames& pair : pairs_) {
-        if (pair.source == from && pair.listener == to) {
-            return pair.frames;
-        }
-    }
-    throw Error(file_, "has no pair of " + from + " and " + to, "choose another");
-}
-
 propagation::MovingSound AuralizePaths::play(const std::string& source,
                                              const std::string& listener,
                                              const std::string& recording_name,
@@ -97,7 +47,11 @@ propagation::MovingSound AuralizePaths::play(const std::string& source,
                     "has " + std::to_string(recording.channels.size()) + " channels",
                     "a source plays a mono recording");
     }
-    const propagation::PathFrames& frames = frames_of(source, listener);
+    const propagation::PathFrames& frames = io::frames_of_pair(pairs_,
+                                                               {.source = source,
+                                                                .listener = listener,
+                                                                .source_option = "--from",
+                                                                .listener_option = "--to"});
     const std::vector<double>& samples = recording.channels.front();
     const auto rate = static_cast<double>(recording.sample_rate);
     const double seconds = frames.instants.back().time - frames.instants.front().time;

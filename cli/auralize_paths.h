@@ -42,9 +42,6 @@ public:
     const Warnings& warnings() const noexcept { return warnings_; }
 
 private:
-    const propagation::PathFrames& frames_of(const std::string& source,
-                                             const std::string& listener) const;
-
     std::string file_;
     std::vector<io::PairPathFrames> pairs_;
     propagation::ResponseFormat format_;

@@ -5,6 +5,7 @@
 #include "earshot/propagation/path_frames.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,5 +23,17 @@ struct PairPathFrames {
 /// of one. Throws Error naming the file if it is not what `earshot ir` writes, and for paths round
 /// more than one edge.
 std::vector<PairPathFrames> read_path_frames(const std::filesystem::path& file);
+
+/// A pair that is looked for: names, empty where there is one source or listener alone, and what
+/// they are given by, for errors.
+struct PairNames {
+    std::string source{}, listener{};
+    std::string source_option = "source", listener_option = "listener";
+};
+
+/// The paths of that pair. Throws Error if there is none. Precondition: `pairs` are those of a
+/// file.
+const propagation::PathFrames& frames_of_pair(std::span<const PairPathFrames> pairs,
+                                              const PairNames& names);
 
 }  // namespace earshot::io

@@ -75,6 +75,18 @@ Ways ways_of(const PathFrames& frames) {
     return ways;
 }
 
+void require_one_edge(const PathFrames& frames) {
+    for (const PathFrame& frame : frames.instants) {
+        for (const Path& path : frame.paths) {
+            if (path.edges.size() > 1) {
+                throw Error(frames.name,
+                            "has a path that does not bend round one edge",
+                            "compute the paths with a diffraction of 1");
+            }
+        }
+    }
+}
+
 MovingPaths moving_paths_of(const PathFrames& frames) {
     const PathFacets facets(frames);
     MovingPaths paths;
@@ -131,6 +143,7 @@ MovingSound render_path_frames(const PathFrames& frames,
             refuse(frames, "has instants whose times do not ascend");
         }
     }
+    require_one_edge(frames);
     const Ways ways = ways_of(frames);
     const MovingPaths paths = moving_paths_of(frames);
     const ResponseFormat checked = checked_format(format);

@@ -83,6 +83,9 @@ private:
     void flatten_sensitivity();
 };
 
+/// Throws Error if the result does not tell its paths.
+void require_paths(const ResultObject& result);
+
 /// Throws Error if the result tells nothing of materials.
 void require_sensitivity(const ResultObject& result);
 

@@ -42,7 +42,7 @@ from .engine import Engine, EngineStatistics
 from .locations import Located, Location, locate
 from .maps import MapLimit, MetricMap, map
 from .materials import LibraryMaterial, Material, band_centres, library
-from .motion import auralize_moving
+from .motion import auralize_moving, auralize_paths
 from .names import Names
 from .paths import PATH_TYPE, Path, Paths
 from .plots import plot_decay, plot_echogram, plot_metric, plot_response, plot_scene
@@ -114,6 +114,7 @@ __all__ = [
     "World",
     "auralize",
     "auralize_moving",
+    "auralize_paths",
     "band_centres",
     "calibrate",
     "check",

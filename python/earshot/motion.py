@@ -3,13 +3,25 @@
 
 from __future__ import annotations
 
-from typing import Any, Union
+import os
+from typing import Any, Sequence, Union
 
 import numpy.typing as npt
 
 from ._errors import ArgumentError
-from ._library import created, doubles, ffi, lib, new_options, number, real_array
+from ._library import (
+    created,
+    doubles,
+    encoded,
+    ffi,
+    handle_of,
+    lib,
+    new_options,
+    number,
+    real_array,
+)
 from ._progress import Progress, run_long
+from .result import Result
 from .scene import Scene
 from .simulation import _options, _prepared
 from .sound import Sound, SoundLike, _sound
@@ -85,4 +97,63 @@ def auralize_moving(
 
     wet = Sound._of(run_long(call, progress))
     del keep, of_source, of_listener
+    return wet
+
+
+def _name(name: str | None, role: str) -> Any:
+    if name is None:
+        return ffi.NULL
+    if not isinstance(name, str):
+        raise ArgumentError(role, f"is {name!r}", f"give the name of a {role}")
+    return ffi.new("char[]", encoded(name))
+
+
+def auralize_paths(
+    dry: SoundLike,
+    paths: Union[str, os.PathLike[str], Sequence[Result]],
+    *,
+    source: Union[int, str, None] = None,
+    listener: Union[int, str, None] = None,
+    format: str = "mono",
+    hrtf: Union[str, os.PathLike[str], None] = None,
+    hrtf_raw: bool = False,
+    threads: int = 0,
+    progress: Progress = None,
+) -> Sound:
+    """What a listener hears of a dry recording over paths that have been found already, as
+    ``earshot auralize --paths`` does: with Doppler shifts, without late sound.
+
+    Parameters
+    ----------
+    dry : Sound, file, or (samples, sample rate)
+        One channel; it begins at the first instant, and its sample rate is that of the result.
+    paths : file, or a sequence of Result
+        A paths.json of ``earshot ir --frames``, or results of a scene at times that ascend, as of
+        :class:`Simulator`.
+    source, listener : str, or int
+        Those that take part; not needed where there is one. Those of a file have names.
+    format, hrtf, hrtf_raw
+        As of :func:`simulate`.
+    """
+    struct, keep = _options(format=format, hrtf=hrtf, hrtf_raw=hrtf_raw, threads=threads)
+    recording = _sound(dry)
+    if isinstance(paths, (str, bytes, os.PathLike)):
+        function = lib.es_auralize_paths
+        given = (encoded(os.fspath(paths)), _name(source, "source"), _name(listener, "listener"))
+    else:
+        results = list(paths)
+        handles = ffi.new("es_result[]",
+                          [handle_of(result, Result, "paths") for result in results])
+        if not results:
+            raise ArgumentError("paths", "are no results", "give a file or at least two results")
+        function = lib.es_auralize_results
+        given = (handles, len(results), _index(results[0].sources, source, "source"),
+                 _index(results[0].listeners, listener, "listener"))
+
+    def call(callback: Any) -> int:
+        struct.progress = callback
+        return created(function, *given, recording._handle, struct)
+
+    wet = Sound._of(run_long(call, progress))
+    del keep
     return wet

@@ -52,6 +52,7 @@ void test_results(void);
 void test_result_errors(void);
 void test_reports(void);
 void test_sounds(void);
+void test_path_sounds(void);
 void test_bvh(void);
 void test_sight(void);
 void test_worlds(void);

@@ -317,6 +317,31 @@ es_status play_moving(Caller& c) {
     return kept(c, es_auralize_moving(scene, dry, &simulation, &motion, c.out(wet)), wet);
 }
 
+es_status play_paths(Caller& c) {
+    es_simulation_options simulation;
+    static_cast<void>(es_simulation_options_init(&simulation, sizeof simulation));
+    simulation.format = c.chance(0.8) ? ES_FORMAT_AMBISONIC : c.choice(3);
+    simulation.threads = c.threads();
+    const es_sound dry = c.handle(ES_KIND_SOUND);
+    es_sound wet = 0;
+    if (c.below(2) == 0) {
+        const char* file = c.text({"fuzz.json", "none"});
+        const char* source = c.text({"source1", "nobody"}, true);
+        const char* listener = c.text({"listener1", ""}, true);
+        return kept(
+            c, es_auralize_paths(file, source, listener, dry, &simulation, c.out(wet)), wet);
+    }
+    const es_result results[] = {c.handle(ES_KIND_RESULT), c.some(ES_KIND_RESULT)};
+    const es_result_info info = info_of(results[0]);
+    const std::size_t count = c.chance(0.9) ? 2 : c.count(1);
+    c.wrong = c.wrong || count < 2 || results[1] == 0;
+    const auto source = static_cast<std::uint32_t>(c.index(info.sources));
+    const auto listener = static_cast<std::uint32_t>(c.index(info.listeners));
+    return kept(c,
+                es_auralize_results(results, count, source, listener, dry, &simulation, c.out(wet)),
+                wet);
+}
+
 es_status read_sound(Caller& c) {
     const es_sound sound = c.handle(ES_KIND_SOUND);
     const double* samples = nullptr;
@@ -441,6 +466,7 @@ const std::vector<WeightedCall>& simulation_calls() {
                                                     {"make_sound", make_sound, 10},
                                                     {"use_sound", use_sound, 10},
                                                     {"play_moving", play_moving, 1},
+                                                    {"play_paths", play_paths, 4},
                                                     {"read_sound", read_sound, 8},
                                                     {"read_files", read_files, 3},
                                                     {"criterion", criterion, 2}};

@@ -118,6 +118,7 @@ int main(int argc, char** argv) {
                   {"result_errors", test_result_errors},
                   {"reports", test_reports},
                   {"sounds", test_sounds},
+                  {"path_sounds", test_path_sounds},
                   {"bvh", test_bvh},
                   {"sight", test_sight},
                   {"worlds", test_worlds},

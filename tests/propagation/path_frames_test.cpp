@@ -140,6 +140,10 @@ TEST(PathFrames, RefuseWhatIsNoMotion) {
     fails([](PathFrames& frames) { frames.instants[1].time = frames.instants[0].time; });
     fails([](PathFrames& frames) { frames.instants[1].time = 1e-6; });
     fails([](PathFrames& frames) { frames.instants[2].paths[1].points.front().x += 0.1; });
+    fails([](PathFrames& frames) {
+        Path& path = frames.instants[0].paths[1];
+        path.edges = {{Vec3(0.0), Vec3(1.0)}, {Vec3(1.0), Vec3(2.0)}};
+    });
     // A reflection straight on, at a triangle of which nothing else is known.
     fails([](PathFrames& frames) {
         Path& path = frames.instants[0].paths[0];

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: MIT
+import json
+
 import numpy as np
 import pytest
 
@@ -43,6 +45,58 @@ def test_a_source_that_moves_is_heard_at_another_frequency(room):
         es.auralize_moving((tone, rate), room, source=0, listener=0, source_path=where[:, :3])
     with pytest.raises(es.ArgumentError):
         es.auralize_moving((tone, rate), room, source=0, listener=0, step=0.0)
+
+
+FORMS = ["mono", "binaural", "ambisonic:1"]
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_paths_of_results_sound_as_their_scene(form):
+    room = es.shoebox((12.0, 5.0, 9.0), absorption=0.3)
+    room.add_source("car", (2.0, 1.5, 3.0))
+    room.add_listener("seat", (8.0, 1.2, 6.0), look_at=(9.0, 1.0, 2.0))
+    dry = (np.random.default_rng(4).uniform(-0.5, 0.5, 8000), 16000)
+    options = {"order": 1, "rays": 0}
+    simulator = es.Simulator(room, responses=False, metrics=False, **options)
+    results = []
+    for time in np.arange(7) / 10:
+        simulator.move_source("car", (2.0 + 8.0 * time, 1.5, 3.0))
+        results.append(simulator.run(time))
+    wet = es.auralize_paths(dry, results, source="car", format=form)
+    ends = np.array([[0.0, 2.0, 1.5, 3.0], [0.6, 6.8, 1.5, 3.0]])
+    moving = es.auralize_moving(dry, room, source_path=ends, format=form, **options)
+    assert wet.sample_rate == 16000 and wet.samples.shape[1] == moving.samples.shape[1]
+    count = min(len(wet.samples), len(moving.samples))
+    off = wet.samples[:count] - moving.samples[:count]
+    assert np.sum(off**2) < 1e-6 * np.sum(moving.samples**2)
+    with pytest.raises(es.Error, match="is not later"):
+        es.auralize_paths(dry, results[::-1])
+    with pytest.raises(es.ArgumentError, match="paths"):
+        es.auralize_paths(dry, [results[0], "paths.json"])
+    with pytest.raises(es.ArgumentError, match="paths: are no results"):
+        es.auralize_paths(dry, [])
+    with pytest.raises(es.ArgumentError, match="count"):
+        es.auralize_paths(dry, results[:1])
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_paths_of_a_file_sound_as_the_programs(tmp_path, scenes, program, form):
+    program("ir", scenes / "door.gltf", "-o", tmp_path, "--frames", "0:1:0.25", "--order", "1",
+            "--rays", "0")
+    paths = tmp_path / "paths.json"
+    pair = next(p for p in json.loads(paths.read_text())["pairs"] if p["paths"])
+    dry = tmp_path / "dry.wav"
+    es.Sound(np.random.default_rng(5).uniform(-0.5, 0.5, 4000), 8000).write(dry)
+    program("auralize", dry, "--paths", paths, "--from", pair["source"], "--to", pair["listener"],
+            "--format", form, "-o", tmp_path / "theirs.wav")
+    wet = es.auralize_paths(dry, paths, source=pair["source"], listener=pair["listener"],
+                            format=form)
+    wet.write(tmp_path / "ours.wav")
+    assert (tmp_path / "ours.wav").read_bytes() == (tmp_path / "theirs.wav").read_bytes()
+    with pytest.raises(es.Error, match="has no such source"):
+        es.auralize_paths(dry, paths, source="nobody")
+    with pytest.raises(es.ArgumentError, match="give the name of a source"):
+        es.auralize_paths(dry, paths, source=0)
 
 
 def test_sounds_are_written_and_read(tmp_path):
