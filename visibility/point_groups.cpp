@@ -46,6 +46,9 @@ bool PointGroups::update(std::span<const Vec3> points, Executor& executor) {
         rebuild(points, executor);
         return false;
     }
+    if (std::equal(points.begin(), points.end(), points_.begin())) {
+        return true;
+    }
     bool has_left = false;
     for (std::size_t i = 0; i < points.size(); ++i) {
         if (!contains(boxes_[i], points[i])) {

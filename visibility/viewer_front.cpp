@@ -24,20 +24,36 @@ constexpr double kShaftCost = 2.0;
 constexpr double kBoxCost = 0.3;       // of a box against a shaft
 constexpr double kTriangleCost = 0.5;  // of a triangle against a shaft
 constexpr double kOccluderCost = 2.0;
-constexpr double kSearchCost = 6.0;  // of the blocker of a segment
+constexpr double kSearchCost = 6.0;       // of the blocker of a segment
+constexpr double kBatchSearchCost = 3.0;  // the same in a batch
 
-/// What proofs may cost: a part of what asking all points in a batch costs, and a part of what
-/// proofs have saved. So frames are at most that much slower than batches.
+/// What proofs may cost: at first as much as some batches, then a part of what asking all points in
+/// a batch costs, and a part of what proofs have saved. So a walk is at most that much slower than
+/// batches. What is left is kept for turns, where all proofs end in one frame.
+constexpr double kFirstBudget = 4.0;  // of a batch
+constexpr double kMaxBudget = 8.0;    // of a batch
 constexpr double kBudgetOfPoints = 0.01;
-constexpr double kBudgetOfSavings = 0.8;
-constexpr double kMaxBudget = 4.0;  // of a batch
+constexpr double kBudgetOfSavings = 0.6;
+
+/// What proofs of a unit may cost, for each of its points: more the more budget is left, in
+/// batches, and the more points they decide. So those that cost little are found where many fail.
+constexpr double kMinMaxLoss = 1.0;
+constexpr double kMaxLossOfBudget = 0.8;
+constexpr double kMaxCostOfDecided = 12.0;
+
+/// The part of the budget that searches of blockers may take in a frame.
+constexpr double kMaxSearchesOfBudget = 0.5;
 
 // Counts of what the last blockers have done fade by this much from frame to frame.
 constexpr double kForget = 0.9;
 
 constexpr double kLowShare = 0.7, kHighShare = 0.9;
 constexpr unsigned kMinHorizon = 1;
+constexpr unsigned kMaxHorizonAfterTurn = 4;
 constexpr unsigned kMaxHorizon = 6;
+
+/// A step that differs from the last one by more than this part of it is a turn.
+constexpr double kTurn = 0.25;
 constexpr unsigned kMaxPatience = 8;  // failures, each of which doubles the frames until the next
 
 /// Longer lists are not worth their parts: each of these is listed for itself.
@@ -52,8 +68,8 @@ constexpr double kSidewards = 0.05;
 /// The proofs of a unit that are being made.
 class ViewerFront::Renewal {
 public:
-    Renewal(ViewerFront& front, const GroupFrame& frame, Unit& unit)
-        : front_(front), frame_(frame), unit_(unit) {}
+    Renewal(ViewerFront& front, const GroupFrame& frame, Unit& unit, double max_loss)
+        : front_(front), frame_(frame), unit_(unit), max_cost_(max_loss) {}
 
     /// Of points that are decided.
     std::size_t decided() const noexcept { return decided_; }
@@ -77,6 +93,7 @@ private:
     std::uint32_t child_of(std::uint32_t node, std::uint32_t index) const {
         return frame_.groups->nodes()[node].first + index;
     }
+    bool is_exhausted() const { return cost_ >= max_cost_; }
     bool is_leaf(std::uint32_t node) const { return frame_.groups->nodes()[node].is_leaf(); }
     Shaft shaft_of(std::uint32_t node) const {
         return {unit_.region, frame_.groups->nodes()[node].box, frame_.bvh->max_abs_coordinate()};
@@ -84,9 +101,9 @@ private:
 
     /// Proves that the node or parts of it are hidden.
     void hide(std::uint32_t node) {
-        if (is_hidden(node)) {
+        if (!is_exhausted() && is_hidden(node)) {
             set(node, Verdict::hidden);
-        } else if (is_leaf(node)) {
+        } else if (is_leaf(node) || is_exhausted()) {
             set(node, Verdict::undecided);
         } else {
             hide(child_of(node, 0));
@@ -141,23 +158,25 @@ private:
     void list_and_divide(std::uint32_t node) {
         const Shaft shaft = shaft_of(node);
         std::vector<TriangleId> listed;
-        std::size_t boxes = 0, triangles = 0;
         const std::size_t max_listed = is_leaf(node) ? 0 : kMaxListed;
+        cost_ += kShaftCost;
         frame_.bvh->traverse(
             [&](const Aabb& box) {
-                ++boxes;
+                cost_ += kBoxCost;
                 return shaft.may_touch(box);
             },
             [&](TriangleId id) {
-                ++triangles;
+                cost_ += kTriangleCost;
                 if (!frame_.excluded->contains(id) && shaft.may_touch(frame_.bvh->corners(id))) {
                     listed.push_back(id);
                 }
-                return listed.size() <= max_listed;
+                return listed.size() <= max_listed && !is_exhausted();
             });
         ++front_.statistics_.shafts;
-        cost_ += kShaftCost + kBoxCost * static_cast<double>(boxes) +
-                 kTriangleCost * static_cast<double>(triangles);
+        if (is_exhausted()) {
+            set(node, Verdict::undecided);  // the list may lack some
+            return;
+        }
         if (listed.size() <= max_listed) {
             decide_visible(node, listed);
         } else if (frame_.groups->count_of(node) < 2 * kMinListedPoints) {
@@ -210,19 +229,23 @@ private:
     void set(std::uint32_t node, Verdict verdict) {
         const std::size_t count = frame_.groups->count_of(node);
         std::fill_n(front_.verdicts_.begin() + frame_.groups->begin_of(node), count, verdict);
-        decided_ += verdict == Verdict::undecided ? 0 : count;
+        if (verdict != Verdict::undecided) {
+            decided_ += count;
+            max_cost_ += kMaxCostOfDecided * static_cast<double>(count);
+        }
     }
 
     ViewerFront& front_;
     const GroupFrame& frame_;
     Unit& unit_;
+    double max_cost_;  // grows with what is decided: proofs that fail are given up early
     std::size_t decided_ = 0;
     double cost_ = 0.0;
 };
 
 ViewerFront::ViewerFront(const PointGroups& groups)
     : units_(groups.units().size()),
-      budget_(kMaxBudget * static_cast<double>(groups.point_count())),
+      budget_(kFirstBudget * static_cast<double>(groups.point_count())),
       verdicts_(groups.point_count(), Verdict::undecided),
       blockers_(groups.point_count(), kNoBlocker),
       was_visible_(groups.point_count(), 0) {}
@@ -231,8 +254,16 @@ void ViewerFront::begin_frame(const GroupFrame& frame, const Vec3& position) {
     const auto points = static_cast<double>(frame.groups->point_count());
     budget_ = std::min(budget_ + kBudgetOfPoints * points, kMaxBudget * points);
     // Nothing is known of the way of a viewer that was not asked in the last frame.
+    const bool knew_step = knows_step_;
     knows_step_ = frame_ != 0 && frame_ + 1 == frame.number;
-    step_ = position - position_;
+    const Vec3 step = position - position_;
+    if (knew_step && geometry::max_abs(step - step_) <= kTurn * geometry::max_abs(step)) {
+        ++frames_since_turn_;
+    } else {
+        frames_before_turn_ = frames_since_turn_;
+        frames_since_turn_ = 0;
+    }
+    step_ = step;
     position_ = position;
     frame_ = frame.number;
     statistics_ = {};
@@ -266,24 +297,28 @@ bool ViewerFront::holds(const GroupFrame& frame, std::uint32_t node, Unit& unit)
 }
 
 void ViewerFront::renew(const GroupFrame& frame, std::uint32_t node, Unit& unit) {
-    // Proofs for much longer than the last ones have held are in vain.
-    unsigned max_horizon = kMaxHorizon;
+    // Proofs for much longer than the viewer has gone straight on, or than the last ones have held,
+    // are in vain.
+    unsigned max_horizon = std::clamp(static_cast<unsigned>(std::bit_width(frames_since_turn_)),
+                                      kMaxHorizonAfterTurn,
+                                      kMaxHorizon);
     if (unit.is_proved) {
         const auto doublings = static_cast<unsigned>(std::bit_width(frame.number - unit.made)) + 1;
-        max_horizon = std::clamp(doublings, kMinHorizon, kMaxHorizon);
+        max_horizon = std::clamp(doublings, kMinHorizon, max_horizon);
     }
     unit.horizon = static_cast<std::uint8_t>(std::min<unsigned>(unit.horizon, max_horizon));
     unit.region = region_ahead(node, unit.horizon);
     unit.version = frame.groups->version(node);
     unit.made = unit.checked = frame.number;
 
-    Renewal renewal(*this, frame, unit);
+    const auto points = static_cast<double>(frame.groups->count_of(node));
+    const double batches = budget_ / static_cast<double>(frame.groups->point_count());
+    Renewal renewal(*this, frame, unit, (kMinMaxLoss + kMaxLossOfBudget * batches) * points);
     renewal.divide(node);
     budget_ -= renewal.cost();
     unit.is_proved = renewal.decided() > 0;
     schedule(frame, node, unit, renewal);
-    const double share =
-        static_cast<double>(renewal.decided()) / static_cast<double>(frame.groups->count_of(node));
+    const double share = static_cast<double>(renewal.decided()) / points;
     if (share < kLowShare && unit.horizon > kMinHorizon) {
         --unit.horizon;
     } else if (share > kHighShare && unit.horizon < max_horizon) {
@@ -367,34 +402,40 @@ void ViewerFront::cast_rays(const GroupFrame& frame,
     query_batch(*frame.bvh, segments_, *frame.excluded, std::span(answers_), executor);
     statistics_.rays += segments_.size();
     blocked_.clear();
-    rays_.clear();
     for (std::size_t i = 0; i < undecided_.size(); ++i) {
         const std::uint32_t place = undecided_[i];
         was_visible_[place] = visible[order[place]] = answers_[i];
         if (answers_[i] == 0) {
             blocked_.push_back(place);
-            rays_.push_back({segments_[i].from, segments_[i].to - segments_[i].from, 1.0});
         }
     }
     // A blocker pays if it holds for more frames than looking for it costs rays.
     tested_blockers_ = kForget * tested_blockers_ + static_cast<double>(blocker_tests_);
     kept_blockers_ = kForget * kept_blockers_ + static_cast<double>(statistics_.kept);
-    if (can_prove() && kept_blockers_ >= (1.0 - 1.0 / (kSearchCost + 1.0)) * tested_blockers_) {
+    if (can_prove() &&
+        kept_blockers_ >= (1.0 - 1.0 / (kBatchSearchCost + 1.0)) * tested_blockers_) {
         find_blockers(frame, executor);
     }
 }
 
 // The closest hit of a ray is not decided as exactly as a line of sight, but only tested later.
 void ViewerFront::find_blockers(const GroupFrame& frame, Executor& executor) {
-    hits_.resize(rays_.size());
+    const double max_searches = kMaxSearchesOfBudget * budget_ / kBatchSearchCost;
+    const std::size_t count = std::min(blocked_.size(), static_cast<std::size_t>(max_searches));
+    rays_.clear();
+    for (const std::uint32_t place : std::span(blocked_).first(count)) {
+        const Vec3& point = frame.groups->points()[frame.groups->order()[place]];
+        rays_.push_back({position_, point - position_, 1.0});
+    }
+    hits_.resize(count);
     frame.bvh->closest_hits(rays_, std::span(hits_), executor);
-    for (std::size_t i = 0; i < hits_.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         if (hits_[i] && !frame.excluded->contains(hits_[i]->triangle)) {
             blockers_[blocked_[i]] = hits_[i]->triangle;
         }
     }
-    budget_ -= kSearchCost * static_cast<double>(rays_.size());
-    statistics_.searches += rays_.size();
+    budget_ -= kBatchSearchCost * static_cast<double>(count);
+    statistics_.searches += count;
 }
 
 }  // namespace earshot::visibility

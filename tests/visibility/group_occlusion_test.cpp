@@ -10,6 +10,7 @@
 #include "line_of_sight_scenes.h"
 #include "support/dice.h"
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace earshot::visibility {
@@ -27,19 +28,24 @@ Vec3 place_in(Dice& dice, double half_side) {
     return {x, y, dice.between(-half_side, half_side)};
 }
 
+/// Adds a wall of two triangles.
+void add_wall(Mesh& mesh, const Vec3& corner, const Vec3& u, const Vec3& v) {
+    const auto first = static_cast<geometry::VertexId>(mesh.positions.size());
+    for (const Vec3& point : {corner, corner + u, corner + u + v, corner + v}) {
+        mesh.positions.push_back(point);
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+}
+
 /// Walls of two triangles, and small triangles.
 Mesh random_walls(Dice& dice) {
     Mesh mesh;
     const int walls = 2 + dice.below(6);
     for (int wall = 0; wall < walls; ++wall) {
-        const auto first = static_cast<geometry::VertexId>(mesh.positions.size());
         const Vec3 corner = place_in(dice, 3.0);
         const Vec3 u = place_in(dice, 3.0), v = place_in(dice, 3.0);
-        for (const Vec3& point : {corner, corner + u, corner + u + v, corner + v}) {
-            mesh.positions.push_back(point);
-        }
-        mesh.triangles.push_back({first, first + 1, first + 2});
-        mesh.triangles.push_back({first, first + 2, first + 3});
+        add_wall(mesh, corner, u, v);
     }
     for (int i = dice.below(20); i > 0; --i) {
         const auto first = static_cast<geometry::VertexId>(mesh.positions.size());
@@ -223,6 +229,63 @@ TEST(GroupOcclusion, CastsAFifthOfTheRaysOfSingleTests) {
         }
     }
     EXPECT_LE(5 * work, single.rays);
+}
+
+// Where all proofs end in one frame and many are in vain, those that cost little are found first.
+TEST(GroupOcclusion, CastsFewerRaysAmongClutterWhereTheViewerTurns) {
+    Dice dice(4);
+    Mesh mesh;
+    for (int wall = 0; wall < 8; ++wall) {
+        const Vec3 corner = place_in(dice, 6.0);
+        const Vec3 along = place_in(dice, 3.0);
+        add_wall(mesh, {corner.x, -1.5, corner.z}, {along.x, 0.0, along.z}, {0.0, 3.0, 0.0});
+    }
+    const auto place = [&] {
+        const Vec3 p = place_in(dice, 8.0);
+        return Vec3(p.x, p.y * (1.5 / 8.0), p.z);
+    };
+    for (int i = 0; i < 20; ++i) {
+        const Vec3 corner = place();
+        const Vec3 u = place_in(dice, 0.1);
+        add_wall(mesh, corner, u, place_in(dice, 0.1));
+    }
+    std::vector<Vec3> points(4000);
+    std::generate(points.begin(), points.end(), place);
+    const bvh::DeformableBvh tree(mesh.view());
+    GroupOcclusion groups(mesh.view(), {});
+    SingleTests single(points.size());
+    std::vector<std::uint8_t> visible(points.size());
+    std::uint64_t work = 0;
+    Vec3 viewer(0.1, 0.0, 0.2);
+    for (int step = 0; step < 120; ++step) {
+        const double angle = 2.4 * (step / 30);
+        viewer += 0.07 * Vec3(std::cos(angle), 0.0, std::sin(angle));
+        groups.begin_frame(tree.view(), {}, {&viewer, 1}, points);
+        groups.visible(0, visible);
+        single.ask(tree.view(), viewer, points);
+        const GroupOcclusionStatistics& of_frame = groups.statistics();
+        work += of_frame.rays + of_frame.searches + of_frame.shafts;
+    }
+    EXPECT_LE(4 * work, single.rays);
+}
+
+// Nothing is known of the way of a viewer that jumps, and no proof would hold.
+TEST(GroupOcclusion, AsksAllInABatchForAViewerThatJumps) {
+    Dice dice(7);
+    const Mesh mesh = random_walls(dice);
+    const bvh::DeformableBvh tree(mesh.view());
+    std::vector<Vec3> points;
+    for (int i = 0; i < 500; ++i) {
+        points.push_back(place_in(dice, 3.0));
+    }
+    GroupOcclusion groups(mesh.view(), {});
+    std::vector<std::uint8_t> visible(points.size());
+    for (int frame = 0; frame < 20; ++frame) {
+        const Vec3 viewer = place_in(dice, 3.0);
+        groups.begin_frame(tree.view(), {}, {&viewer, 1}, points);
+        groups.visible(0, visible);
+        EXPECT_EQ(groups.statistics(), GroupOcclusionStatistics{.rays = points.size()}) << frame;
+    }
 }
 
 // Matrices of many columns or many rows are decided in groups, by any number of threads.

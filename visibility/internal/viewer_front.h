@@ -70,7 +70,10 @@ private:
     class Renewal;
 
     void begin_frame(const GroupFrame& frame, const geometry::Vec3& position);
-    bool can_prove() const noexcept { return knows_step_ && budget_ > 0.0; }
+    /// A viewer that turns in every frame has no way ahead.
+    bool can_prove() const noexcept {
+        return knows_step_ && frames_since_turn_ + frames_before_turn_ > 0 && budget_ > 0.0;
+    }
     bool holds(const GroupFrame& frame, std::uint32_t node, Unit& unit) const;
     ViewerRegion region_ahead(std::uint32_t node, unsigned horizon) const;
     void renew(const GroupFrame& frame, std::uint32_t node, Unit& unit);
@@ -85,6 +88,8 @@ private:
     std::uint32_t frame_ = 0;
     geometry::Vec3 position_{0.0}, step_{0.0};
     bool knows_step_ = false;
+    std::uint32_t frames_since_turn_ = 0;   // of the viewer
+    std::uint32_t frames_before_turn_ = 0;  // between that and the one before
     std::vector<Unit> units_;
     double budget_ = 0.0;  // what proofs may still cost, in rays
     double tested_blockers_ = 0.0, kept_blockers_ = 0.0;
