@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 namespace earshot::frustum {
@@ -21,9 +22,9 @@ constexpr std::size_t kMinPart = SubpathBlock::kWidth;
 
 constexpr std::size_t kCoordinates = 6;
 
-/// A subpath as a point: the centres of its bounds, and two unused coordinates.
-struct Place {
-    std::array<float, 8> coordinate{};
+/// A subpath as a point: the centres of its bounds. As large as a register.
+struct alignas(32) Place {
+    std::array<float, kCoordinates> coordinate{};
     std::uint32_t number = 0;
 };
 
@@ -45,12 +46,13 @@ struct Spread {
 
 /// The coordinate in which places differ most; the first of equals.
 Spread widest_spread(std::span<const Place> places) noexcept {
-    std::array<float, 8> lower = places.front().coordinate;
-    std::array<float, 8> upper = lower;
+    std::array<float, kCoordinates> lower = places.front().coordinate;
+    std::array<float, kCoordinates> upper = lower;
     for (const Place& place : places) {
-        for (std::size_t k = 0; k < lower.size(); ++k) {
-            lower[k] = std::min(lower[k], place.coordinate[k]);
-            upper[k] = std::max(upper[k], place.coordinate[k]);
+        for (std::size_t k = 0; k < kCoordinates; ++k) {
+            const float here = place.coordinate[k];
+            lower[k] = here < lower[k] ? here : lower[k];
+            upper[k] = here > upper[k] ? here : upper[k];
         }
     }
     std::size_t axis = 0;
@@ -62,57 +64,80 @@ Spread widest_spread(std::span<const Place> places) noexcept {
     return {axis, lower[axis], upper[axis]};
 }
 
-/// Parts places so that the first `count` are the lowest along an axis, of equals those with the
-/// lowest numbers.
-void part_small(std::span<Place> places, std::size_t count, std::size_t axis) {
-    std::nth_element(places.begin(),
-                     places.begin() + static_cast<std::ptrdiff_t>(count),
-                     places.end(),
-                     [&](const Place& a, const Place& b) {
-                         return std::pair(a.coordinate[axis], a.number) <
-                                std::pair(b.coordinate[axis], b.number);
-                     });
+/// In the order of a coordinate and, of equals, of the numbers.
+std::uint64_t key_of(const Place& place, std::size_t axis) noexcept {
+    const auto bits = std::bit_cast<std::uint32_t>(place.coordinate[axis] + 0.0F);  // of -0: of 0
+    constexpr std::uint32_t kSign = 0x80000000U;
+    const std::uint32_t ordered = (bits & kSign) != 0 ? ~bits : bits | kSign;
+    return std::uint64_t{ordered} << 32 | place.number;
 }
 
-/// The same of many, by a histogram: only the bin in which the border lies is searched.
-void part_by_histogram(std::span<Place> places,
-                       std::span<Place> scratch,
-                       std::size_t count,
-                       const Spread& spread) {
-    constexpr std::size_t kBins = 256;
-    const float scale = static_cast<float>(kBins) / (spread.upper - spread.lower);
-    const auto bin_of = [&](const Place& place) {
-        const float steps = scale * (place.coordinate[spread.axis] - spread.lower);
-        return std::min(static_cast<std::size_t>(steps), kBins - 1);
+/// Parts places into halves, with memory that is used again.
+class Parting {
+public:
+    /// Copies `from` to `to`, first those that are the lowest along the widest axis, `count` of
+    /// them, of equals those with the lowest numbers. Precondition: 0 < count < from.size() ==
+    /// to.size().
+    void part(std::span<const Place> from, std::span<Place> to, std::size_t count) {
+        const Spread spread = widest_spread(from);
+        const Border border = find_border(from, count, spread);
+        const std::uint64_t first_upper = nth_key(from, border, count, spread.axis);
+        std::array<Place*, 2> next = {to.data(), to.data() + count};
+        for (const Place& place : from) {
+            *next[static_cast<std::size_t>(key_of(place, spread.axis) >= first_upper)]++ = place;
+        }
+    }
+
+private:
+    static constexpr int kMaxBins = 256;
+
+    /// The bin in which the first place of the upper half lies.
+    struct Border {
+        std::size_t bin = 0;
+        std::size_t before = 0;  ///< places in lower bins
     };
-    std::array<std::uint32_t, kBins> counts{};
-    for (const Place& place : places) {
-        ++counts[bin_of(place)];
-    }
-    std::size_t bin = 0, before = 0;
-    while (before + counts[bin] <= count) {
-        before += counts[bin++];
-    }
-    std::array<std::size_t, 3> next = {0, before, before + counts[bin]};
-    for (const Place& place : places) {
-        const std::size_t here = bin_of(place);
-        const std::size_t side =
-            static_cast<std::size_t>(here >= bin) + static_cast<std::size_t>(here > bin);
-        scratch[next[side]++] = place;
-    }
-    std::copy(scratch.begin(), scratch.end(), places.begin());
-    part_small(places.subspan(before, counts[bin]), count - before, spread.axis);
-}
 
-void part(std::span<Place> places, std::span<Place> scratch, std::size_t count) {
-    const Spread spread = widest_spread(places);
-    constexpr std::size_t kMany = 256;
-    if (places.size() >= kMany && spread.upper - spread.lower > 0.0F) {
-        part_by_histogram(places, scratch, count, spread);
-    } else {
-        part_small(places, count, spread.axis);
+    /// Puts places into bins along an axis.
+    Border find_border(std::span<const Place> places, std::size_t count, const Spread& spread) {
+        constexpr std::size_t kMany = 512;
+        const int last = (places.size() < kMany ? kMaxBins / 4 : kMaxBins) - 1;
+        const float scale = static_cast<float>(last + 1) / (spread.upper - spread.lower);
+        std::array<std::uint32_t, kMaxBins> counts;
+        std::fill(counts.begin(), counts.begin() + last + 1, 0);
+        bins_.resize(places.size());
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            const float steps = scale * (places[i].coordinate[spread.axis] - spread.lower);
+            // The last bin as well where the scale is infinite and steps are not a number.
+            const int bin = steps < static_cast<float>(last) ? static_cast<int>(steps) : last;
+            bins_[i] = static_cast<std::uint8_t>(bin);
+            ++counts[static_cast<std::size_t>(bin)];
+        }
+        Border border;
+        while (border.before + counts[border.bin] <= count) {
+            border.before += counts[border.bin++];
+        }
+        return border;
     }
-}
+
+    /// The key of the first place of the upper half.
+    std::uint64_t nth_key(std::span<const Place> places,
+                          const Border& border,
+                          std::size_t count,
+                          std::size_t axis) {
+        keys_.clear();
+        for (std::size_t i = 0; i < places.size(); ++i) {
+            if (bins_[i] == border.bin) {
+                keys_.push_back(key_of(places[i], axis));
+            }
+        }
+        const auto nth = keys_.begin() + static_cast<std::ptrdiff_t>(count - border.before);
+        std::nth_element(keys_.begin(), nth, keys_.end());
+        return *nth;
+    }
+
+    std::vector<std::uint8_t> bins_;
+    std::vector<std::uint64_t> keys_;
+};
 
 }  // namespace
 
@@ -126,17 +151,22 @@ std::vector<std::uint32_t> order_subpaths(std::span<const SubpathBounds> subpath
             places[i] = place_of(subpaths[i], i);
         }
     });
-    // Parts `begin` to `end` of a size, each into halves down to another size.
+    // Parts of a size in `begin` to `end`, each into halves down to another size. What is parted
+    // goes to and fro between the two arrays.
     const auto divide = [&](std::size_t begin, std::size_t end, std::size_t size, std::size_t to) {
+        Parting parting;
+        std::span<Place> from = places, into = scratch;
         for (; size > to; size /= 2) {
             for (std::size_t first = begin; first < end; first += size) {
                 const std::size_t own = std::min(size, end - first);
+                const auto some = from.subspan(first, own);
                 if (own > size / 2) {
-                    part(std::span(places).subspan(first, own),
-                         std::span(scratch).subspan(first, own),
-                         size / 2);
+                    parting.part(some, into.subspan(first, own), size / 2);
+                } else {
+                    std::copy(some.begin(), some.end(), into.begin() + first);
                 }
             }
+            std::swap(from, into);
         }
     };
     // The halves of large parts level by level, then small parts one by one, which stay in a cache.
@@ -146,10 +176,15 @@ std::vector<std::uint32_t> order_subpaths(std::span<const SubpathBounds> subpath
         executor.for_each(count, size, [&](std::size_t begin, std::size_t end) {
             divide(begin, end, size, size / 2);
         });
+        std::swap(places, scratch);
     }
     executor.for_each(count, kTask, [&](std::size_t begin, std::size_t end) {
         divide(begin, end, kTask, kMinPart);
     });
+    constexpr int kSmallLevels = std::countr_zero(kTask / kMinPart);
+    if constexpr (kSmallLevels % 2 != 0) {
+        std::swap(places, scratch);
+    }
     std::vector<std::uint32_t> numbers;
     numbers.reserve(count);
     for (const Place& place : places) {
