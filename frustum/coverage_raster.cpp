@@ -2,6 +2,7 @@
 #include "earshot/frustum/internal/coverage_raster.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace earshot::frustum {
@@ -33,88 +34,32 @@ CoverageRaster::CoverageRaster(const Rect& rect, int cells) noexcept
 void CoverageRaster::start(double slack_in_cells, bool only_centres) noexcept {
     only_centres_ = only_centres;
     slack_ = slack_in_cells;
-    boundary_ = 0;
-    std::fill(std::begin(up_), std::end(up_), 0);
-    std::fill(std::begin(down_), std::end(down_), 0);
+    rows_ = {};
     edges_ = 0;
     has_spilled_ = false;
 }
 
 void CoverageRaster::add_loop(std::span<const glm::dvec2> loop) noexcept {
-    glm::dvec2 previous = (loop.back() - rect_.lower) * scale_;
-    for (const glm::dvec2& point : loop) {
-        const glm::dvec2 current = (point - rect_.lower) * scale_;
-        if (!only_centres_) {
-            mark_edge(previous, current);
-        }
-        wind_edge(previous, current);
-        previous = current;
-    }
+    const std::array<glm::dvec2, 2> closing = {loop.back(), loop.front()};
+    add_edges_from(closing);
+    add_edges_from(loop);
 }
 
-// Marks every cell within slack of the edge. Row by row: the part of the edge inside the row
-// (grown by slack) spans a range of columns.
-void CoverageRaster::mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
-    if (a.y > b.y) {
-        std::swap(a, b);
-    }
-    const double side = cells_;
-    if (!(b.y >= -slack_) || !(a.y <= side + slack_) || !(std::max(a.x, b.x) >= -slack_) ||
-        !(std::min(a.x, b.x) <= side + slack_)) {
-        return;
-    }
-    const double slope = b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0;
-    const int first_row = clamp_cell(a.y - slack_, cells_);
-    const int last_row = clamp_cell(b.y + slack_, cells_);
-    const double low_x = std::min(a.x, b.x);
-    const double high_x = std::max(a.x, b.x);
-    for (int row = first_row; row <= last_row; ++row) {
-        double left = low_x;
-        double right = high_x;
-        if (b.y > a.y) {
-            const double y0 = std::max(a.y, row - slack_);
-            const double y1 = std::min(b.y, row + 1 + slack_);
-            const double x0 = a.x + slope * (y0 - a.y);
-            const double x1 = a.x + slope * (y1 - a.y);
-            left = std::max(low_x, std::min(x0, x1));
-            right = std::min(high_x, std::max(x0, x1));
+// Edges from point to point, as many at a time as bytes can count.
+void CoverageRaster::add_edges_from(std::span<const glm::dvec2> points) noexcept {
+    constexpr std::size_t kMaxEdges = 255;
+    const RasterGrid grid = {.lower = {rect_.lower.x, rect_.lower.y},
+                             .scale = {scale_.x, scale_.y},
+                             .cells = 1.0 * cells_,
+                             .slack = slack_};
+    for (std::size_t begin = 0; begin + 1 < points.size();) {
+        if (edges_ == kMaxEdges) {
+            spill_winding();
         }
-        // The interpolation above may be off by a few units in the last place of the coordinates,
-        // which the callers' slack allows for (kCellSlack in visible_facets.h).
-        left -= slack_;
-        right += slack_;
-        if (right < 0.0 || left > side) {
-            continue;
-        }
-        boundary_ |= row_bits(row, clamp_cell(left, cells_), clamp_cell(right, cells_));
-    }
-}
-
-// Counts the edge for every cell centre to the right of where it crosses the centre's row.
-void CoverageRaster::wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept {
-    const bool goes_up = a.y < b.y;
-    if (!goes_up) {
-        std::swap(a, b);
-    }
-    // Rows whose centre y lies in [a.y, b.y).
-    const int first_row = clamped_ceiling(a.y - 0.5);
-    const int end_row = std::min(cells_, clamped_ceiling(b.y - 0.5));
-    if (first_row >= end_row) {
-        return;
-    }
-    constexpr int kMaxEdges = 255;  // that bytes can count
-    if (edges_ == kMaxEdges) {
-        spill_winding();
-    }
-    ++edges_;
-    const double slope = (b.x - a.x) / (b.y - a.y);
-    std::uint64_t* rows = goes_up ? up_ : down_;
-    for (int row = first_row; row < end_row; ++row) {
-        const double x = a.x + slope * (row + 0.5 - a.y);
-        const int column = clamped_ceiling(x - 0.5);
-        if (column < kGridSide) {
-            rows[row] += std::uint64_t{1} << (8 * column);
-        }
+        const std::size_t count = std::min(points.size() - 1 - begin, kMaxEdges - edges_);
+        add_edges(grid, &points[begin].x, count, only_centres_, rows_);
+        edges_ += count;
+        begin += count;
     }
 }
 
@@ -125,9 +70,9 @@ void CoverageRaster::spill_winding() noexcept {
                 return static_cast<std::int32_t>((bytes >> (8 * column)) & 0xff);
             };
             spilled_[row][column] = (has_spilled_ ? spilled_[row][column] : 0) +
-                                    count_of(up_[row]) - count_of(down_[row]);
+                                    count_of(rows_.up[row]) - count_of(rows_.down[row]);
         }
-        up_[row] = down_[row] = 0;
+        rows_.up[row] = rows_.down[row] = 0;
     }
     edges_ = 0;
     has_spilled_ = true;
@@ -150,12 +95,16 @@ Coverage CoverageRaster::finish() noexcept {
         constexpr std::uint64_t kOnes = 0x0101010101010101;
         const std::uint64_t columns = (std::uint64_t{1} << cells_) - 1;
         for (int row = 0; row < cells_; ++row) {
-            const std::uint64_t differ = (up_[row] * kOnes) ^ (down_[row] * kOnes);
+            const std::uint64_t differ = (rows_.up[row] * kOnes) ^ (rows_.down[row] * kOnes);
             inside |= (bytes_set(differ) & columns) << (8 * row);
         }
     }
-    // No edge passes a cell outside boundary_, so its centre decides for all of it.
-    return {.outer = boundary_ | inside, .inner = inside & ~boundary_, .centre_sampled = inside};
+    // No edge passes a cell outside the boundary, so its centre decides for all of it.
+    CellMask boundary = 0;
+    for (int row = 0; row < cells_; ++row) {
+        boundary |= rows_.boundary[row] << (8 * row);
+    }
+    return {.outer = boundary | inside, .inner = inside & ~boundary, .centre_sampled = inside};
 }
 
 CellMask CoverageRaster::cells_with_centre_in(const Rect& box) const noexcept {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "earshot/frustum/internal/outline_view.h"
 #include "earshot/frustum/internal/visible_facets.h"
 
 #include <glm/common.hpp>
@@ -27,6 +28,12 @@ constexpr double kMaxOutside = 0x1p16;
 
 /// A polygon narrower than this, in cells, covers no cell wholly.
 constexpr double kAlmostACell = 0.99;
+
+/// The vertices of all loops.
+std::span<const Vec3> outline_of(const FacetIndex& index, FacetId facet) noexcept {
+    const auto loops = index.loops(facet);
+    return index.vertices().subspan(loops.front().begin, loops.back().end - loops.front().begin);
+}
 
 }  // namespace
 
@@ -72,6 +79,33 @@ struct VisibleFacets::ClipPlanes {
                                        : 0.0;
     }
 
+    /// With these half-spaces. Points that are seen without clipping are no closer than twice what
+    /// their errors can move them.
+    OutlineView view() const noexcept {
+        OutlineView view{};
+        view.start_slack = 1.0;
+        const Vec3* axes[] = {&frustum.right, &frustum.up, &frustum.forward};
+        for (int k = 0; k < 3; ++k) {
+            view.apex[k] = frustum.apex[k];
+            for (int axis = 0; axis < 3; ++axis) {
+                view.axes[axis][k] = (*axes[axis])[k];
+            }
+        }
+        if (frustum.starts_at_facet) {
+            view.start_constant = frustum.start.constant;
+            view.start_slack = start_slack;
+        }
+        for (int k = 0; k < 2; ++k) {
+            view.start_slope[k] = frustum.starts_at_facet ? frustum.start.slope[k] : 0.0;
+            view.lower[k] = lower[k];
+            view.upper[k] = upper[k];
+        }
+        view.side_error = side_error;
+        view.min_depth = std::max(frustum.min_depth, 2.0 * side_error);
+        view.clip_depth = frustum.min_depth - position_error;
+        return view;
+    }
+
     const Frustum& frustum;
     double position_error, start_slack, side_error;
     glm::dvec2 lower, upper;
@@ -86,24 +120,27 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
                                                     double position_error,
                                                     bool centres_only,
                                                     Projected& out) {
-    const double min_z = std::max(frustum.min_depth, 2.0 * kProjectionErrorFactor * position_error);
-    const ClipPlanes planes(frustum, index_, raster, position_error);
-    glm::dvec2 lower(std::numeric_limits<double>::infinity());
-    glm::dvec2 upper(-std::numeric_limits<double>::infinity());
-    double min_depth = std::numeric_limits<double>::infinity();
-    outline_.resize(local_.size());
-    for (std::size_t i = 0; i < local_.size(); ++i) {
-        const Vec3& p = local_[i];
-        if (!(p.z >= min_z) || !(planes.before_start(p) >= 0.0)) {
+    const auto vertices = outline_of(index_, facet);
+    // A triangle's last vertex is there twice.
+    const std::array<Vec3, 4> four = {vertices[0], vertices[1], vertices[2], vertices.back()};
+    const bool are_few = vertices.size() < four.size();
+    outline_.resize(std::max(vertices.size(), four.size()));
+    OutlineBounds seen;
+    switch (view_outline(ClipPlanes(frustum, index_, raster, position_error).view(),
+                         are_few ? &four.front().x : &vertices.front().x,
+                         outline_.size(),
+                         &outline_.front().x,
+                         seen)) {
+        case OutlineSeen::not_at_all:
+            return DrawResult::outside;
+        case OutlineSeen::partly:
             return DrawResult::needs_clipping;
-        }
-        const double inverse = 1.0 / p.z;
-        const glm::dvec2 uv = {p.x * inverse, p.y * inverse};
-        lower = glm::min(lower, uv);
-        upper = glm::max(upper, uv);
-        min_depth = std::min(min_depth, p.z);
-        outline_[i] = uv;
+        case OutlineSeen::whole:
+            break;
     }
+    const glm::dvec2 lower = {seen.lower[0], seen.lower[1]};
+    const glm::dvec2 upper = {seen.upper[0], seen.upper[1]};
+    const double min_depth = seen.min_depth;
     const glm::dvec2 cell = raster.cell_size();
     const double slack =
         kCellSlack + kProjectionErrorFactor * position_error / min_depth / std::min(cell.x, cell.y);
@@ -147,13 +184,6 @@ bool VisibleFacets::draw(const Frustum& frustum,
                          bool centres_only,
                          Projected& out) {
     const double position_error = position_error_ + index_.flatness(facet);
-    const auto loops = index_.loops(facet);
-    const auto vertices =
-        index_.vertices().subspan(loops.front().begin, loops.back().end - loops.front().begin);
-    local_.resize(vertices.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        local_[i] = frustum.local(vertices[i]);
-    }
     switch (draw_whole(frustum, raster, facet, position_error, centres_only, out)) {
         case DrawResult::outside:
             return false;
@@ -171,14 +201,12 @@ bool VisibleFacets::draw_clipped(const Frustum& frustum,
                                  double position_error,
                                  bool centres_only,
                                  Projected& out) {
-    // Most of these facets are behind the start or beside the grid with all of their vertices.
-    const ClipPlanes planes(frustum, index_, raster, position_error);
-    if (!planes.for_each([&](auto&& distance) {
-            return std::any_of(
-                local_.begin(), local_.end(), [&](const Vec3& p) { return distance(p) >= 0.0; });
-        })) {
-        return false;
+    const auto vertices = outline_of(index_, facet);
+    local_.resize(vertices.size());
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        local_[i] = frustum.local(vertices[i]);
     }
+    const ClipPlanes planes(frustum, index_, raster, position_error);
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto loops = index_.loops(facet);
     out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "earshot/frustum/internal/raster_rows.h"
+
 #include <glm/vec2.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -91,8 +94,7 @@ private:
         }
         return {.first = clamp_cell(from, cells_), .last = clamp_cell(to, cells_)};
     }
-    void mark_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
-    void wind_edge(glm::dvec2 a, glm::dvec2 b) noexcept;
+    void add_edges_from(std::span<const glm::dvec2> points) noexcept;
     void spill_winding() noexcept;
     static CellMask row_range(const Range& rows) noexcept {
         return (kAllCells >> (kGridSide * (kGridSide - 1 - rows.last))) &
@@ -105,11 +107,9 @@ private:
     glm::dvec2 scale_;
     double slack_ = 0.0;
     bool only_centres_ = false;
-    CellMask boundary_ = 0;
-    // By how much the winding number changes from the column before: a byte per column, edges that
-    // go up and edges that go down. Edges beyond those that bytes can count are in `spilled_`.
-    std::uint64_t up_[kGridSide] = {}, down_[kGridSide] = {};
-    int edges_ = 0;
+    // Winding numbers of edges beyond those that bytes can count are in `spilled_`.
+    RasterRows rows_;
+    std::size_t edges_ = 0;
     bool has_spilled_ = false;
     std::int32_t spilled_[kGridSide][kGridSide];
 };
