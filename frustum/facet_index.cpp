@@ -33,6 +33,7 @@ FacetIndex::FacetIndex(const SceneView& scene, Executor& executor) {
     describe_facets(scene, executor);
     bvh_ = bvh::DeformableBvh(boxes_, {}, executor);
     hierarchies_built_ = 1;
+    tree_ = FacetTree(bvh_.binary_tree(), boxes_);
 }
 
 FacetIndex::FacetIndex(const SceneView& scene,
@@ -50,6 +51,7 @@ FacetIndex::FacetIndex(const SceneView& scene,
         bvh_ = bvh::DeformableBvh(boxes_, {}, executor);
         ++hierarchies_built_;
     }
+    tree_ = FacetTree(bvh_.binary_tree(), boxes_);
 }
 
 void FacetIndex::describe_facets(const SceneView& scene, Executor& executor) {

@@ -129,41 +129,66 @@ double VisibleFacets::depth_error(double height) const noexcept {
     return kProjectionErrorFactor * position_error_ / std::abs(height);
 }
 
-// Traverses the tree depth first, the closer child first, so that occluders are added before the
+// Traverses the tree depth first, closer children first, so that occluders are added before the
 // facets that they occlude are tested.
 void VisibleFacets::visit_nodes() {
     const auto nodes = index_.tree().nodes();
     if (nodes.empty()) {
         return;
     }
-    const BoxCull cull = box_cull();
-    const auto depth_of = [&](const geometry::Aabb& box) {
-        double depth = 0.0;
-        for (int k = 0; k < 3; ++k) {
-            const auto axis = static_cast<std::size_t>(k);
-            depth += frustum_.forward[k] *
-                     (static_cast<double>(box.lower[axis]) + static_cast<double>(box.upper[axis]));
-        }
-        return depth;
-    };
-    stack_.assign(1, 0);
+    const FrustumBoxTest test(frustum_, box_cull().half_spaces());
+    stack_.assign(1, {.cells = frustum_.active});
     while (!stack_.empty()) {
-        const bvh::Node& node = nodes[stack_.back()];
+        const Seen top = stack_.back();
         stack_.pop_back();
-        if (!cull.may_overlap(node.box) || box_is_occluded(node.box)) {
+        if (is_occluded(top)) {
             continue;
         }
-        if (node.is_leaf()) {
-            for (std::uint32_t i = 0; i < node.count; ++i) {
-                visit_facet(index_.tree().primitives()[node.first + i]);
-            }
+        if ((top.child & FacetNode::kFacetFlag) != 0) {
+            visit_facet(top.child & ~FacetNode::kFacetFlag);
         } else {
-            const bool left_first =
-                depth_of(nodes[node.first].box) <= depth_of(nodes[node.first + 1].box);
-            stack_.push_back(left_first ? node.first + 1 : node.first);
-            stack_.push_back(left_first ? node.first : node.first + 1);
+            push_children(test, nodes[top.child]);
         }
     }
+}
+
+// Those that the frustum's active cells may contain, the closest last.
+void VisibleFacets::push_children(const FrustumBoxTest& test, const FacetNode& node) {
+    ChildBounds boxes;
+    const std::size_t first = stack_.size();
+    for (std::uint32_t bits = project_boxes(test, node, boxes); bits != 0; bits &= bits - 1) {
+        const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+        Seen seen = {.child = node.child[i],
+                     .centre_depth = boxes.centre_depth[i],
+                     .cells = frustum_.active};
+        if (boxes.min_depth[i] > frustum_.min_depth) {
+            const Rect bounds = {.lower = {boxes.lower[0][i], boxes.lower[1][i]},
+                                 .upper = {boxes.upper[0][i], boxes.upper[1][i]}};
+            seen.min_depth = boxes.min_depth[i];
+            seen.cells = mode_ == Mode::sampled
+                             ? raster_.cells_with_centre_in(bounds) & frustum_.active
+                             : cells_overlapping(bounds, seen.min_depth);
+        }
+        if (seen.cells == 0) {
+            continue;
+        }
+        std::size_t place = stack_.size();
+        stack_.push_back(seen);
+        for (; place > first && stack_[place - 1].centre_depth < seen.centre_depth; --place) {
+            stack_[place] = stack_[place - 1];
+        }
+        stack_[place] = seen;
+    }
+}
+
+// Whether every sub-frustum that a box may overlap has an occluder in front of the box's closest
+// corner.
+bool VisibleFacets::is_occluded(const Seen& seen) const noexcept {
+    if (seen.min_depth == 0.0 || (seen.cells & ~occlusion_.occluded()) != 0) {
+        return false;
+    }
+    return mode_ == Mode::sampled ? occlusion_.all_centres_occlude(1.0 / seen.min_depth, seen.cells)
+                                  : all_occlude_depth(seen.min_depth, seen.cells);
 }
 
 void VisibleFacets::visit_facet(FacetId facet) {
@@ -257,23 +282,6 @@ std::optional<VisibleFacets::BoxBounds> VisibleFacets::bounds_of(
         bounds.upper[k] = high * (high < 0.0 ? far_scale : near_scale);
     }
     return BoxBounds{bounds, min_depth};
-}
-
-// A box is occluded if every sub-frustum that it may overlap has an occluder in front of the box's
-// closest corner.
-bool VisibleFacets::box_is_occluded(const geometry::Aabb& box) const noexcept {
-    if (occlusion_.occluded() == 0 && mode_ == Mode::complete) {
-        return false;
-    }
-    const auto seen = bounds_of(box);
-    if (!seen) {
-        return false;
-    }
-    if (mode_ == Mode::sampled) {
-        const CellMask cells = raster_.cells_with_centre_in(seen->bounds) & frustum_.active;
-        return occlusion_.all_centres_occlude(1.0 / seen->min_depth, cells);
-    }
-    return all_occlude_depth(seen->min_depth, cells_overlapping(seen->bounds, seen->min_depth));
 }
 
 bool VisibleFacets::may_overlap(const geometry::Aabb& box,

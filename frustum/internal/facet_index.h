@@ -3,6 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/bvh/deformable_bvh.h"
+#include "earshot/frustum/internal/facet_tree.h"
 #include "earshot/frustum/scene_view.h"
 
 #include <cstdint>
@@ -56,7 +57,7 @@ public:
     /// in which the verification projects (path_verifier.cpp), so that search and verification mean
     /// the same polygon.
     std::span<const geometry::Vec3> vertices() const noexcept { return vertices_; }
-    const bvh::Tree& tree() const noexcept { return bvh_.binary_tree(); }
+    const FacetTree& tree() const noexcept { return tree_; }
     /// How many hierarchies there have been, and how they followed the facets.
     std::uint64_t hierarchies_built() const noexcept { return hierarchies_built_; }
     const bvh::UpdateStatistics& updates() const noexcept { return updates_; }
@@ -80,6 +81,7 @@ private:
     std::vector<geometry::Aabb> boxes_;
     std::vector<geometry::FacetId> of_triangle_;  // what the facets are made of
     bvh::DeformableBvh bvh_;                      // over the boxes
+    FacetTree tree_;                              // its levels joined
     std::uint64_t hierarchies_built_ = 0;
     bvh::UpdateStatistics updates_;
     double extent_ = 0.0;

@@ -111,6 +111,9 @@ public:
         return !lies_outside(half_spaces_, box.lower.data(), box.upper.data());
     }
 
+    /// Five, in the first places.
+    const HalfSpaces& half_spaces() const noexcept { return half_spaces_; }
+
 private:
     HalfSpaces half_spaces_;
 };

@@ -3,6 +3,7 @@
 
 #include "earshot/frustum/internal/aperture_test.h"
 #include "earshot/frustum/internal/facet_index.h"
+#include "earshot/frustum/internal/facet_tree.h"
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/frustum/internal/occlusion_grid.h"
 #include "earshot/frustum/paths.h"
@@ -125,7 +126,17 @@ private:
         Rect bounds;
     };
 
+    /// What a frustum may contain of a node or facet: something in `cells`, no closer than
+    /// `min_depth` (0: at any depth).
+    struct Seen {
+        std::uint32_t child = 0;                     // as in a FacetNode
+        double centre_depth = 0.0, min_depth = 0.0;  // metres
+        CellMask cells = 0;
+    };
+
     void visit_nodes();
+    void push_children(const FrustumBoxTest& test, const FacetNode& node);
+    bool is_occluded(const Seen& seen) const noexcept;
     void visit_facet(geometry::FacetId facet);
     bool draw(const Frustum& frustum,
               CoverageRaster& raster,
@@ -160,7 +171,6 @@ private:
         double min_depth = 0.0;  // metres
     };
     std::optional<BoxBounds> bounds_of(const geometry::Aabb& box) const noexcept;
-    bool box_is_occluded(const geometry::Aabb& box) const noexcept;
     void collect_found();
     Rect bounds_of_cells(CellMask cells) const noexcept;
 
@@ -177,7 +187,7 @@ private:
     InverseDepth start_depth_limit_;  // an occluder must lie beyond it
     std::vector<Candidate> candidates_;
     std::vector<VisibleFacet> visible_facets_;
-    std::vector<std::uint32_t> stack_;
+    std::vector<Seen> stack_;
     std::vector<geometry::Vec3> local_;  // the vertices of a facet along the frustum's axes
     std::vector<geometry::Vec3> polygon_, clipped_;
     std::vector<glm::dvec2> outline_;
