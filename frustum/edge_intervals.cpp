@@ -427,6 +427,7 @@ std::vector<Interval> EdgeIntervals::find(std::span<const FacetId> sequence,
                                           const Interval& window) const {
     const std::vector<Fan> legs = fans(sequence, images, wedge);
     Places places{.changes = mirror_places(legs, wedge), .shadows = {}};
+    places.changes.insert(places.changes.end(), {window.min, window.max});
     for (const Fan& fan : legs) {
         add_obstacles(fan, wedge, window, places);
     }

@@ -160,6 +160,22 @@ bool EdgeLinks::hull_is_free(const EdgePart& first, const EdgePart& second) cons
     return is_free;
 }
 
+namespace {
+
+/// Slices that see the same of the second edge, one beside the other, are one link.
+void add_slice(const EdgeLink& slice, std::vector<EdgeLink>& links) {
+    for (EdgeLink& link : links) {
+        if (link.first.max == slice.first.min && link.second.min == slice.second.min &&
+            link.second.max == slice.second.max) {
+            link.first.max = slice.first.max;
+            return;
+        }
+    }
+    links.push_back(slice);
+}
+
+}  // namespace
+
 // Slices of the first edge, each of which sees what its middle sees.
 void EdgeLinks::sample_air(const EdgePart& first, const EdgePart& second, Found& found) const {
     found.is_sampled = true;
@@ -167,14 +183,19 @@ void EdgeLinks::sample_air(const EdgePart& first, const EdgePart& second, Found&
     const double size = (first.part.max - first.part.min) / static_cast<double>(kSamples);
     for (std::size_t i = 0; i < kSamples; ++i) {
         const double begin = first.part.min + size * static_cast<double>(i);
+        const double end = first.part.min + size * static_cast<double>(i + 1);
         const Vec3 on_edge = first.wedge.point_at(begin + 0.5 * size);
         const Vec3 start = on_edge + kStartRadii * verifier_.contact_radius() *
                                          geometry::direction_between(on_edge, target);
-        for (const Interval& seen : intervals_.find({}, {&start, 1}, second.wedge)) {
+        const geometry::WedgePoint at = geometry::wedge_coordinates(second.wedge, start);
+        if (!intervals_.may_reach(nullptr, start, at, second.wedge)) {
+            continue;
+        }
+        for (const Interval& seen : intervals_.find({}, {&start, 1}, second.wedge, second.part)) {
             const Interval part{std::max(seen.min, second.part.min),
                                 std::min(seen.max, second.part.max)};
             if (part.min < part.max) {
-                found.links.push_back({{begin, begin + size}, part});
+                add_slice({{begin, end}, part}, found.links);
             }
         }
     }

@@ -41,9 +41,10 @@ public:
                               std::span<const geometry::Vec3> images,
                               const geometry::Wedge& wedge) const;
 
-    /// The parts within the window(). Disjoint, ascending, in metres along the edge, each longer
-    /// than the rounding of places. The preconditions of `sequence` and `images` are those of
-    /// PathVerifier::verify(); the last image may_reach() the wedge.
+    /// The parts within a window, which is the window() or a part of it. Disjoint, ascending, in
+    /// metres along the edge, each longer than the rounding of places, by which they may leave the
+    /// window. The preconditions of `sequence` and `images` are those of PathVerifier::verify();
+    /// the last image may_reach() the wedge.
     std::vector<geometry::Interval> find(std::span<const geometry::FacetId> sequence,
                                          std::span<const geometry::Vec3> images,
                                          const geometry::Wedge& wedge,
