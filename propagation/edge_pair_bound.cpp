@@ -7,6 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <vector>
 
 namespace earshot::propagation {
 
@@ -51,8 +55,66 @@ Interval angles_of(const LineAbout& line, const Interval& part, double open_angl
     return within.min <= within.max ? within : Interval{0.0, open_angle};
 }
 
-TermBounds term_bounds(double open_angle, double fixed_angle, const Interval& angles) noexcept {
+/// e^{asinh x}.
+double exp_asinh(double x) noexcept {
+    const double root = std::sqrt(x * x + 1.0);
+    return x < 0.0 ? 1.0 / (root - x) : root + x;
+}
+
+/// Metres along an axis per metre away from it, on the ways from the points of a part of a line to
+/// a place on the axis. Nothing where the line comes so close that rounding tells.
+std::optional<Interval> slopes_to(double z, const LineAbout& line, const Interval& part) noexcept {
+    // n / r, where n and r^2 are a linear and a quadratic function, has one extreme place.
+    const double rise = z - line.axial(0.0), along = -line.axial_slope();
+    const double product = line.radius_slope_product(0.0);
+    const double radius = line.radius(0.0), radius_slope = line.radius_slope();
+    const double extreme = (along * radius * radius - rise * product) /
+                           (rise * radius_slope * radius_slope - along * product);
+    const bool is_within = extreme > part.min && extreme < part.max;
+    constexpr double kMinRadius = 1e-6;
+    Interval slopes{std::numeric_limits<double>::infinity(),
+                    -std::numeric_limits<double>::infinity()};
+    for (const double place : {part.min, part.max, is_within ? extreme : part.min}) {
+        const double to_line = line.radius(place);
+        const double to_place = z - line.axial(place);
+        if (!(to_line > kMinRadius * (std::abs(to_place) + 1.0))) {
+            return std::nullopt;
+        }
+        slopes = {std::min(slopes.min, to_place / to_line),
+                  std::max(slopes.max, to_place / to_line)};
+    }
+    return slopes;
+}
+
+/// A lower bound on e^{|eta|} of all ways from an end over a part of the axis to a part of a line.
+/// `end`: about the axis.
+double min_exp_eta(const WedgePoint& end,
+                   const Interval& part,
+                   const LineAbout& line,
+                   const Interval& line_part) noexcept {
+    // Either slope rises along the axis.
+    const std::optional<Interval> at_begin = slopes_to(part.min, line, line_part);
+    const std::optional<Interval> at_end = slopes_to(part.max, line, line_part);
+    if (!at_begin || !at_end) {
+        return 1.0;
+    }
+    constexpr double kRoundedDown = 1.0 - 1e-6;
+    const double least = exp_asinh((part.min - end.z) / end.radius) * exp_asinh(at_begin->min);
+    const double most = exp_asinh((part.max - end.z) / end.radius) * exp_asinh(at_end->max);
+    return std::max({1.0, least * kRoundedDown, kRoundedDown / most});
+}
+
+/// `min_exp_eta`: see there.
+TermBounds term_bounds(double open_angle,
+                       double fixed_angle,
+                       const Interval& angles,
+                       double min_exp_eta) noexcept {
     const double nu = math::kPi / open_angle;
+    constexpr double kMaxRoot = 1e100;  // where the terms are nothing
+    const double root = std::min(kMaxRoot, math::exp(nu * math::log(min_exp_eta)));
+    // Of nu eta / 2.
+    const double tanh = (root - 1.0) / (root + 1.0);
+    const double sech_squared = 4.0 * root / ((root + 1.0) * (root + 1.0));
     std::array<double, 2> of_sign{};
     std::array<bool, 2> has_largest{};
     TermBounds bounds;
@@ -68,8 +130,10 @@ TermBounds term_bounds(double open_angle, double fixed_angle, const Interval& an
                                        ? 0.0
                                        : std::min(low - std::floor(low), std::ceil(high) - high);
             const double angle = std::max(kTurn * closest, kMinTermAngle);
-            // cot x <= 1 / x - x / 3 up to pi / 2.
-            const double term = nu * std::max(0.0, 2.0 / angle - angle / 6.0);
+            // With t = tan(a / 2) and h = tanh(nu eta / 2) a term is t (1 - h^2) / (h^2 + t^2),
+            // which is largest at t = h. cot x <= 1 / x - x / 3 up to pi / 2.
+            const double t = std::max(tanh, 1.0 / (2.0 / angle - angle / 6.0));
+            const double term = nu * t * sech_squared / (tanh * tanh + t * t);
             const double area = 2.0 * (math::kPi - angle + kMinTermAngle);
             const bool is_one_signed = std::floor(2.0 * low) == std::floor(2.0 * high);
             const bool is_positive = std::fmod(std::floor(2.0 * low), 2.0) == 0.0;
@@ -97,7 +161,25 @@ double distance(const WedgePoint& point, const Interval& part) noexcept {
     return diagonal(point.radius, point.z - std::clamp(point.z, part.min, part.max));
 }
 
-}  // namespace
+/// The bound for parts of two edges.
+class PairBound {
+public:
+    explicit PairBound(const DoubleDiffraction& edges) noexcept
+        : pair_(edges),
+          open_angles_{edges.first.open_angle, edges.second.open_angle},
+          about_other_{geometry::wedge_coordinates(edges.second, edges.source),
+                       geometry::wedge_coordinates(edges.first, edges.listener)},
+          half_(edges.common_face ? 0.5 : 1.0) {}
+
+    std::array<Interval, 2> parts() const noexcept { return {pair_.part(0), pair_.part(1)}; }
+    double of(const std::array<Interval, 2>& parts) const noexcept;
+
+private:
+    EdgePairGeometry pair_;
+    std::array<double, 2> open_angles_{};
+    std::array<WedgePoint, 2> about_other_{};  // source and listener about the edge farther away
+    double half_ = 1.0;
+};
 
 // The absolute value of a sum of terms of either sign is at most the larger of both sums. With
 //   |H2| <= f / (16 pi^2) int int |nu B1| |nu B2| / (m M l) dz1 dz2,
@@ -106,28 +188,25 @@ double distance(const WedgePoint& point, const Interval& part) noexcept {
 // the integral of the terms over all eta divided by the smallest m + M; terms that are close to
 // their zone boundary need the latter. What remains, |nu B| dz / l over the other edge, is bounded
 // by the terms at the apex. Either edge may be the first of both; the smaller bound holds.
-double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept {
-    const EdgePairGeometry pair(edges);
+double PairBound::of(const std::array<Interval, 2>& parts) const noexcept {
     constexpr double kRoundedDown = 1.0 - 1e-9;
-    const double link = kRoundedDown * pair.link(pair.closest_points());
-    const std::array<geometry::Vec3, 2> ends{edges.source, edges.listener};
-    const std::array<const geometry::Wedge*, 2> wedges{&edges.first, &edges.second};
-    const std::array<WedgePoint, 2> own{pair.source(), pair.listener()};
-    const std::array<const LineAbout*, 2> others{&pair.second_about_first(),
-                                                 &pair.first_about_second()};
+    const double link = kRoundedDown * pair_.link(pair_.closest_points(parts));
+    const std::array<const WedgePoint*, 2> own{&pair_.source(), &pair_.listener()};
+    const std::array<const LineAbout*, 2> others{&pair_.second_about_first(),
+                                                 &pair_.first_about_second()};
     std::array<double, 2> inner{}, outer{};
     for (std::size_t edge = 0; edge < 2; ++edge) {
-        const Interval& part = pair.part(edge);
-        const Interval& other_part = pair.part(1 - edge);
-        const double open_angle = wedges[edge]->open_angle;
-        const TermBounds bounds = term_bounds(
-            open_angle, own[edge].angle, angles_of(*others[edge], other_part, open_angle));
-        const double length = part.max - part.min;
-        const double to_end = kRoundedDown * distance(own[edge], part);
-        const double way = std::max(
-            to_end + link,
-            kRoundedDown *
-                distance(geometry::wedge_coordinates(*wedges[1 - edge], ends[edge]), other_part));
+        const Interval& other_part = parts[1 - edge];
+        const double open_angle = open_angles_[edge];
+        const TermBounds bounds =
+            term_bounds(open_angle,
+                        own[edge]->angle,
+                        angles_of(*others[edge], other_part, open_angle),
+                        min_exp_eta(*own[edge], parts[edge], *others[edge], other_part));
+        const double length = parts[edge].max - parts[edge].min;
+        const double to_end = kRoundedDown * distance(*own[edge], parts[edge]);
+        const double way =
+            std::max(to_end + link, kRoundedDown * distance(about_other_[edge], other_part));
         outer[edge] = length * bounds.sum / to_end;
         inner[edge] = bounds.area / way;
         if (link > 0.0) {
@@ -137,10 +216,69 @@ double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept {
                                     bounds.area_of_largest / way + spread * bounds.sum_of_rest});
         }
     }
-    const double half = edges.common_face ? 0.5 : 1.0;
     constexpr double kRoundedUp = 1.0 + 1e-6;
-    return kRoundedUp * half / (16.0 * math::kPi * math::kPi) *
+    return kRoundedUp * half_ / (16.0 * math::kPi * math::kPi) *
            std::min(inner[0] * outer[1], inner[1] * outer[0]);
+}
+
+/// Parts of two edges, and the bound for them.
+struct Cell {
+    const PairBound* pair = nullptr;
+    std::array<Interval, 2> parts{};
+    double bound = 0.0;
+
+    friend bool operator<(const Cell& a, const Cell& b) noexcept { return a.bound < b.bound; }
+};
+
+/// The two halves of a cell across one of the edges.
+std::array<Cell, 2> halves(const Cell& cell, std::size_t edge) noexcept {
+    std::array<Cell, 2> halves{cell, cell};
+    const double middle = 0.5 * (cell.parts[edge].min + cell.parts[edge].max);
+    halves[0].parts[edge].max = middle;
+    halves[1].parts[edge].min = middle;
+    for (Cell& half : halves) {
+        half.bound = std::min(cell.bound, cell.pair->of(half.parts));
+    }
+    return halves;
+}
+
+}  // namespace
+
+double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept {
+    const PairBound bound(edges);
+    return bound.of(bound.parts());
+}
+
+// The bound of a cell falls faster than its size: the terms are far from zone boundaries in most of
+// a pair, and what is far from both ends counts less. So the largest cell is halved, across the
+// edge that leaves less.
+double max_doubly_diffracted_pressure(std::span<const DoubleDiffraction> ways,
+                                      double enough,
+                                      int max_halvings) {
+    std::vector<PairBound> pairs;
+    std::vector<Cell> cells;
+    pairs.reserve(ways.size());
+    double sum = 0.0;
+    for (const DoubleDiffraction& way : ways) {
+        const PairBound& pair = pairs.emplace_back(way);
+        cells.push_back({&pair, pair.parts(), pair.of(pair.parts())});
+        sum += cells.back().bound;
+    }
+    std::make_heap(cells.begin(), cells.end());
+    for (int halved = 0; halved < max_halvings && !(sum < enough); ++halved) {
+        std::pop_heap(cells.begin(), cells.end());
+        const std::array options{halves(cells.back(), 0), halves(cells.back(), 1)};
+        const auto total = [](const std::array<Cell, 2>& of) { return of[0].bound + of[1].bound; };
+        const auto& best = total(options[0]) < total(options[1]) ? options[0] : options[1];
+        cells.back() = best[0];
+        std::push_heap(cells.begin(), cells.end());
+        cells.push_back(best[1]);
+        std::push_heap(cells.begin(), cells.end());
+        sum = std::accumulate(cells.begin(), cells.end(), 0.0, [](double so_far, const Cell& cell) {
+            return so_far + cell.bound;
+        });
+    }
+    return sum;
 }
 
 }  // namespace earshot::propagation

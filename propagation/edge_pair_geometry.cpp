@@ -132,30 +132,31 @@ EdgePairGeometry::EdgePairGeometry(const DoubleDiffraction& edges) noexcept
 
 // The squared distance is a convex quadratic function: if its minimum is not in the rectangle of
 // both parts, it is smallest on one of the sides.
-std::array<double, 2> EdgePairGeometry::closest_points() const noexcept {
+std::array<double, 2> EdgePairGeometry::closest_points(
+    const std::array<Interval, 2>& parts) const noexcept {
     const auto on_first = [&](double second) {
-        return std::clamp(second_about_first().axial(second), parts_[0].min, parts_[0].max);
+        return std::clamp(second_about_first().axial(second), parts[0].min, parts[0].max);
     };
     const auto on_second = [&](double first) {
-        return std::clamp(first_about_second().axial(first), parts_[1].min, parts_[1].max);
+        return std::clamp(first_about_second().axial(first), parts[1].min, parts[1].max);
     };
     // Both points are the foot of the other.
     const double slope = second_about_first().axial_slope();
     const double sine_squared = 1.0 - slope * slope;
-    std::array<double, 2> closest{parts_[0].min, on_second(parts_[0].min)};
+    std::array<double, 2> closest{parts[0].min, on_second(parts[0].min)};
     const auto consider = [&](const std::array<double, 2>& z) {
         if (link(z) < link(closest)) {
             closest = z;
         }
     };
-    consider({parts_[0].max, on_second(parts_[0].max)});
-    consider({on_first(parts_[1].min), parts_[1].min});
-    consider({on_first(parts_[1].max), parts_[1].max});
+    consider({parts[0].max, on_second(parts[0].max)});
+    consider({on_first(parts[1].min), parts[1].min});
+    consider({on_first(parts[1].max), parts[1].max});
     if (sine_squared > 0.0) {
         const double foot =
             (second_about_first().axial(0.0) + slope * first_about_second().axial(0.0)) /
             sine_squared;
-        if (foot > parts_[0].min && foot < parts_[0].max) {
+        if (foot > parts[0].min && foot < parts[0].max) {
             consider({foot, on_second(foot)});
         }
     }

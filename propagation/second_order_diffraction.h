@@ -8,6 +8,7 @@
 #include <complex>
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace earshot::propagation {
@@ -75,10 +76,18 @@ private:
 DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edges,
                                                     double wave_number);
 
-/// A bound on the absolute value of the sum of any of doubly_diffracted_pressure()'s terms at any
-/// frequency, with factors of at most 1, from the ends of the parts alone, far cheaper than the
-/// integral. It holds for all parts within these, also where these leave the air of the wedges.
+/// A bound on the absolute value of doubly_diffracted_pressure()'s sum at any frequency, from the
+/// ends of the parts alone, far cheaper than the integral. Also with a factor from 0 to 1 for each
+/// kind at either edge, but not of a choice of pairs of kinds, which may be twice as much. It holds
+/// for all parts within these, also where these leave the air of the wedges.
 double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept;
+
+/// A closer bound, of several ways together: parts are halved and the bounds of the pieces added up
+/// until the sum is below `enough`, at most `max_halvings` times. A halving costs four bounds.
+/// Precondition: at least one way.
+double max_doubly_diffracted_pressure(std::span<const DoubleDiffraction> ways,
+                                      double enough,
+                                      int max_halvings);
 
 /// The sum of doubly_diffracted_pressure().
 std::complex<double> second_order_pressure(const DoubleDiffraction& edges, double wave_number);

@@ -38,8 +38,9 @@ class EdgePairLevelFilter final : public frustum::EdgePairFilter {
 public:
     EdgePairLevelFilter(const geometry::Vec3& source,
                         std::span<const geometry::Vec3> listeners,
-                        double max_length)
-        : source_(source), listeners_(listeners), max_length_(max_length) {}
+                        double max_length,
+                        int max_order)
+        : source_(source), listeners_(listeners), max_length_(max_length), max_order_(max_order) {}
 
     /// The next listener, and the pressure in the loudest band that is asked for there of a source
     /// that sends 1.
@@ -56,6 +57,7 @@ private:
     geometry::Vec3 source_;
     std::span<const geometry::Vec3> listeners_;
     double max_length_;
+    int max_order_;                     // of specular paths
     std::vector<double> min_pressure_;  // per listener
 };
 

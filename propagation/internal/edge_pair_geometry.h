@@ -127,7 +127,10 @@ public:
         return over_second_.after(z[0]) + link(z) + over_first_.after(z[1]);
     }
     /// The points of both parts that are closest to each other.
-    std::array<double, 2> closest_points() const noexcept;
+    std::array<double, 2> closest_points() const noexcept { return closest_points(parts_); }
+    /// The same of other parts.
+    std::array<double, 2> closest_points(
+        const std::array<geometry::Interval, 2>& parts) const noexcept;
 
 private:
     std::array<geometry::Interval, 2> parts_;
