@@ -4,6 +4,7 @@
 #include "earshot/audio/internal/fractional_delay.h"
 #include "earshot/base/math.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 

@@ -4,6 +4,8 @@
 #include "earshot/capi/internal/scene_object.h"
 #include "earshot/io/directivity_file.h"
 
+#include <algorithm>
+#include <iterator>
 #include <set>
 #include <string>
 

@@ -6,6 +6,7 @@
 
 #include <glm/vec2.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 

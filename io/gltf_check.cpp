@@ -2,6 +2,8 @@
 #include "earshot/base/error.h"
 #include "earshot/io/internal/gltf_file.h"
 
+#include <cstdint>
+
 namespace earshot::io {
 namespace {
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/io/internal/gltf_file.h"
 
+#include <cstdint>
 #include <cstring>
 #include <draco/compression/decode.h>
 #include <draco/compression/point_cloud/point_cloud_decoder.h>

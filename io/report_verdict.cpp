@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace earshot::io {
 namespace {

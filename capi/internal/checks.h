@@ -4,6 +4,7 @@
 #include "earshot/capi/internal/failure.h"
 #include "earshot/geometry/types.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>

@@ -5,6 +5,7 @@
 #include "earshot/base/error.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace earshot::scenes {

@@ -10,6 +10,7 @@
 #include <functional>
 #include <numbers>
 #include <string>
+#include <utility>
 
 namespace earshot::audio {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "support/arrival_reference.h"
 #include "support/box_arrivals.h"
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numeric>

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <fstream>
 #include <numbers>
+#include <utility>
 
 namespace earshot::audio {
 namespace {

@@ -9,6 +9,7 @@
 #include "support/gltf_builder.h"
 #include "support/temporary_folder.h"
 #include <fstream>
+#include <iterator>
 #include <set>
 
 namespace earshot::test {

@@ -8,6 +8,7 @@
 #include "support/test_paths.h"
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <fstream>

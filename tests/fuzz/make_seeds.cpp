@@ -12,6 +12,7 @@
 #include <exception>
 #include <filesystem>
 #include <map>
+#include <utility>
 
 namespace earshot::test {
 namespace {

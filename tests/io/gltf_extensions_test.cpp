@@ -14,7 +14,9 @@
 #include <draco/mesh/triangle_soup_mesh_builder.h>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <meshoptimizer.h>
+#include <utility>
 
 namespace earshot::io {
 namespace {

@@ -6,6 +6,7 @@
 #include "support/gltf_builder.h"
 #include "support/temporary_folder.h"
 #include <functional>
+#include <utility>
 
 namespace earshot::io {
 namespace {

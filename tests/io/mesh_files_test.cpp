@@ -11,6 +11,7 @@
 #include <array>
 #include <cstring>
 #include <iostream>
+#include <utility>
 
 namespace earshot::io {
 namespace {

@@ -10,6 +10,7 @@
 #include "triangle_soup.h"
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace earshot::io {
 namespace {

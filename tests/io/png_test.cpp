@@ -8,6 +8,7 @@
 #include "support/picture.h"
 #include "support/temporary_folder.h"
 #include <fstream>
+#include <utility>
 
 namespace earshot::io {
 namespace {

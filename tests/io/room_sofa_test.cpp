@@ -7,6 +7,7 @@
 
 #include "support/temporary_folder.h"
 #include <cstring>
+#include <utility>
 
 namespace earshot::io {
 namespace {

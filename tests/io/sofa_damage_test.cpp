@@ -11,6 +11,7 @@
 #include "support/sofa_builder.h"
 #include "support/temporary_folder.h"
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <random>

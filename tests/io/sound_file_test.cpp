@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "support/temporary_folder.h"
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace earshot::io {
 namespace {

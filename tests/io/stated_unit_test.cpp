@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/temporary_folder.h"
+#include <utility>
 
 namespace earshot::io {
 namespace {

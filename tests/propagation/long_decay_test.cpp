@@ -8,6 +8,7 @@
 #include "one_material_scene.h"
 #include <array>
 #include <string>
+#include <tuple>
 
 namespace earshot::propagation {
 namespace {

@@ -4,6 +4,7 @@
 #include "earshot/base/random.h"
 #include "earshot/geometry/mesh.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>

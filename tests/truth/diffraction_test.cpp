@@ -11,6 +11,7 @@
 #include "support/diffraction_tables.h"
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 namespace earshot::support {

@@ -18,6 +18,7 @@
 #include "support/meshes.h"
 #include "visibility/screens.h"
 #include <algorithm>
+#include <string>
 
 namespace earshot::visibility {
 namespace {

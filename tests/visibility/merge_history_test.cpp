@@ -12,6 +12,7 @@
 #include <queue>
 #include <set>
 #include <tuple>
+#include <utility>
 
 namespace earshot::visibility {
 namespace {
