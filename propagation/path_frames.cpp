@@ -25,6 +25,8 @@ namespace {
 
 constexpr double kMaxMach = 0.9;
 constexpr double kMaxDelay = 100.0;  // seconds
+// Far below what scenes are rendered at; rates of change over denormal times are no numbers.
+constexpr double kMinStep = 1e-6;  // seconds
 // Of points that are to be one and of lengths that are to be equal: beyond the rounding of points,
 // and of a wall that counts as fixed although it moves by less (PathFacets).
 constexpr double kMaxDeviation = 1e-5;  // metres, and more for each metre of a length
@@ -139,8 +141,8 @@ MovingSound render_path_frames(const PathFrames& frames,
                     "compute them with earshot ir --frames BEGIN:END:STEP");
     }
     for (std::size_t i = 1; i < frames.instants.size(); ++i) {
-        if (!(frames.instants[i - 1].time < frames.instants[i].time)) {
-            refuse(frames, "has instants whose times do not ascend");
+        if (!(frames.instants[i].time - frames.instants[i - 1].time >= kMinStep)) {
+            refuse(frames, "has instants whose times do not ascend by a microsecond");
         }
     }
     require_one_edge(frames);

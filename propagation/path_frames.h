@@ -37,11 +37,11 @@ struct PathFrames {
 /// first instant, as render_moving_pair() without late sound. Planes of reflections follow from the
 /// points of the paths, ways of source and listener go through the points at which paths begin and
 /// end; between instants the listener's front and up go straight from one to the next. All stay as
-/// they are after the last instant. Throws Error if there are no two instants whose times ascend or
-/// no path, if a path bends round several edges or its points are not those of reflections, if a
-/// path is longer than the way of sound in 100 s, if source or listener move at more than 0.9 of
-/// the speed of sound or are at two places at an instant, and as ResponseRenderer. Reports the
-/// stage "sound".
+/// they are after the last instant. Throws Error if there are no two instants, if their times do
+/// not ascend by a microsecond, if there is no path, if a path bends round several edges or its
+/// points are not those of reflections, if a path is longer than the way of sound in 100 s, if
+/// source or listener move at more than 0.9 of the speed of sound or are at two places at an
+/// instant, and as ResponseRenderer. Reports the stage "sound".
 MovingSound render_path_frames(const PathFrames& frames,
                                const ResponseFormat& format,
                                std::span<const double> recording,

@@ -139,6 +139,11 @@ TEST(PathFrames, RefuseWhatIsNoMotion) {
     fails([](PathFrames& frames) { frames.instants.clear(); });
     fails([](PathFrames& frames) { frames.instants[1].time = frames.instants[0].time; });
     fails([](PathFrames& frames) { frames.instants[1].time = 1e-6; });
+    // Nothing moves, but what changes over a denormal time has no rate.
+    fails([](PathFrames& frames) {
+        frames.instants[1].paths = frames.instants[0].paths;
+        frames.instants[1].time = std::nextafter(frames.instants[0].time, 1.0);
+    });
     fails([](PathFrames& frames) { frames.instants[2].paths[1].points.front().x += 0.1; });
     fails([](PathFrames& frames) {
         Path& path = frames.instants[0].paths[1];
