@@ -203,7 +203,8 @@ void EngineUpdater::prepare_late() {
                            .bands = simulation.bands,
                            .air = simulation.air,
                            .air_absorption = simulation.air_absorption,
-                           .transmission = simulation.transmission};
+                           .transmission = simulation.transmission,
+                           .report_directions = tail_channels() > 1};
         const RaySource source = {.pose = scene_.pose_at(emitter, scene_time_),
                                   .directivity = emitter.directivity};
         constexpr double kDecades = 6.5;  // that late_length() holds

@@ -349,6 +349,70 @@ TEST(Engine, HearsTheLateSoundOfVirtualSources) {
     expect_late_sound(1.0, 4000);
 }
 
+/// Of the first four channels from 0.1 to 0.3 s: the mean of W times each, and of its square, re
+/// that of W.
+template <typename Channel>
+std::array<std::array<double, 4>, 2> covariances(const std::vector<Channel>& channels,
+                                                 std::size_t click) {
+    std::array<std::array<double, 4>, 2> sums{};
+    const auto from = click + static_cast<std::size_t>(0.1 * kRate);
+    for (std::size_t n = from; n < from + static_cast<std::size_t>(0.2 * kRate); ++n) {
+        for (std::size_t channel = 0; channel < 4; ++channel) {
+            const double sample = channels[channel][n];
+            sums[0][channel] += channels[0][n] * sample;
+            sums[1][channel] += sample * sample;
+        }
+    }
+    const double whole = sums[1][0];
+    for (auto& row : sums) {
+        for (double& sum : row) {
+            sum /= whole;
+        }
+    }
+    return sums;
+}
+
+// Beside an opening all late sound comes from the other side, -X, which is left: of a diffuse half
+// space the mean cosine is 1/2 and its square 1/3. And all are those of offline rendering.
+TEST(Engine, HearsFromWhereLateSoundComes) {
+    Scene scene = box(0.1);
+    for (Material& material : scene.materials) {
+        material.scattering = EnergyCoefficient(1.0);
+    }
+    scene.materials[3].absorption = EnergyCoefficient(1.0);  // east
+    scene.listeners[0].position = {39.8, 5.0, 14.0};
+    const Options early_and_late{.specular_order = 0, .rays = 20000, .late_directions = true};
+    const ResponseFormat format = {
+        .channels = Channels::ambisonic, .ambisonic_order = 1, .report_metrics = false};
+    Simulator simulator(scene, early_and_late);
+    const Response offline = render_response(audio::Bands::octaves(),
+                                             simulator.run().front(),
+                                             scene.pose_at(scene.listeners[0], 0.0),
+                                             format);
+    std::vector<std::vector<double>> responses;
+    for (const audio::ImpulseResponse& response : offline.channels) {
+        responses.push_back(response.samples);
+    }
+    const auto expected = covariances(responses, 0);
+    std::vector<float> click(32768, 0.0F);
+    click[4096] = 1.0F;
+    for (const std::size_t virtual_sources : {std::size_t{0}, std::size_t{4000}}) {
+        EngineOptions options;
+        options.simulation = early_and_late;
+        options.virtual_sources = virtual_sources;
+        options.ambisonic_order = 1;
+        Engine engine(scene, options);
+        const auto found =
+            covariances(play(engine, click, kBlock, [](std::size_t) {}), 4096 + engine.latency());
+        EXPECT_NEAR(found[0][1], 0.5, 0.15);
+        EXPECT_NEAR(found[1][1], 1.0 / 3.0, 0.15);
+        for (std::size_t channel = 1; channel < 4; ++channel) {
+            EXPECT_NEAR(found[0][channel], expected[0][channel], 0.07) << channel;
+            EXPECT_NEAR(found[1][channel], expected[1][channel], 0.07) << channel;
+        }
+    }
+}
+
 TEST(Engine, TurnsBinauralSoundWithTheHead) {
     EngineOptions options;
     options.simulation.specular_order = 0;
