@@ -31,9 +31,10 @@ typedef struct es_engine_options {
 ES_API es_status es_engine_options_init(es_engine_options* options, size_t size);
 
 /// Prepares a scene to be heard while it moves, and finds its first paths (docs/engine.md). Of
-/// `simulation` count the air, materials' transmission, limits of paths, bands, format (ambisonic
-/// order and HRIR set included), sample rate, seed and threads; null: the defaults, binaural.
-/// `options` null: the defaults. Reads `scene`, which is not needed after this.
+/// `simulation` count the time of the animation at which it begins, the air, materials'
+/// transmission, limits of paths, bands, format (ambisonic order and HRIR set included), sample
+/// rate, seed and threads; null: the defaults, binaural. `options` null: the defaults. Reads
+/// `scene`, which is not needed after this.
 ES_API es_status es_engine_create(es_scene scene,
                                   const es_simulation_options* simulation,
                                   const es_engine_options* options,

@@ -73,6 +73,7 @@ propagation::EngineOptions engine_options(const es_simulation_options& simulatio
     options.ambisonic_order = format.ambisonic_order;
     options.hrir_set = format.hrir_set;
     options.sample_rate = format.sample_rate;
+    options.start_time = simulation.time;
     options.seed = format.seed;
     options.block = given.block;
     options.any_frame_count = given.any_frame_count != 0;

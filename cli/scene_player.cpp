@@ -29,6 +29,11 @@ propagation::Scene at_start(const Programme& programme) {
     return scene;
 }
 
+propagation::EngineOptions beginning_at(double time, propagation::EngineOptions options) {
+    options.start_time = time;
+    return options;
+}
+
 /// Recordings of whole blocks.
 Programme padded(Programme programme, std::size_t block) {
     for (std::vector<float>& recording : programme.recordings) {
@@ -43,7 +48,7 @@ ScenePlayer::ScenePlayer(Programme programme,
                          const propagation::EngineOptions& options,
                          Executor& executor)
     : programme_(padded(std::move(programme), options.block)),
-      engine_(at_start(programme_), options, executor),
+      engine_(at_start(programme_), beginning_at(programme_.start, options), executor),
       inputs_(engine_.sources(), nullptr) {}
 
 // What is published now is heard motion_delay later.

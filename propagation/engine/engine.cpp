@@ -39,6 +39,7 @@ void validate(const EngineOptions& options) {
     check(options.ambisonic_order >= 0 && options.ambisonic_order <= audio::kMaxAmbisonicOrder,
           "ambisonic order",
           "must lie in 0 ... 5");
+    check(std::isfinite(options.start_time), "start time", "must be a number of seconds");
     check(options.motion_delay >= 0.0 && options.motion_delay <= 10.0,
           "motion delay",
           "must lie in 0 ... 10 seconds");
@@ -88,8 +89,8 @@ std::size_t channels_of(const EngineOptions& options) {
     return audio::ambisonic_channels(options.ambisonic_order);
 }
 
-ControlState initial_state(const Scene& scene) {
-    ControlState state;
+ControlState initial_state(const Scene& scene, const EngineOptions& options) {
+    ControlState state{.scene_time = options.start_time};
     state.sources.resize(scene.sources.size());
     state.listeners.resize(scene.listeners.size());
     return state;
@@ -100,8 +101,8 @@ ControlState initial_state(const Scene& scene) {
 struct Engine::State {
     State(const Scene& scene, const EngineOptions& the_options, Executor& executor)
         : options(checked(scene, the_options)),
-          control(initial_state(scene)),
-          pending(initial_state(scene)),
+          control(initial_state(scene, options)),
+          pending(initial_state(scene, options)),
           assembler(options.simulation.bands, options.sample_rate),
           basis(assembler,
                 path_spectra(scene, options.simulation),
@@ -116,7 +117,7 @@ struct Engine::State {
           audio(options, size, basis, speed_of_sound(options.simulation.air), exchange) {
         for (std::size_t listener = 0; listener < size.listeners; ++listener) {
             audio.rotations()[listener] =
-                pack_rotation(scene.pose_at(scene.listeners[listener], 0.0));
+                pack_rotation(scene.pose_at(scene.listeners[listener], options.start_time));
         }
     }
     ~State() { stop(); }

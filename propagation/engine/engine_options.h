@@ -35,6 +35,7 @@ struct EngineOptions {
     int ambisonic_order = 3;
     audio::HrirSet hrir_set{};  ///< for binaural, of any sample rate
     double sample_rate = 48000.0;
+    double start_time = 0.0;  ///< seconds of the scene's animation, until another is set
     /// Samples that are rendered at once, a power of two, 32 ... 4096.
     std::size_t block = 256;
     /// Calls of render() may have any number of frames, which costs a block of latency. Else they

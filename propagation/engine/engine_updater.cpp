@@ -47,6 +47,7 @@ EngineUpdater::EngineUpdater(const Scene& scene,
       executor_(executor),
       speed_of_sound_(speed_of_sound(options.simulation.air)),
       harmonics_(harmonics_of(options)),
+      scene_time_(options.start_time),
       simulator_(scene_, path_options(options), executor),
       pairs_(scene.sources.size() * scene.listeners.size()),
       found_at_(scene.sources.size(), 0),
@@ -55,6 +56,7 @@ EngineUpdater::EngineUpdater(const Scene& scene,
     source_history_.assign(scene.sources.size(), history);
     listener_history_.assign(scene.listeners.size(), history);
     listeners_.assign(scene.listeners.size(), VoiceSlots(options.max_paths));
+    simulator_.set_time(scene_time_, executor);
     prepare_late();
 }
 

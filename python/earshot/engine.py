@@ -61,7 +61,8 @@ class Engine(Object):
     budget_milliseconds, budget_work : float, int
         Of an update; 0: no limit (0).
     options
-        As :func:`simulate`: air, bands, sample rate, seed, threads and limits of paths.
+        As :func:`simulate`: air, bands, sample rate, seed, threads, limits of paths, and ``time``
+        of the animation, at which the engine begins.
 
     Examples
     --------

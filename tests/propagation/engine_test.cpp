@@ -9,11 +9,13 @@
 
 #include <gtest/gtest.h>
 
+#include "moving_part.h"
 #include "support/moving_images.h"
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <thread>
 #include <utility>
@@ -347,6 +349,33 @@ TEST(Engine, HearsTheLateSoundOfTheRays) {
 
 TEST(Engine, HearsTheLateSoundOfVirtualSources) {
     expect_late_sound(1.0, 4000);
+}
+
+// A plate that rises by 2 m in a second: at half a second it is where one that stays is.
+TEST(Engine, BeginsAtATimeOfTheAnimation) {
+    const auto heard_over = [](double height, bool moves, double start) {
+        SceneWithMovingPart scene(box(0.19), Vec3(80.0), Vec3(81.0));
+        scene.add_box({15.0, height, 9.0}, {25.0, height + 0.2, 15.0}, 0, moves);
+        scene.add_box(Vec3(80.2), Vec3(80.4), 0, true);  // far outside
+        EngineOptions options = mono(1);
+        options.start_time = start;
+        Engine engine(scene.finish(straight_way({0.0, 2.0, 0.0})), options);
+        return play(engine, soft_noise(16384), kBlock, [](std::size_t) {}).front();
+    };
+    const auto level_of_difference = [](const std::vector<float>& a, const std::vector<float>& b) {
+        std::vector<double> wrong, right;
+        for (std::size_t n = 0; n < a.size(); ++n) {
+            wrong.push_back(a[n] - b[n]);
+            right.push_back(b[n]);
+        }
+        return 10.0 * std::log10(energy(wrong) / energy(right));
+    };
+    const std::vector<float> expected = heard_over(1.2, false, 0.0);
+    EXPECT_LT(level_of_difference(heard_over(0.2, true, 0.5), expected), -80.0);
+    EXPECT_GT(level_of_difference(heard_over(0.2, true, 0.0), expected), -30.0);
+    EngineOptions options = mono(0);
+    options.start_time = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(Engine(box(0.19), options), Error);
 }
 
 /// Of the first four channels from 0.1 to 0.3 s: the mean of W times each, and of its square, re

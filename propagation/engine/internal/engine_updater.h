@@ -87,7 +87,7 @@ private:
     Executor& executor_;
     double speed_of_sound_;
     std::size_t harmonics_;
-    double scene_time_ = 0.0;
+    double scene_time_;
     Simulator simulator_;
     std::optional<FacetTable> facets_;
     double facet_time_ = 0.0;
