@@ -8,6 +8,7 @@
 #include "earshot/cli/commands.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
+#include "earshot/cli/recording.h"
 #include "earshot/cli/values.h"
 #include "earshot/io/sound_file.h"
 #include "earshot/io/sound_signal.h"
@@ -48,14 +49,6 @@ constexpr const char* kFooter =
     "      --gain -6 --gain 0 --sample-rate 44100 -o duo.ogg";
 
 using audio::Signal;
-
-Signal read_signal(const std::string& file) {
-    const io::Sound sound = io::read_sound(file);
-    if (sound.samples.empty()) {
-        throw Error(file, "holds no samples");
-    }
-    return io::signal_of(sound);
-}
 
 /// A recording and the responses of its receiver, in order of time.
 struct SourceFiles {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/auralize_paths.h"
 
+#include "earshot/cli/recording.h"
 #include "earshot/propagation/path_frames.h"
 
 #include <algorithm>
@@ -42,11 +43,7 @@ propagation::MovingSound AuralizePaths::play(const std::string& source,
                                              const audio::Signal& recording,
                                              Executor& executor,
                                              Progress& progress) {
-    if (recording.channels.size() != 1) {
-        throw Error(recording_name,
-                    "has " + std::to_string(recording.channels.size()) + " channels",
-                    "a source plays a mono recording");
-    }
+    require_mono(recording_name, recording);
     const propagation::PathFrames& frames = io::frames_of_pair(pairs_,
                                                                {.source = source,
                                                                 .listener = listener,

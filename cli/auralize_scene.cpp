@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/auralize_scene.h"
 
-#include "earshot/base/error.h"
+#include "earshot/cli/recording.h"
 
 #include <cstddef>
 #include <utility>
@@ -70,15 +70,13 @@ propagation::MovingSound AuralizeScene::play(const std::string& source,
                                              const audio::Signal& recording,
                                              Executor& executor,
                                              Progress& progress) const {
-    if (recording.channels.size() != 1) {
-        throw Error(recording_name,
-                    "has " + std::to_string(recording.channels.size()) + " channels",
-                    "a source plays a mono recording");
-    }
+    require_mono(recording_name, recording);
     const std::string& name = source.empty() ? from_ : source;
     propagation::MovingPair pair{
-        .source = find_emitter(scene_.sources, "source", "--from", name),
-        .listener = find_emitter(scene_.listeners, "listener", "--to", to_),
+        .source = find_emitter(
+            file_, scene_.sources, {.role = "source", .option = "--from", .name = name}),
+        .listener = find_emitter(
+            file_, scene_.listeners, {.role = "listener", .option = "--to", .name = to_}),
         .start = start_,
         .step = step_,
         .late_step = late_step_};

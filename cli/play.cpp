@@ -9,6 +9,7 @@
 #include "earshot/cli/material_options.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
+#include "earshot/cli/recording.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/cli/scene_player.h"
 #include "earshot/cli/simulation_choice.h"
@@ -168,7 +169,8 @@ private:
         warnings_.insert(warnings_.end(), acoustic.begin(), acoustic.end());
         programme.ways = ways_.read(app(), scene_choice_, loaded.scene);
         std::vector<propagation::Emitter>& listeners = loaded.scene.listeners;
-        listeners = {listeners[find_emitter(listeners, "listener", "--to", to_)]};
+        listeners = {listeners[find_emitter(
+            file_, listeners, {.role = "listener", .option = "--to", .name = to_})]};
         programme.recordings = read_recordings(loaded.scene.sources);
         programme.scene = std::move(loaded.scene);
         std::size_t longest = 0;
@@ -192,8 +194,12 @@ private:
             const std::size_t equals = text.find('=');
             const bool has_name = equals != std::string::npos;
             const std::string file = has_name ? text.substr(equals + 1) : text;
-            std::vector<float>& recording = recordings[find_emitter(
-                sources, "source", "--sound NAME=FILE", has_name ? text.substr(0, equals) : "")];
+            std::vector<float>& recording =
+                recordings[find_emitter(file_,
+                                        sources,
+                                        {.role = "source",
+                                         .option = "--sound NAME=FILE",
+                                         .name = has_name ? text.substr(0, equals) : ""})];
             if (!recording.empty()) {
                 throw Error("--sound", "two recordings are for one source");
             }
@@ -205,14 +211,8 @@ private:
     }
 
     std::vector<double> read_mono(const std::string& file) const {
-        audio::Signal signal = io::signal_of(io::read_sound(file));
-        if (signal.channels.size() != 1 || signal.channels.front().empty()) {
-            throw Error(file,
-                        signal.channels.size() > 1
-                            ? "has " + std::to_string(signal.channels.size()) + " channels"
-                            : "holds no samples",
-                        "a source plays a mono recording");
-        }
+        audio::Signal signal = read_signal(file);
+        require_mono(file, signal);
         audio::resample_to(sample_rate_, signal);
         return std::move(signal.channels.front());
     }

@@ -66,26 +66,10 @@ Ways WayOptions::read(const CLI::App& app,
     return trajectories;
 }
 
-std::size_t find_emitter(const std::vector<Emitter>& emitters,
-                         const std::string& role,
-                         const std::string& option,
-                         const std::string& name) {
-    const std::vector<std::string> names = names_of(emitters);
-    if (name.empty()) {
-        if (names.size() > 1) {
-            throw Error("SCENE",
-                        "has " + std::to_string(names.size()) + " " + role + "s",
-                        "name one of them with " + option);
-        }
-        return 0;
-    }
-    const auto found = std::find(names.begin(), names.end(), name);
-    if (found == names.end()) {
-        throw Error(name,
-                    "the scene has no such " + role,
-                    did_you_mean(name, names, "check the names of the scene's " + role + "s"));
-    }
-    return static_cast<std::size_t>(found - names.begin());
+std::size_t find_emitter(const std::string& file,
+                         const std::vector<Emitter>& emitters,
+                         const io::NameChoice& choice) {
+    return io::find_name(file, names_of(emitters), choice);
 }
 
 }  // namespace earshot::cli

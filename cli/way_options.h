@@ -3,6 +3,7 @@
 
 #include "earshot/cli/arguments.h"
 #include "earshot/cli/scene_choice.h"
+#include "earshot/io/name_choice.h"
 #include "earshot/propagation/scene.h"
 #include "earshot/propagation/trajectory.h"
 
@@ -33,11 +34,9 @@ private:
     std::vector<std::string> ways_;
 };
 
-/// The index of the emitter of that name, or, if `name` is empty, of the only one. `role`: source
-/// or listener; `option`: that which names it. Throws Error if there is none.
-std::size_t find_emitter(const std::vector<propagation::Emitter>& emitters,
-                         const std::string& role,
-                         const std::string& option,
-                         const std::string& name);
+/// The index of the chosen emitter of a scene; as io::find_name().
+std::size_t find_emitter(const std::string& file,
+                         const std::vector<propagation::Emitter>& emitters,
+                         const io::NameChoice& choice);
 
 }  // namespace earshot::cli

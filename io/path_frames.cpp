@@ -3,9 +3,9 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
-#include "earshot/base/spelling.h"
 #include "earshot/geometry/vector.h"
 #include "earshot/io/internal/result_files.h"
+#include "earshot/io/name_choice.h"
 #include "earshot/io/whole_file.h"
 
 #include <glm/geometric.hpp>
@@ -226,28 +226,6 @@ std::vector<PairPathFrames> read_path_frames(const std::filesystem::path& file) 
 
 namespace {
 
-/// The name that is meant: `name` itself, or the only one there is.
-std::string chosen_name(const std::string& file,
-                        const std::vector<std::string>& names,
-                        const std::string& role,
-                        const std::string& option,
-                        const std::string& name) {
-    if (name.empty() && names.size() > 1) {
-        throw Error(file,
-                    "has " + std::to_string(names.size()) + " " + role + "s",
-                    "name one of them with " + option);
-    }
-    if (name.empty()) {
-        return names.front();
-    }
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-        throw Error(name,
-                    file + " has no such " + role,
-                    did_you_mean(name, names, "check the names of its " + role + "s"));
-    }
-    return name;
-}
-
 void add_if_new(const std::string& name, std::vector<std::string>& names) {
     if (std::find(names.begin(), names.end(), name) == names.end()) {
         names.push_back(name);
@@ -265,10 +243,12 @@ const propagation::PathFrames& frames_of_pair(std::span<const PairPathFrames> pa
         add_if_new(pair.source, sources);
         add_if_new(pair.listener, listeners);
     }
-    const std::string from =
-        chosen_name(file, sources, "source", names.source_option, names.source);
-    const std::string to =
-        chosen_name(file, listeners, "listener", names.listener_option, names.listener);
+    const std::string& from = sources[find_name(
+        file, sources, {.role = "source", .option = names.source_option, .name = names.source})];
+    const std::string& to = listeners[find_name(
+        file,
+        listeners,
+        {.role = "listener", .option = names.listener_option, .name = names.listener})];
     for (const PairPathFrames& pair : pairs) {
         if (pair.source == from && pair.listener == to) {
             return pair.frames;
