@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "moving_source.h"
 #include "run_earshot.h"
 #include "support/gltf_builder.h"
 #include "support/temporary_folder.h"
@@ -132,11 +133,8 @@ protected:
     std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
 
     std::string tone(double seconds) const {
-        io::Sound sound{.sample_rate = kRate, .channels = 1, .samples = {}};
-        for (int n = 0; n < static_cast<int>(seconds * kRate); ++n) {
-            sound.samples.push_back(std::sin(2.0 * std::numbers::pi * kFrequency * n / kRate));
-        }
-        return folder_.file("dry.wav", io::encode_wav(sound)).string();
+        const auto samples = static_cast<std::size_t>(seconds * kRate);
+        return folder_.file("dry.wav", sine_wav(kRate, kFrequency, samples)).string();
     }
     /// Paths from 0 to 1 s.
     void find_paths(const std::string& step, int order) const {
