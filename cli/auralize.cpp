@@ -269,8 +269,9 @@ private:
         std::vector<double> scales(sources, 1.0);
         for (std::size_t i = 0; i < sources && !gains_.empty(); ++i) {
             const std::string& text = gains_[gains_.size() == 1 ? 0 : i];
-            const std::optional<double> gain_db = parse_number(text);
-            if (!gain_db || std::abs(*gain_db) > kMaxGainDb) {
+            const std::optional<double> gain_db =
+                parse_number_within(text, -kMaxGainDb, kMaxGainDb);
+            if (!gain_db) {
                 throw wrong_usage(
                     app(), "--gain", "\"" + text + "\" is not a number from -200 to 200");
             }

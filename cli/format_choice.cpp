@@ -50,8 +50,9 @@ void FormatChoice::apply(const CLI::App& app, propagation::ResponseFormat& forma
         format.channels = Channels::binaural;
         format.hrir_set = hrir_set(hrtf_file_, raw_hrtf_);
     } else if (format_.starts_with(kAmbisonic)) {
-        const auto order = parse_integer(std::string_view(format_).substr(kAmbisonic.size()));
-        if (!order || *order < 0 || *order > audio::kMaxAmbisonicOrder) {
+        const auto order = parse_integer_within(
+            std::string_view(format_).substr(kAmbisonic.size()), 0, audio::kMaxAmbisonicOrder);
+        if (!order) {
             throw wrong_usage(app, "--format", "the order of '" + format_ + "' is not in 0 ... 5");
         }
         format.channels = Channels::ambisonic;

@@ -15,17 +15,7 @@ constexpr double kEarHeight = 1.2;  // metres, of a seated listener (ISO 3382-1)
 
 std::optional<std::array<double, 4>> parse_rectangle(std::string_view text) {
     std::array<double, 4> numbers{};
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        const std::size_t comma = text.find(',');
-        const bool is_last = i + 1 == numbers.size();
-        const auto number = parse_number(text.substr(0, comma));
-        if (!number || (comma == std::string_view::npos) != is_last) {
-            return std::nullopt;
-        }
-        numbers[i] = *number;
-        text = is_last ? std::string_view() : text.substr(comma + 1);
-    }
-    return numbers;
+    return parse_numbers(text, ',', numbers) ? std::optional(numbers) : std::nullopt;
 }
 
 }  // namespace

@@ -71,8 +71,8 @@ propagation::Options SimulationChoice::options(const CLI::App& app, std::int64_t
         .bands = bands_ == "third" ? audio::Bands::third_octaves() : audio::Bands::octaves()};
     if (rays_ != kAuto) {
         constexpr std::int64_t kMaxRays = 1000000000;
-        const auto count = parse_integer(rays_);
-        if (!count || *count < 0 || *count > kMaxRays) {
+        const auto count = parse_integer_within(rays_, 0, kMaxRays);
+        if (!count) {
             throw wrong_usage(
                 app,
                 "--rays",

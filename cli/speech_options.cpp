@@ -5,7 +5,9 @@
 #include "earshot/cli/arguments.h"
 #include "earshot/cli/values.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 namespace earshot::cli {
@@ -14,24 +16,17 @@ namespace {
 constexpr double kMaxLevelDb = 200.0;  // either way
 
 std::optional<double> parse_level(std::string_view text) {
-    const auto level = parse_number(text);
-    return level && std::abs(*level) <= kMaxLevelDb ? level : std::nullopt;
+    return parse_number_within(text, -kMaxLevelDb, kMaxLevelDb);
 }
 
 /// `L,L,L,L,L,L,L`, of the octaves from 125 Hz to 8 kHz.
 std::optional<audio::SpeechSpectrum> parse_levels(std::string_view text) {
     audio::SpeechSpectrum levels{};
-    for (std::size_t band = 0; band < levels.size(); ++band) {
-        const std::size_t comma = text.find(',');
-        const bool is_last = band + 1 == levels.size();
-        const auto level = parse_level(text.substr(0, comma));
-        if (!level || (comma == std::string_view::npos) != is_last) {
-            return std::nullopt;
-        }
-        levels[band] = *level;
-        text = is_last ? std::string_view() : text.substr(comma + 1);
-    }
-    return levels;
+    const bool are_levels = parse_numbers(text, ',', levels) &&
+                            std::all_of(levels.begin(), levels.end(), [](double level) {
+                                return std::abs(level) <= kMaxLevelDb;
+                            });
+    return are_levels ? std::optional(levels) : std::nullopt;
 }
 
 std::optional<audio::SpeechSpectrum> parse_noise(std::string_view text) {

@@ -23,22 +23,9 @@ std::optional<Number> parse_whole(std::string_view text) {
     return value;
 }
 
-// Exactly three numbers between separators.
-std::optional<std::array<double, 3>> parse_three(std::string_view text, char separator) {
-    std::array<double, 3> values{};
-    for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t end = text.find(separator);
-        if ((end == std::string_view::npos) != (i == 2)) {
-            return std::nullopt;
-        }
-        const std::optional<double> value = parse_number(text.substr(0, end));
-        if (!value) {
-            return std::nullopt;
-        }
-        values[i] = *value;
-        text.remove_prefix(i == 2 ? text.size() : end + 1);
-    }
-    return values;
+template <typename Number>
+std::optional<Number> within(std::optional<Number> value, Number min, Number max) {
+    return value && *value >= min && *value <= max ? value : std::nullopt;
 }
 
 }  // namespace
@@ -52,6 +39,30 @@ std::optional<double> parse_number(std::string_view text) {
     return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
+std::optional<std::int64_t> parse_integer_within(std::string_view text,
+                                                 std::int64_t min,
+                                                 std::int64_t max) {
+    return within(parse_integer(text), min, max);
+}
+
+std::optional<double> parse_number_within(std::string_view text, double min, double max) {
+    return within(parse_number(text), min, max);
+}
+
+bool parse_numbers(std::string_view text, char separator, std::span<double> numbers) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const std::size_t end = text.find(separator);
+        const bool is_last = i + 1 == numbers.size();
+        const std::optional<double> number = parse_number(text.substr(0, end));
+        if (!number || (end == std::string_view::npos) != is_last) {
+            return false;
+        }
+        numbers[i] = *number;
+        text.remove_prefix(is_last ? text.size() : end + 1);
+    }
+    return true;
+}
+
 std::optional<NamedPoint> parse_named_point(std::string_view text) {
     NamedPoint point;
     const std::size_t equals = text.find('=');
@@ -62,18 +73,14 @@ std::optional<NamedPoint> parse_named_point(std::string_view text) {
         point.name = text.substr(0, equals);
         text.remove_prefix(equals + 1);
     }
-    const auto position = parse_three(text, ',');
-    if (!position) {
-        return std::nullopt;
-    }
-    point.position = *position;
-    return point;
+    return parse_numbers(text, ',', point.position) ? std::optional(point) : std::nullopt;
 }
 
 std::optional<geometry::Vec3> parse_point(std::string_view text) {
-    const auto position = parse_three(text, ',');
-    return position ? std::optional(geometry::Vec3((*position)[0], (*position)[1], (*position)[2]))
-                    : std::nullopt;
+    std::array<double, 3> position{};
+    return parse_numbers(text, ',', position)
+               ? std::optional(geometry::Vec3(position[0], position[1], position[2]))
+               : std::nullopt;
 }
 
 std::optional<std::array<geometry::Vec3, 2>> parse_corners(std::string_view text) {
@@ -88,14 +95,14 @@ std::optional<std::array<geometry::Vec3, 2>> parse_corners(std::string_view text
 
 std::optional<PictureSize> parse_picture_size(std::string_view text, std::int64_t max_side) {
     const std::size_t cross = text.find('x');
-    const auto width = parse_integer(text.substr(0, cross));
-    if (!width || *width < 1 || *width > max_side) {
+    const auto width = parse_integer_within(text.substr(0, cross), 1, max_side);
+    if (!width) {
         return std::nullopt;
     }
     PictureSize size{.width = *width};
     if (cross != std::string_view::npos) {
-        size.height = parse_integer(text.substr(cross + 1));
-        if (!size.height || *size.height < 1 || *size.height > max_side) {
+        size.height = parse_integer_within(text.substr(cross + 1), 1, max_side);
+        if (!size.height) {
             return std::nullopt;
         }
     }
@@ -106,11 +113,11 @@ std::optional<std::vector<double>> parse_frames(std::string_view text) {
     // Rounding of (B - A) / STEP is a few 2^-53 of at most 100,000 steps, so far below this.
     constexpr double kStepRounding = 1e-9;
     constexpr double kMaxSteps = 99'999.0;
-    const auto range = parse_three(text, ':');
-    if (!range) {
+    std::array<double, 3> range{};
+    if (!parse_numbers(text, ':', range)) {
         return std::nullopt;
     }
-    const auto [first, last, step] = *range;
+    const auto [first, last, step] = range;
     const double steps = std::floor((last - first) / step + kStepRounding);
     if (!(step > 0.0) || !(first <= last) || !(steps <= kMaxSteps)) {
         return std::nullopt;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,16 @@ namespace earshot::cli {
 
 std::optional<std::int64_t> parse_integer(std::string_view text);
 std::optional<double> parse_number(std::string_view text);  ///< finite
+
+/// Numbers from `min` to `max`.
+std::optional<std::int64_t> parse_integer_within(std::string_view text,
+                                                 std::int64_t min,
+                                                 std::int64_t max);
+std::optional<double> parse_number_within(std::string_view text, double min, double max);
+
+/// As many numbers as `numbers` has room for, between separators. False if the text is not of the
+/// form, when `numbers` means nothing.
+bool parse_numbers(std::string_view text, char separator, std::span<double> numbers);
 
 /// `X,Y,Z` in metres, or `NAME=X,Y,Z`.
 struct NamedPoint {

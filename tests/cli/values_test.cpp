@@ -23,6 +23,26 @@ TEST(Values, NumbersAreReadWholeOrNotAtAll) {
     EXPECT_FALSE(parse_number("1e999"));
 }
 
+TEST(Values, NumbersAreWithinTheirLimits) {
+    EXPECT_EQ(parse_integer_within("-2", -2, 3), -2);
+    EXPECT_EQ(parse_integer_within("3", -2, 3), 3);
+    EXPECT_EQ(parse_number_within("0.5", 0.5, 1.0), 0.5);
+    EXPECT_EQ(parse_number_within("1", 0.5, 1.0), 1.0);
+    for (const char* text : {"", "x", "-3", "4", "0.25"}) {
+        EXPECT_FALSE(parse_integer_within(text, -2, 3)) << text;
+        EXPECT_FALSE(parse_number_within(text, 0.5, 1.0)) << text;
+    }
+}
+
+TEST(Values, ListsHaveTheirNumberOfNumbers) {
+    std::array<double, 2> two{};
+    ASSERT_TRUE(parse_numbers("1.5;-2", ';', two));
+    EXPECT_EQ(two, (std::array<double, 2>{1.5, -2.0}));
+    for (const char* text : {"", "1", "1;", ";1", "1;2;", "1;2;3", "1,2", "1;x", "1; 2"}) {
+        EXPECT_FALSE(parse_numbers(text, ';', two)) << text;
+    }
+}
+
 TEST(Values, PointsMayCarryAName) {
     const auto plain = parse_named_point("-0.1,1.68,1.16");
     ASSERT_TRUE(plain);
