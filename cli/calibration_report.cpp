@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/calibration_report.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <map>
 #include <set>
 #include <utility>
@@ -15,13 +14,6 @@ namespace earshot::cli {
 namespace {
 
 using namespace propagation;
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 class CalibrationText {
 public:

@@ -3,6 +3,7 @@
 
 #include "earshot/base/parallel.h"
 #include "earshot/cli/commands.h"
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/collision/narrow_phase/min_separation.h"
 #include "earshot/io/contact_queries.h"
@@ -14,7 +15,6 @@
 #include <array>
 #include <charconv>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -164,10 +164,8 @@ private:
                     std::to_string(false_negatives) + " false negatives of " +
                     std::to_string(with_truth) + "\n";
         }
-        std::array<char, 80> line{};
-        std::snprintf(
-            line.data(), line.size(), "time       mean %.2f us, median %.2f us\n", mean, median);
-        return text + line.data() + "file       " + output_ + "\n";
+        return text + formatted("time       mean %.2f us, median %.2f us\n", mean, median) +
+               "file       " + output_ + "\n";
     }
 
     std::string queries_file_, kind_, output_;

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/check_report.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace earshot::cli {
 namespace {
@@ -16,13 +15,6 @@ using namespace propagation;
 /// The verdict and these lines fit on the first ten.
 constexpr std::size_t kMaxFindings = 8;
 constexpr std::size_t kMaxRows = 12;
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 std::string place_text(const geometry::Vec3& at) {
     return short_text(at.x) + ", " + short_text(at.y) + ", " + short_text(at.z);

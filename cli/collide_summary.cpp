@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/collide_summary.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/update_summary.h"
 
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <utility>
@@ -80,9 +80,7 @@ std::string name_of(const io::ContactReport& report, std::uint32_t mesh) {
 }
 
 std::string digits(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.9g", value);
-    return text.data();
+    return formatted("%.9g", value);
 }
 
 std::string element_text(const io::ContactReport& report, const collision::Element& element) {
@@ -131,10 +129,7 @@ std::string collide_summary(const CollideMotion& motion,
                             const CollideTotals& totals,
                             const CollideSummaryOptions& options,
                             const std::string& file) {
-    std::array<char, 64> time{};
-    std::snprintf(
-        time.data(),
-        time.size(),
+    const std::string time = formatted(
         "time       %.3f s, %.1f ms a step\n",
         totals.seconds,
         totals.steps > 0 ? 1e3 * totals.seconds / static_cast<double>(totals.steps) : 0.0);

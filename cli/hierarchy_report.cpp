@@ -3,6 +3,7 @@
 
 #include "earshot/base/assert.h"
 #include "earshot/bvh/quality.h"
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 
 #include <nlohmann/json.hpp>
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <utility>
 
 namespace earshot::cli {
@@ -36,13 +36,6 @@ double median_seconds_of(Work&& work) {
     }
     std::sort(seconds.begin(), seconds.end());
     return seconds[kRepetitions / 2];
-}
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::array<char, 128> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
 }
 
 }  // namespace

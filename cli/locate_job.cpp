@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/locate_job.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
 #include "earshot/io/arrivals.h"
@@ -9,9 +10,7 @@
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -24,13 +23,6 @@ using propagation::LocateResult;
 
 constexpr std::size_t kMaxRows = 12;
 constexpr const char* kGroup = "Locating";
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 std::string row(const char* name, const std::string& value) {
     return formatted("%-11s", name) + value + "\n";

@@ -2,6 +2,7 @@
 #include "earshot/base/simd.h"
 #include "earshot/bvh/deformable_bvh.h"
 #include "earshot/cli/commands.h"
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/ignore_option.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/progress_bar.h"
@@ -17,9 +18,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -221,10 +220,9 @@ private:
                                                  {"file", output_}};
             return json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
         }
-        std::array<char, 64> time{};
-        std::snprintf(time.data(), time.size(), "time       %.3f s\n", seconds_);
         return "pairs      " + std::to_string(pairs) + ", " + std::to_string(free_) +
-               " see each other\n" + time.data() + "file       " + output_ + "\n";
+               " see each other\n" + formatted("time       %.3f s\n", seconds_) + "file       " +
+               output_ + "\n";
     }
 
     SceneChoice scene_;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/map_summary.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace earshot::cli {
 namespace {
@@ -24,9 +23,7 @@ std::string point_text(const Vec3& point) {
 }
 
 std::string percent_text(double share) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.1f %%", 100.0 * share);
-    return text.data();
+    return formatted("%.1f %%", 100.0 * share);
 }
 
 std::string padded(std::string text, std::size_t width) {

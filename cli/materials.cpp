@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/spelling.h"
 #include "earshot/cli/commands.h"
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/propagation/material.h"
 
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <span>
 #include <string>
 #include <string_view>
@@ -26,9 +26,7 @@ constexpr std::array<double, 7> kColumnsHz = {125.0, 250.0, 500.0, 1000.0, 2000.
 
 // Nominal band centres print as 31.5, 125, 8000.
 std::string frequency_text(double frequency_hz) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%g", frequency_hz);
-    return text.data();
+    return formatted("%g", frequency_hz);
 }
 
 std::string padded(std::string text, std::size_t width) {
@@ -46,9 +44,7 @@ std::string columns_header() {
 }
 
 std::string cell(double value) {
-    std::array<char, 16> text{};
-    std::snprintf(text.data(), text.size(), "%6.2f", value);
-    return text.data();
+    return formatted("%6.2f", value);
 }
 
 std::string columns(const EnergyCoefficient& coefficient) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/note_lines.h"
 
+#include "earshot/cli/formatted.h"
+
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace earshot::cli {
 namespace {
@@ -26,9 +26,7 @@ std::string joined(const std::vector<std::string>& words) {
 std::string frequencies(const std::vector<double>& bands_hz) {
     std::vector<std::string> words;
     for (const double frequency_hz : bands_hz) {
-        std::array<char, 32> word{};
-        std::snprintf(word.data(), word.size(), "%g", frequency_hz);
-        words.emplace_back(word.data());
+        words.push_back(formatted("%g", frequency_hz));
     }
     return joined(words) + " Hz";
 }

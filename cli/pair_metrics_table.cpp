@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/pair_metrics_table.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -44,9 +44,7 @@ std::optional<double> number(const audio::MetricValues& values, const Column& co
 }
 
 std::string fixed(double value, int decimals) {
-    std::array<char, 48> text{};
-    std::snprintf(text.data(), text.size(), "%.*f", decimals, value);
-    return text.data();
+    return formatted("%.*f", decimals, value);
 }
 
 /// To a width, with a blank at the end at least.

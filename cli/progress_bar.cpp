@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/progress_bar.h"
 
+#include "earshot/cli/formatted.h"
+
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <string>
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -42,12 +42,6 @@ std::string bar_line(std::string_view stage,
     const auto filled = static_cast<std::size_t>(fraction * static_cast<double>(bar_width));
     return label + " [" + std::string(filled, '=') + std::string(bar_width - filled, ' ') + "] " +
            figures;
-}
-
-std::string formatted(const char* format, double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), format, value);
-    return text.data();
 }
 
 /// "0.25/s", "120/s", "35.0k/s", "1.2M/s".

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/pvs_report.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <numeric>
 #include <vector>
 
@@ -20,13 +19,6 @@ using visibility::VisibleSets;
 namespace {
 
 constexpr std::size_t kMaxRows = 10;
-
-template <typename... Values>
-std::string line(const char* format, Values... values) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 std::vector<std::size_t> triangles_per_cell(const VisibleSets& sets) {
     std::vector<std::size_t> counts;
@@ -45,7 +37,7 @@ std::string missed_line(const std::optional<MissedShare>& validation) {
     if (!validation) {
         return "missed     not known, as no validation rays were cast\n";
     }
-    return line(
+    return formatted(
         "missed     %.2g of all directions, at most %.2g (%.0f %% confidence; %llu of %llu rays)\n",
         validation->estimate(),
         validation->upper_bound(),
@@ -61,25 +53,25 @@ std::string as_text(const VisibleSets& sets,
     const auto cells = static_cast<double>(sets.cells().size());
     const visibility::ViewRegion& region = sets.cells().region();
     std::string text =
-        "scene      " + on_one_line(provenance.scene) + line(" at %g s\n", provenance.time);
-    text += line("region     %g,%g,%g to %g,%g,%g m\n",
-                 region.lower.x,
-                 region.lower.y,
-                 region.lower.z,
-                 region.upper.x,
-                 region.upper.y,
-                 region.upper.z);
-    text += line("cells      %zu of %zu parts\n", sets.cells().size(), sets.cells().leaves());
-    text += line("objects    %zu of %zu triangles\n",
-                 sets.objects().size(),
-                 sets.objects().object_of_triangle().size());
-    text += line("entries    %llu, %.1f per cell\n",
-                 static_cast<unsigned long long>(sets.entries()),
-                 static_cast<double>(sets.entries()) / cells);
-    text += line("rays       %llu\n", static_cast<unsigned long long>(provenance.rays));
+        "scene      " + on_one_line(provenance.scene) + formatted(" at %g s\n", provenance.time);
+    text += formatted("region     %g,%g,%g to %g,%g,%g m\n",
+                      region.lower.x,
+                      region.lower.y,
+                      region.lower.z,
+                      region.upper.x,
+                      region.upper.y,
+                      region.upper.z);
+    text += formatted("cells      %zu of %zu parts\n", sets.cells().size(), sets.cells().leaves());
+    text += formatted("objects    %zu of %zu triangles\n",
+                      sets.objects().size(),
+                      sets.objects().object_of_triangle().size());
+    text += formatted("entries    %llu, %.1f per cell\n",
+                      static_cast<unsigned long long>(sets.entries()),
+                      static_cast<double>(sets.entries()) / cells);
+    text += formatted("rays       %llu\n", static_cast<unsigned long long>(provenance.rays));
     text += missed_line(provenance.validation);
     if (seconds) {
-        text += line("time       %.3f s\n", *seconds);
+        text += formatted("time       %.3f s\n", *seconds);
     }
     return text + "file       " + file + "\n";
 }
@@ -131,21 +123,21 @@ std::string pvs_tables(const VisibleSets& sets) {
         "\nCells that see the most:\n\n    cell      volume, m3   objects  triangles\n";
     for (std::size_t i = 0; i < std::min(kMaxRows, order.size()); ++i) {
         const CellId cell = order[i];
-        text += line("%8u %15.6g %9zu %10zu\n",
-                     cell,
-                     sets.cells().volumes()[cell],
-                     sets.sets()[cell].size(),
-                     triangles[cell]);
+        text += formatted("%8u %15.6g %9zu %10zu\n",
+                          cell,
+                          sets.cells().volumes()[cell],
+                          sets.sets()[cell].size(),
+                          triangles[cell]);
     }
     if (!sets.history() || sets.cells().size() < 2) {
         return text;
     }
     text += "\nFewer cells (earshot pvs extract):\n\n    cells   average cost     entries\n";
     for (std::size_t cells = sets.cells().size(); cells > 0; cells /= 2) {
-        text += line("%9zu %14.6g %11llu\n",
-                     cells,
-                     sets.history()->cost_of(cells),
-                     static_cast<unsigned long long>(sets.history()->entries_of(cells)));
+        text += formatted("%9zu %14.6g %11llu\n",
+                          cells,
+                          sets.history()->cost_of(cells),
+                          static_cast<unsigned long long>(sets.history()->entries_of(cells)));
     }
     return text;
 }

@@ -2,6 +2,7 @@
 #include "earshot/cli/response_job.h"
 
 #include "earshot/base/stage_progress.h"
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/metrics.h"
 #include "earshot/io/result_names.h"
@@ -15,10 +16,8 @@
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <chrono>
-#include <cstdio>
 #include <iterator>
 #include <string>
 #include <system_error>
@@ -164,15 +163,13 @@ private:
         if (errors.reached) {
             return;
         }
-        std::array<char, 128> text{};
-        std::snprintf(
-            text.data(),
-            text.size(),
-            "after %zu rays the standard error of T30 is %.1f %%, that of the level %.2f dB",
-            errors.rays,
-            100.0 * errors.t30,
-            errors.level_db);
-        summary_.notes.push_back({name, text.data()});
+        summary_.notes.push_back(
+            {name,
+             formatted(
+                 "after %zu rays the standard error of T30 is %.1f %%, that of the level %.2f dB",
+                 errors.rays,
+                 100.0 * errors.t30,
+                 errors.level_db)});
     }
 
     /// Of the first time, of which the room is known.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/response_summary.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/pair_metrics_table.h"
 #include "earshot/cli/sensitivity_table.h"
@@ -10,8 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -21,9 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string seconds_text(double seconds) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.3f s", seconds);
-    return text.data();
+    return formatted("%.3f s", seconds);
 }
 
 std::string names_of(const std::vector<propagation::Emitter>& emitters) {
@@ -67,9 +64,7 @@ std::string clean_text(const geometry::CleanReport& clean) {
 }
 
 std::string line(const char* label, const std::string& value) {
-    std::array<char, 16> head{};
-    std::snprintf(head.data(), head.size(), "%-11s", label);
-    return head.data() + value + "\n";
+    return formatted("%-11s", label) + value + "\n";
 }
 
 /// Precondition: there is one.

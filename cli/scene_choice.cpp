@@ -2,11 +2,10 @@
 #include "earshot/cli/scene_choice.h"
 
 #include "earshot/base/spelling.h"
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/values.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <filesystem>
 
 namespace earshot::cli {
@@ -84,9 +83,7 @@ void add_allow_outside(CLI::App& app, bool& allow_outside) {
 }
 
 std::string frame_suffix(std::size_t frame) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "__%04zu", frame);
-    return text.data();
+    return formatted("__%04zu", frame);
 }
 
 std::uint32_t material_named(const propagation::Scene& scene, const std::string& name) {

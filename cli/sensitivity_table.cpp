@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/sensitivity_table.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <optional>
 #include <span>
@@ -70,11 +69,7 @@ std::string padded(std::string text, std::size_t width) {
 }
 
 std::string fixed(const std::optional<double>& value, const char* format, std::size_t width) {
-    std::array<char, 48> text{};
-    if (value) {
-        std::snprintf(text.data(), text.size(), format, *value);
-    }
-    return padded(value ? text.data() : "-", width);
+    return padded(value ? formatted(format, *value) : "-", width);
 }
 
 std::optional<double> changed(const std::optional<double>& derivative) {

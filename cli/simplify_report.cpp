@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/simplify_report.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/propagation/plausibility.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace earshot::cli {
 namespace {
@@ -17,13 +16,6 @@ using namespace propagation;
 constexpr std::size_t kMaxRows = 12;
 constexpr std::size_t kBand500 = 4;  // of the octaves from 31.5 Hz
 constexpr std::size_t kBand1000 = 5;
-
-template <typename... Values>
-std::string formatted(const char* format, Values... values) {
-    std::array<char, 256> text{};
-    std::snprintf(text.data(), text.size(), format, values...);
-    return text.data();
-}
 
 std::string row(const char* name, const std::string& value) {
     return formatted("%-13s", name) + value + "\n";

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/sound_metrics_table.h"
 
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/note_lines.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <optional>
 #include <vector>
 
@@ -28,12 +28,6 @@ constexpr std::array<Row, 8> kRows = {{{"EDT s", &BandMetrics::early_decay_time,
                                        {"D50", &BandMetrics::definition_d50, "%9.3f"},
                                        {"Ts s", &BandMetrics::centre_time, "%9.4f"},
                                        {"G dB", &BandMetrics::strength_db, "%9.2f"}}};
-
-std::string formatted(const char* format, double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), format, value);
-    return text.data();
-}
 
 std::string head_of(const std::string& text) {
     return text + std::string(8 - std::min<std::size_t>(8, text.size()), ' ');

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/cli/visible_picture.h"
 
+#include "earshot/cli/formatted.h"
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace earshot::cli {
 
@@ -52,9 +53,7 @@ Colour colour_of(std::uint32_t number) noexcept {
 }
 
 std::string name_of(const Colour& colour) {
-    std::array<char, 8> text{};
-    std::snprintf(text.data(), text.size(), "#%02x%02x%02x", colour[0], colour[1], colour[2]);
-    return text.data();
+    return formatted("#%02x%02x%02x", colour[0], colour[1], colour[2]);
 }
 
 io::Picture paint_triangles(const ItemBuffer& buffer) {

@@ -2,6 +2,7 @@
 #include "earshot/cli/visible_summary.h"
 
 #include "earshot/base/math.h"
+#include "earshot/cli/formatted.h"
 #include "earshot/cli/output.h"
 #include "earshot/cli/update_summary.h"
 #include "earshot/cli/visible_picture.h"
@@ -9,8 +10,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace earshot::cli {
 
@@ -21,9 +20,8 @@ std::string colour_name(std::size_t material) {
 }
 
 std::string table_row(double share, const std::string& triangles, const std::string& name) {
-    std::array<char, 64> cells{};
-    std::snprintf(cells.data(), cells.size(), "%8.2f %%  %9s  ", 100.0 * share, triangles.c_str());
-    return cells.data() + on_one_line(name) + "\n";
+    return formatted("%8.2f %%  %9s  ", 100.0 * share, triangles.c_str()) + on_one_line(name) +
+           "\n";
 }
 
 }  // namespace
@@ -91,15 +89,11 @@ std::string VisibleSummary::text(const Outputs& outputs) const {
             row.share, std::to_string(row.triangles), scene_.materials[row.material].name + colour);
     }
     text += table_row(share(free_solid_angle_), "", "(nothing)");
-    std::array<char, 64> line{};
-    std::snprintf(line.data(), line.size(), "\ntime       %.3f s\n", outputs.seconds);
-    text += line.data();
+    text += formatted("\ntime       %.3f s\n", outputs.seconds);
     text += outputs.file.empty() ? "" : "file       " + outputs.file + "\n";
     text += outputs.picture.is_chosen() ? "image      " + outputs.picture.file() + "\n" : "";
     if (outputs.picture.depth_range()) {
-        std::snprintf(
-            line.data(), line.size(), "darkest    %.6g m\n", *outputs.picture.depth_range());
-        text += line.data();
+        text += formatted("darkest    %.6g m\n", *outputs.picture.depth_range());
     }
     return text;
 }
