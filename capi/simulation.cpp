@@ -10,8 +10,6 @@
 #include "earshot/propagation/pair_notes.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <string>
 
 namespace earshot::capi {
@@ -39,21 +37,8 @@ void add_notes(ResultObject& result) {
     for (const PairResult& pair : result.pairs) {
         const std::string name = result.names.sources[pair.source].name + " to " +
                                  result.names.listeners[pair.listener].name;
-        if (pair.paths.empty() && pair.arrivals.empty() && pair.late.energy.empty()) {
-            result.notes.push_back({name, "no path up to the given order: the response is silent"});
-        }
-        const propagation::LateErrors& errors = pair.late_errors;
-        if (!errors.reached) {
-            std::array<char, 128> text{};
-            std::snprintf(
-                text.data(),
-                text.size(),
-                "after %zu rays the standard error of T30 is %.1f %%, that of the level %.2f dB",
-                errors.rays,
-                100.0 * errors.t30,
-                errors.level_db);
-            result.notes.push_back({name, text.data()});
-        }
+        const Warnings notes = propagation::note_sound(pair, name);
+        result.notes.insert(result.notes.end(), notes.begin(), notes.end());
     }
 }
 

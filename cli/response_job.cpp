@@ -2,7 +2,6 @@
 #include "earshot/cli/response_job.h"
 
 #include "earshot/base/stage_progress.h"
-#include "earshot/cli/formatted.h"
 #include "earshot/cli/scene_choice.h"
 #include "earshot/io/metrics.h"
 #include "earshot/io/result_names.h"
@@ -158,20 +157,6 @@ private:
         }
     }
 
-    /// Tells where the rays did not suffice for the error that was asked for.
-    void add_error_note(const std::string& name, const propagation::LateErrors& errors) {
-        if (errors.reached) {
-            return;
-        }
-        summary_.notes.push_back(
-            {name,
-             formatted(
-                 "after %zu rays the standard error of T30 is %.1f %%, that of the level %.2f dB",
-                 errors.rays,
-                 100.0 * errors.t30,
-                 errors.level_db)});
-    }
-
     /// Of the first time, of which the room is known.
     void explain_decays(const propagation::Simulator& simulator, std::size_t frame) {
         if (frame == 0 && summary_.room) {
@@ -204,11 +189,8 @@ private:
         });
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const std::string& name = names_.of(pairs[i].source, pairs[i].listener);
-            if (pairs[i].paths.empty() && pairs[i].late.energy.empty()) {
-                summary_.notes.push_back(
-                    {name, "no path up to the given order: the response is silent"});
-            }
-            add_error_note(name, pairs[i].late_errors);
+            const Warnings notes = propagation::note_sound(pairs[i], name);
+            summary_.notes.insert(summary_.notes.end(), notes.begin(), notes.end());
             for (const propagation::Path& path : pairs[i].paths) {
                 ++summary_.paths_of_order[static_cast<std::size_t>(path.order)];
             }

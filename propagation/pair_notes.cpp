@@ -2,7 +2,9 @@
 #include "earshot/propagation/pair_notes.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdio>
 #include <string>
 
 namespace earshot::propagation {
@@ -32,6 +34,25 @@ Warnings note_blocked_pairs(const Scene& scene, std::span<const PairResult> pair
     return {{scene.name,
              "no direct path in " + std::to_string(blocked) + " of " +
                  std::to_string(pairs.size()) + " pairs, the first " + name + left_out}};
+}
+
+Warnings note_sound(const PairResult& pair, const std::string& name) {
+    Warnings notes;
+    if (pair.paths.empty() && pair.arrivals.empty() && pair.late.energy.empty()) {
+        notes.push_back({name, "no path up to the given order: the response is silent"});
+    }
+    if (const LateErrors& errors = pair.late_errors; !errors.reached) {
+        std::array<char, 128> text{};
+        std::snprintf(
+            text.data(),
+            text.size(),
+            "after %zu rays the standard error of T30 is %.1f %%, that of the level %.2f dB",
+            errors.rays,
+            100.0 * errors.t30,
+            errors.level_db);
+        notes.push_back({name, text.data()});
+    }
+    return notes;
 }
 
 }  // namespace earshot::propagation
