@@ -8,6 +8,7 @@
 #include "earshot/io/internal/hrir_set.h"
 #include "earshot/io/internal/sofa_file.h"
 #include "earshot/io/material_assignments.h"
+#include "earshot/io/path_frames.h"
 #include "earshot/io/points.h"
 #include "earshot/io/report_contacts.h"
 #include "earshot/io/report_map.h"
@@ -251,6 +252,44 @@ void read_room_results(const fs::path& file) {
     require_page_data(io::encode_room_report(report));
 }
 
+void require_sound_path(const propagation::Path& path) {
+    require(path.points.size() == path.triangles.size() + 2, "paths have a point per interaction");
+    require(path.transmitted.empty() || path.transmitted.size() == path.triangles.size(),
+            "what lets sound pass is told of all interactions or of none");
+    require(path.edges.size() == (path.kind == propagation::PathKind::diffracted ? 1 : 0),
+            "diffracted paths alone bend round an edge");
+    for (const Vec3& point : path.points) {
+        require(is_finite(point), "points of paths are finite");
+    }
+    for (const double pressure : path.pressure) {
+        require(std::isfinite(pressure), "pressures of paths are finite");
+    }
+}
+
+/// The paths, and a recording of a few samples played over them.
+void read_path_frames(const fs::path& file) {
+    constexpr double kRate = 8000.0;
+    constexpr double kRecording[] = {1.0, -0.5, 0.25};
+    const std::vector<io::PairPathFrames> pairs = io::read_path_frames(file);
+    require(!pairs.empty(), "files of paths have a pair");
+    for (const io::PairPathFrames& pair : pairs) {
+        double last = -INFINITY;
+        for (const propagation::PathFrame& frame : pair.frames.instants) {
+            require(frame.time > last, "times of instants ascend");
+            last = frame.time;
+            require(is_finite(frame.listener_front) && is_finite(frame.listener_up),
+                    "listeners are turned by finite axes");
+            std::for_each(frame.paths.begin(), frame.paths.end(), require_sound_path);
+        }
+    }
+    const audio::Signal heard =
+        propagation::render_path_frames(pairs.front().frames, {.sample_rate = kRate}, kRecording)
+            .signal;
+    for (const double sample : heard.channels.at(0)) {
+        require(std::isfinite(sample), "sound over paths is finite");
+    }
+}
+
 /// As load_scene() words what std::bad_alloc means. Messages may quote the file: they only hold it.
 bool is_out_of_memory(const Error& error) {
     return std::string_view(error.what()) == "needs more memory than is available";
@@ -276,6 +315,7 @@ const std::vector<Reader>& readers() {
         {"materials", ".json", read_materials},
         {"obj", ".obj", read_scene},
         {"off", ".off", read_scene},
+        {"path_frames", ".json", read_path_frames},
         {"ply", ".ply", read_scene},
         {"points", ".csv", read_points},
         {"room_results", ".txt", read_room_results},
