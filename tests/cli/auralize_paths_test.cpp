@@ -341,7 +341,8 @@ TEST_F(AuralizePaths, RefusesWhatIsNotPathsOfFrames) {
     fails_with([](Json& json) { json["pairs"][1]["time"] = json["pairs"][0]["time"]; },
                "has a pair twice");
     fails_with([](Json& json) { json["pairs"][1]["time"] = 1e300; }, "out of range");
-    fails_with([](Json& json) { json["pairs"][1]["time"] = 1e-9; }, "0.9 of the speed of sound");
+    fails_with([](Json& json) { json["pairs"][1]["time"] = 1e-9; }, "ascend by a microsecond");
+    fails_with([](Json& json) { json["pairs"][1]["time"] = 1e-4; }, "0.9 of the speed of sound");
     fails_with([](Json& json) { json["speed_of_sound"] = 1e-3; }, "out of range");
     fails_with([](Json& json) { json["bands_hz"][0] = 30; }, "neither octaves nor third octaves");
     fails_with(
