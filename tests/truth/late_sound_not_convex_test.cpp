@@ -22,7 +22,7 @@ constexpr std::size_t kBand = 5;  // 1 kHz
 
 struct Room {
     explicit Room(const scenes::SceneDraft& draft) {
-        const TemporaryFolder folder;
+        const test::TemporaryFolder folder;
         scene =
             io::load_scene(folder.file(draft.name + ".gltf",
                                        scenes::write_gltf(draft, scenes::GltfForm::text, 1).bytes))

@@ -19,7 +19,7 @@ constexpr PathTolerance kStoredAsFloats = {.length = 2e-5, .point = 2e-4};
 constexpr double kOpenDecision = 2e-5;
 
 propagation::Scene load(const scenes::SceneDraft& draft) {
-    const TemporaryFolder folder;
+    const test::TemporaryFolder folder;
     return io::load_scene(folder.file(draft.name + ".gltf",
                                       scenes::write_gltf(draft, scenes::GltfForm::text, 1).bytes))
         .scene;
