@@ -22,7 +22,7 @@ struct RunOptions {
     std::vector<std::pair<std::string, std::string>> environment{};  ///< beside what is inherited
     std::filesystem::path standard_output{};  ///< a file instead of RunResult::out, "/dev/full"
     bool closes_standard_output = false;      ///< starts the program without one
-    std::chrono::seconds max_time{120};       ///< then the program is killed
+    std::chrono::seconds max_time{1200};      ///< then it is taken to hang, and killed
 };
 
 struct RunResult {
