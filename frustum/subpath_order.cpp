@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/frustum/internal/subpath_order.h"
 
+#include "earshot/frustum/internal/subpath_place.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -20,16 +22,8 @@ constexpr float kApertureWeight = 0.4F;
 /// Smaller parts are not divided: they are the leaves of the tree.
 constexpr std::size_t kMinPart = SubpathBlock::kWidth;
 
-constexpr std::size_t kCoordinates = 6;
-
-/// A subpath as a point: the centres of its bounds. As large as a register.
-struct alignas(32) Place {
-    std::array<float, kCoordinates> coordinate{};
-    std::uint32_t number = 0;
-};
-
-Place place_of(const SubpathBounds& bounds, std::size_t number) noexcept {
-    Place place;
+SubpathPlace place_of(const SubpathBounds& bounds, std::size_t number) noexcept {
+    SubpathPlace place;
     for (std::size_t k = 0; k < 3; ++k) {
         place.coordinate[k] =
             kApertureWeight * (bounds.aperture.lower[k] + bounds.aperture.upper[k]);
@@ -39,33 +33,8 @@ Place place_of(const SubpathBounds& bounds, std::size_t number) noexcept {
     return place;
 }
 
-struct Spread {
-    std::size_t axis = 0;
-    float lower = 0.0F, upper = 0.0F;
-};
-
-/// The coordinate in which places differ most; the first of equals.
-Spread widest_spread(std::span<const Place> places) noexcept {
-    std::array<float, kCoordinates> lower = places.front().coordinate;
-    std::array<float, kCoordinates> upper = lower;
-    for (const Place& place : places) {
-        for (std::size_t k = 0; k < kCoordinates; ++k) {
-            const float here = place.coordinate[k];
-            lower[k] = here < lower[k] ? here : lower[k];
-            upper[k] = here > upper[k] ? here : upper[k];
-        }
-    }
-    std::size_t axis = 0;
-    for (std::size_t k = 1; k < kCoordinates; ++k) {
-        if (upper[k] - lower[k] > upper[axis] - lower[axis]) {
-            axis = k;
-        }
-    }
-    return {axis, lower[axis], upper[axis]};
-}
-
 /// In the order of a coordinate and, of equals, of the numbers.
-std::uint64_t key_of(const Place& place, std::size_t axis) noexcept {
+std::uint64_t key_of(const SubpathPlace& place, std::size_t axis) noexcept {
     const auto bits = std::bit_cast<std::uint32_t>(place.coordinate[axis] + 0.0F);  // of -0: of 0
     constexpr std::uint32_t kSign = 0x80000000U;
     const std::uint32_t ordered = (bits & kSign) != 0 ? ~bits : bits | kSign;
@@ -78,13 +47,16 @@ public:
     /// Copies `from` to `to`, first those that are the lowest along the widest axis, `count` of
     /// them, of equals those with the lowest numbers. Precondition: 0 < count < from.size() ==
     /// to.size().
-    void part(std::span<const Place> from, std::span<Place> to, std::size_t count) {
+    void part(std::span<const SubpathPlace> from, std::span<SubpathPlace> to, std::size_t count) {
         const Spread spread = widest_spread(from);
         const Border border = find_border(from, count, spread);
         const std::uint64_t first_upper = nth_key(from, border, count, spread.axis);
-        std::array<Place*, 2> next = {to.data(), to.data() + count};
-        for (const Place& place : from) {
-            *next[static_cast<std::size_t>(key_of(place, spread.axis) >= first_upper)]++ = place;
+        std::array<SubpathPlace*, 2> next = {to.data(), to.data() + count};
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            const bool is_upper = bins_[i] != border.bin
+                                      ? bins_[i] > border.bin
+                                      : key_of(from[i], spread.axis) >= first_upper;
+            *next[static_cast<std::size_t>(is_upper)]++ = from[i];
         }
     }
 
@@ -98,7 +70,9 @@ private:
     };
 
     /// Puts places into bins along an axis.
-    Border find_border(std::span<const Place> places, std::size_t count, const Spread& spread) {
+    Border find_border(std::span<const SubpathPlace> places,
+                       std::size_t count,
+                       const Spread& spread) {
         constexpr std::size_t kMany = 512;
         const int last = (places.size() < kMany ? kMaxBins / 4 : kMaxBins) - 1;
         const float scale = static_cast<float>(last + 1) / (spread.upper - spread.lower);
@@ -120,7 +94,7 @@ private:
     }
 
     /// The key of the first place of the upper half.
-    std::uint64_t nth_key(std::span<const Place> places,
+    std::uint64_t nth_key(std::span<const SubpathPlace> places,
                           const Border& border,
                           std::size_t count,
                           std::size_t axis) {
@@ -144,7 +118,7 @@ private:
 std::vector<std::uint32_t> order_subpaths(std::span<const SubpathBounds> subpaths,
                                           Executor& executor) {
     const std::size_t count = subpaths.size();
-    std::vector<Place> places(count), scratch(count);
+    std::vector<SubpathPlace> places(count), scratch(count);
     constexpr std::size_t kGrain = 4096;
     executor.for_each(count, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -155,7 +129,7 @@ std::vector<std::uint32_t> order_subpaths(std::span<const SubpathBounds> subpath
     // goes to and fro between the two arrays.
     const auto divide = [&](std::size_t begin, std::size_t end, std::size_t size, std::size_t to) {
         Parting parting;
-        std::span<Place> from = places, into = scratch;
+        std::span<SubpathPlace> from = places, into = scratch;
         for (; size > to; size /= 2) {
             for (std::size_t first = begin; first < end; first += size) {
                 const std::size_t own = std::min(size, end - first);
@@ -187,7 +161,7 @@ std::vector<std::uint32_t> order_subpaths(std::span<const SubpathBounds> subpath
     }
     std::vector<std::uint32_t> numbers;
     numbers.reserve(count);
-    for (const Place& place : places) {
+    for (const SubpathPlace& place : places) {
         numbers.push_back(place.number);
     }
     return numbers;
