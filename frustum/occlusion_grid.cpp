@@ -22,16 +22,6 @@ double size_of(const InverseDepth& depth) noexcept {
 
 }  // namespace
 
-// The difference of two inverse depths is linear in (u, v): it is positive in the whole cell if it
-// exceeds at the centre what it can lose on the way to a corner.
-inline bool OcclusionGrid::occludes(const Occluder& occluder,
-                                    const InverseDepth& depth,
-                                    double size,
-                                    int cell) const noexcept {
-    return occluder.centre - depth.at(centre_of(cell)) >
-           max_change(occluder.depth.slope - depth.slope) + kDepthSlack * (occluder.size + size);
-}
-
 bool OccluderDepths::hide(double depth, CellMask cells) const noexcept {
     const double limit = (1.0 + 2.0 * kDepthSlack) / depth;
     for (; cells != 0; cells &= cells - 1) {
@@ -47,10 +37,12 @@ bool OccluderDepths::hide(double depth, CellMask cells) const noexcept {
 void OcclusionGrid::reset(const glm::dvec2& first_centre, const glm::dvec2& cell_size) noexcept {
     for (int i = 0; i < kGridSide; ++i) {
         const auto cell = static_cast<std::size_t>(i);
-        centre_u_[cell] = first_centre.x + i * cell_size.x;
-        centre_v_[cell] = first_centre.y + i * cell_size.y;
+        grid_.centre_u[cell] = first_centre.x + i * cell_size.x;
+        grid_.centre_v[cell] = first_centre.y + i * cell_size.y;
     }
-    cell_size_ = cell_size;
+    grid_.half_cell[0] = 0.5 * cell_size.x;
+    grid_.half_cell[1] = 0.5 * cell_size.y;
+    grid_.rounding = kDepthSlack;
     occluded_ = 0;
 }
 
@@ -58,13 +50,18 @@ void OcclusionGrid::add(FacetId facet, const InverseDepth& depth, CellMask cells
     const double size = size_of(depth);
     const double below_centre = max_change(depth.slope) + kDepthSlack * size;
     for_each_cell(cells, [&](int cell) {
-        Occluder& occluder = occluders_[static_cast<std::size_t>(cell)];
+        const auto i = static_cast<std::size_t>(cell);
         const double centre = depth.at(centre_of(cell));
         const CellMask bit = CellMask{1} << cell;
         // At the same depth the lower facet, whatever the order in which a tree visits them.
-        if ((occluded_ & bit) == 0 || centre > occluder.centre ||
-            (centre == occluder.centre && facet < occluder.facet)) {
-            occluder = {facet, depth, centre, size, centre - below_centre};
+        if ((occluded_ & bit) == 0 || centre > occluders_.centre[i] ||
+            (centre == occluders_.centre[i] && facet < facets_[i])) {
+            occluders_.centre[i] = centre;
+            occluders_.slope_u[i] = depth.slope.x;
+            occluders_.slope_v[i] = depth.slope.y;
+            occluders_.size[i] = size;
+            lowest_[i] = centre - below_centre;
+            facets_[i] = facet;
             occluded_ |= bit;
         }
     });
@@ -73,7 +70,7 @@ void OcclusionGrid::add(FacetId facet, const InverseDepth& depth, CellMask cells
 CellMask OcclusionGrid::cells_occluded_by(FacetId facet, CellMask cells) const noexcept {
     CellMask owned = 0;
     for_each_cell(occluded_ & cells, [&](int cell) {
-        const bool is_owner = occluders_[static_cast<std::size_t>(cell)].facet == facet;
+        const bool is_owner = facets_[static_cast<std::size_t>(cell)] == facet;
         owned |= static_cast<CellMask>(is_owner) << cell;
     });
     return owned;
@@ -82,12 +79,11 @@ CellMask OcclusionGrid::cells_occluded_by(FacetId facet, CellMask cells) const n
 CellMask OcclusionGrid::cells_where_closer(const InverseDepth& a,
                                            const InverseDepth& b,
                                            CellMask cells) const noexcept {
-    const double size_a = size_of(a);
-    const double size_b = size_of(b);
+    const double margin = max_change(a.slope - b.slope) + kDepthSlack * (size_of(a) + size_of(b));
     CellMask closer = 0;
     for_each_cell(cells, [&](int cell) {
-        const Occluder plane{0, a, a.at(centre_of(cell)), size_a, 0.0};
-        closer |= static_cast<CellMask>(occludes(plane, b, size_b, cell)) << cell;
+        const glm::dvec2 centre = centre_of(cell);
+        closer |= static_cast<CellMask>(a.at(centre) - b.at(centre) > margin) << cell;
     });
     return closer;
 }
@@ -95,15 +91,9 @@ CellMask OcclusionGrid::cells_where_closer(const InverseDepth& a,
 CellMask OcclusionGrid::cells_occluding(FacetId facet,
                                         const InverseDepth& depth,
                                         CellMask cells) const noexcept {
-    CellMask occluding = 0;
-    const double size = size_of(depth);
-    for_each_cell(cells & occluded_, [&](int cell) {
-        const Occluder& occluder = occluders_[static_cast<std::size_t>(cell)];
-        if (occluder.facet != facet && occludes(occluder, depth, size, cell)) {
-            occluding |= CellMask{1} << cell;
-        }
-    });
-    return occluding;
+    const PlaneOverCells plane = {depth.constant, depth.slope.x, depth.slope.y, size_of(depth)};
+    const CellMask occluding = cells_before(occluders_, grid_, plane, cells & occluded_);
+    return occluding & ~cells_occluded_by(facet, occluding);
 }
 
 bool OcclusionGrid::all_occlude(double inverse_depth, CellMask cells) const noexcept {
@@ -112,7 +102,7 @@ bool OcclusionGrid::all_occlude(double inverse_depth, CellMask cells) const noex
     }
     const double limit = (1.0 + kDepthSlack) * inverse_depth;
     for (; cells != 0; cells &= cells - 1) {
-        if (!(occluders_[static_cast<std::size_t>(std::countr_zero(cells))].lowest > limit)) {
+        if (!(lowest_[static_cast<std::size_t>(std::countr_zero(cells))] > limit)) {
             return false;
         }
     }
@@ -124,7 +114,7 @@ OccluderDepths OcclusionGrid::max_depths() const noexcept {
     OccluderDepths depths;
     for_each_cell(occluded_, [&](int cell) {
         const auto i = static_cast<std::size_t>(cell);
-        const float bound = geometry::round_down(occluders_[i].lowest);
+        const float bound = geometry::round_down(lowest_[i]);
         if (bound > 0.0F) {
             depths.inverse[i] =
                 static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(bound) >> 16);
@@ -139,7 +129,7 @@ bool OcclusionGrid::all_centres_occlude(double inverse_depth, CellMask cells) co
     }
     for (; cells != 0; cells &= cells - 1) {
         const auto cell = static_cast<std::size_t>(std::countr_zero(cells));
-        if (!(occluders_[cell].centre > inverse_depth)) {
+        if (!(occluders_.centre[cell] > inverse_depth)) {
             return false;
         }
     }

@@ -3,6 +3,7 @@
 
 #include "earshot/frustum/internal/coverage_raster.h"
 #include "earshot/frustum/internal/frustum.h"
+#include "earshot/frustum/internal/occlusion_rows.h"
 
 #include <array>
 #include <bit>
@@ -59,31 +60,20 @@ public:
     bool all_centres_occlude(double inverse_depth, CellMask cells) const noexcept;
 
 private:
-    struct Occluder {
-        geometry::FacetId facet = 0;
-        InverseDepth depth;
-        double centre = 0.0;  // inverse depth at the cell's centre
-        double size = 0.0;    // of the coefficients, for their rounding
-        double lowest = 0.0;  // inverse depth in the cell, less what may be rounding
-    };
-
     glm::dvec2 centre_of(int cell) const noexcept {
-        return {centre_u_[static_cast<std::size_t>(cell % kGridSide)],
-                centre_v_[static_cast<std::size_t>(cell / kGridSide)]};
+        return {grid_.centre_u[static_cast<std::size_t>(cell % kGridSide)],
+                grid_.centre_v[static_cast<std::size_t>(cell / kGridSide)]};
     }
     /// From a cell's centre to its corners.
     double max_change(const glm::dvec2& slope) const noexcept {
-        return 0.5 * (std::abs(slope.x) * cell_size_.x + std::abs(slope.y) * cell_size_.y);
+        return std::abs(slope.x) * grid_.half_cell[0] + std::abs(slope.y) * grid_.half_cell[1];
     }
-    bool occludes(const Occluder& occluder,
-                  const InverseDepth& depth,
-                  double size,
-                  int cell) const noexcept;
 
-    std::array<double, kGridSide> centre_u_{}, centre_v_{};  // of the cells of a row and a column
-    glm::dvec2 cell_size_{0.0};
+    CellGrid grid_;
     CellMask occluded_ = 0;
-    std::array<Occluder, 64> occluders_;
+    CellPlanes occluders_;
+    std::array<double, 64> lowest_{};  // inverse depth in the cell, less what may be rounding
+    std::array<geometry::FacetId, 64> facets_{};
 };
 
 /// Calls visit(cell) for every bit of a mask, lowest first.
