@@ -2,7 +2,6 @@
 #include "earshot/frustum/internal/coverage_raster.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace earshot::frustum {
@@ -39,27 +38,21 @@ void CoverageRaster::start(double slack_in_cells, bool only_centres) noexcept {
     has_spilled_ = false;
 }
 
+// As many edges at a time as bytes can count.
 void CoverageRaster::add_loop(std::span<const glm::dvec2> loop) noexcept {
-    const std::array<glm::dvec2, 2> closing = {loop.back(), loop.front()};
-    add_edges_from(closing);
-    add_edges_from(loop);
-}
-
-// Edges from point to point, as many at a time as bytes can count.
-void CoverageRaster::add_edges_from(std::span<const glm::dvec2> points) noexcept {
     constexpr std::size_t kMaxEdges = 255;
     const RasterGrid grid = {.lower = {rect_.lower.x, rect_.lower.y},
                              .scale = {scale_.x, scale_.y},
                              .cells = 1.0 * cells_,
                              .slack = slack_};
-    for (std::size_t begin = 0; begin + 1 < points.size();) {
+    for (std::size_t first = 0; first < loop.size();) {
         if (edges_ == kMaxEdges) {
             spill_winding();
         }
-        const std::size_t count = std::min(points.size() - 1 - begin, kMaxEdges - edges_);
-        add_edges(grid, &points[begin].x, count, only_centres_, rows_);
+        const std::size_t count = std::min(loop.size() - first, kMaxEdges - edges_);
+        add_edges(grid, &loop.front().x, loop.size(), first, count, only_centres_, rows_);
         edges_ += count;
-        begin += count;
+        first += count;
     }
 }
 

@@ -17,14 +17,14 @@ using namespace earshot::HWY_NAMESPACE;
 
 /// From its lower end to its upper one, in cells.
 struct Edge {
-    Edge(const RasterGrid& grid, const double* points) {
+    Edge(const RasterGrid& grid, const double* from, const double* to) {
         const auto in_cells = [&](const double* point, std::size_t k) {
             return (point[k] - grid.lower[k]) * grid.scale[k];
         };
-        ax = in_cells(points, 0);
-        ay = in_cells(points, 1);
-        bx = in_cells(points + 2, 0);
-        by = in_cells(points + 2, 1);
+        ax = in_cells(from, 0);
+        ay = in_cells(from, 1);
+        bx = in_cells(to, 0);
+        by = in_cells(to, 1);
         goes_up = ay < by;
         if (ay > by) {
             std::swap(ax, bx);
@@ -59,7 +59,7 @@ HWY_INLINE Words columns_passed(const RasterGrid& grid, const Edge& edge, const 
         right = min(right, max(x0, x1));
     }
     // The interpolation above may be off by a few units in the last place of the coordinates, which
-    // the callers' slack allows for (kCellSlack in visible_facets.h).
+    // the callers' slack allows for (kCellSlack in frustum.h).
     left = left - slack;
     right = right + slack;
     const Doubles lowest = min(Doubles(edge.ay) - slack, last_cell);
@@ -86,16 +86,22 @@ HWY_INLINE Words crossings(const RasterGrid& grid, const Edge& edge, const Doubl
 }
 
 void add_edges_to(const RasterGrid& grid,
-                  const double* points,
+                  const double* vertices,
+                  std::size_t size,
+                  std::size_t first_edge,
                   std::size_t count,
                   bool only_centres,
                   RasterRows& rows) {
     alignas(64) static constexpr double kRows[RasterRows::kCount] = {0, 1, 2, 3, 4, 5, 6, 7};
-    for (std::size_t i = 0; i < count; ++i) {
-        const Edge edge(grid, points + 2 * i);
+    for (std::size_t i = first_edge; i < first_edge + count; ++i) {
+        const std::size_t next = i + 1 < size ? i + 1 : 0;
+        const Edge edge(grid, vertices + 2 * i, vertices + 2 * next);
         const double slack = grid.slack, side = grid.cells;
         if (!(edge.by >= -slack) || !(edge.ay <= side + slack)) {
             continue;
+        }
+        if (std::min(edge.ax, edge.bx) > side + slack) {
+            continue;  // no centre lies to the right of it
         }
         const bool is_outside = only_centres || !(std::max(edge.ax, edge.bx) >= -slack) ||
                                 !(std::min(edge.ax, edge.bx) <= side + slack);
@@ -125,11 +131,13 @@ namespace earshot::frustum {
 HWY_EXPORT(add_edges_to);
 
 void add_edges(const RasterGrid& grid,
-               const double* points,
+               const double* vertices,
+               std::size_t size,
+               std::size_t first,
                std::size_t count,
                bool only_centres,
                RasterRows& rows) noexcept {
-    HWY_DYNAMIC_DISPATCH(add_edges_to)(grid, points, count, only_centres, rows);
+    HWY_DYNAMIC_DISPATCH(add_edges_to)(grid, vertices, size, first, count, only_centres, rows);
 }
 
 }  // namespace earshot::frustum

@@ -37,84 +37,81 @@ std::span<const Vec3> outline_of(const FacetIndex& index, FacetId facet) noexcep
 
 }  // namespace
 
-/// The half-spaces that facets are clipped to: beyond the facet where the frustum starts, at its
-/// least depth, and the four sides of the grid grown by a margin, all moved outward by the position
-/// error of the polygon's points, metres.
+OutlineView VisibleFacets::outline_view(const Frustum& frustum,
+                                        const CoverageRaster& raster) const noexcept {
+    OutlineView view{};
+    const Vec3* axes[] = {&frustum.right, &frustum.up, &frustum.forward};
+    for (int k = 0; k < 3; ++k) {
+        view.apex[k] = frustum.apex[k];
+        for (int axis = 0; axis < 3; ++axis) {
+            view.axes[axis][k] = (*axes[axis])[k];
+        }
+    }
+    // 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its distance
+    // from the apex: points on the plane stay.
+    if (frustum.starts_at_facet) {
+        view.start_constant = frustum.start.constant;
+        view.start_offset = -1.0;
+        view.start_slack_per_error =
+            1.0 / std::abs(height_above(index_.plane(frustum.facet), frustum.apex));
+    }
+    const glm::dvec2 margin = kClipMargin * raster.cell_size();
+    for (int k = 0; k < 2; ++k) {
+        view.start_slope[k] = frustum.starts_at_facet ? frustum.start.slope[k] : 0.0;
+        view.lower[k] = frustum.rect.lower[k] - margin[k];
+        view.upper[k] = frustum.rect.upper[k] + margin[k];
+    }
+    view.min_depth = frustum.min_depth;
+    return view;
+}
+
+/// The half-spaces of an outline view, for points along its axes.
 struct VisibleFacets::ClipPlanes {
-    static constexpr std::size_t kCount = 6;
-
-    ClipPlanes(const Frustum& the_frustum,
-               const FacetIndex& index,
-               const CoverageRaster& raster,
-               double the_position_error) noexcept
-        : frustum(the_frustum),
+    ClipPlanes(const OutlineView& the_view, double the_position_error) noexcept
+        : view(the_view),
           position_error(the_position_error),
-          start_slack(
-              the_frustum.starts_at_facet
-                  ? the_position_error /
-                        std::abs(height_above(index.plane(the_frustum.facet), the_frustum.apex))
-                  : 0.0),
-          side_error(kProjectionErrorFactor * the_position_error),
-          lower(the_frustum.rect.lower - kClipMargin * raster.cell_size()),
-          upper(the_frustum.rect.upper + kClipMargin * raster.cell_size()) {}
+          start_slack(the_position_error * the_view.start_slack_per_error),
+          side_error(kProjectionErrorFactor * the_position_error) {}
 
-    /// Calls visit(distance) for each plane in turn while it returns true; points inside have a
-    /// distance that is not negative. Returns whether all did.
+    /// Calls visit(distance) for each half-space of a set (bits as in OutlineBounds::crossed) in
+    /// turn while it returns true; points inside have a distance that is not negative. Returns
+    /// whether all did.
     template <typename Visit>
-    bool for_each(Visit&& visit) const {
-        return visit([&](const Vec3& p) { return before_start(p); }) &&
-               visit([&](const Vec3& p) { return p.z - frustum.min_depth + position_error; }) &&
-               visit([&](const Vec3& p) { return p.x - lower.x * p.z + side_error; }) &&
-               visit([&](const Vec3& p) { return upper.x * p.z - p.x + side_error; }) &&
-               visit([&](const Vec3& p) { return p.y - lower.y * p.z + side_error; }) &&
-               visit([&](const Vec3& p) { return upper.y * p.z - p.y + side_error; });
+    bool for_each(std::uint32_t half_spaces, Visit&& visit) const {
+        const auto passes = [&](int k, auto&& distance) {
+            return (half_spaces >> k & 1U) == 0 || visit(distance);
+        };
+        const auto *const lower = view.lower, *const upper = view.upper;
+        return passes(0, [&](const Vec3& p) { return behind_start(p); }) &&
+               passes(1, [&](const Vec3& p) { return p.z - view.min_depth + position_error; }) &&
+               passes(2, [&](const Vec3& p) { return p.x - lower[0] * p.z + side_error; }) &&
+               passes(3, [&](const Vec3& p) { return upper[0] * p.z - p.x + side_error; }) &&
+               passes(4, [&](const Vec3& p) { return p.y - lower[1] * p.z + side_error; }) &&
+               passes(5, [&](const Vec3& p) { return upper[1] * p.z - p.y + side_error; });
     }
 
-    /// 1 - depth * start(u, v) > 0 behind the start plane, up to the positive factor of its
-    /// distance from the apex: points on the plane stay.
-    double before_start(const Vec3& p) const noexcept {
-        const InverseDepth& start = frustum.start;
-        return frustum.starts_at_facet ? start.constant * p.z + start.slope.x * p.x +
-                                             start.slope.y * p.y - 1.0 + start_slack
-                                       : 0.0;
+    double behind_start(const Vec3& p) const noexcept {
+        return view.start_constant * p.z + view.start_slope[0] * p.x + view.start_slope[1] * p.y +
+               view.start_offset + start_slack;
+    }
+    Vec3 local(const Vec3& point) const noexcept {
+        const Vec3 offset = {
+            point.x - view.apex[0], point.y - view.apex[1], point.z - view.apex[2]};
+        const auto along = [&](const double* axis) {
+            return offset.x * axis[0] + offset.y * axis[1] + offset.z * axis[2];
+        };
+        return {along(view.axes[0]), along(view.axes[1]), along(view.axes[2])};
     }
 
-    /// With these half-spaces. Points that are seen without clipping are no closer than twice what
-    /// their errors can move them.
-    OutlineView view() const noexcept {
-        OutlineView view{};
-        view.start_slack = 1.0;
-        const Vec3* axes[] = {&frustum.right, &frustum.up, &frustum.forward};
-        for (int k = 0; k < 3; ++k) {
-            view.apex[k] = frustum.apex[k];
-            for (int axis = 0; axis < 3; ++axis) {
-                view.axes[axis][k] = (*axes[axis])[k];
-            }
-        }
-        if (frustum.starts_at_facet) {
-            view.start_constant = frustum.start.constant;
-            view.start_slack = start_slack;
-        }
-        for (int k = 0; k < 2; ++k) {
-            view.start_slope[k] = frustum.starts_at_facet ? frustum.start.slope[k] : 0.0;
-            view.lower[k] = lower[k];
-            view.upper[k] = upper[k];
-        }
-        view.side_error = side_error;
-        view.min_depth = std::max(frustum.min_depth, 2.0 * side_error);
-        view.clip_depth = frustum.min_depth - position_error;
-        return view;
-    }
-
-    const Frustum& frustum;
+    const OutlineView& view;
     double position_error, start_slack, side_error;
-    glm::dvec2 lower, upper;
 };
 
 // Draws a facet that lies wholly in the half-space of the frustum's depths, as most do, without
 // clipping. If its bounds overlap a few cells only and it is too narrow to cover one, all of these
 // are its outer cells and it has no inner one.
-VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
+VisibleFacets::DrawResult VisibleFacets::draw_whole(const OutlineView& view,
+                                                    const Rect& rect,
                                                     CoverageRaster& raster,
                                                     FacetId facet,
                                                     double position_error,
@@ -126,7 +123,9 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
     const bool are_few = vertices.size() < four.size();
     outline_.resize(std::max(vertices.size(), four.size()));
     OutlineBounds seen;
-    switch (view_outline(ClipPlanes(frustum, index_, raster, position_error).view(),
+    switch (view_outline(view,
+                         position_error,
+                         kProjectionErrorFactor,
                          are_few ? &four.front().x : &vertices.front().x,
                          outline_.size(),
                          &outline_.front().x,
@@ -134,6 +133,7 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
         case OutlineSeen::not_at_all:
             return DrawResult::outside;
         case OutlineSeen::partly:
+            out.crossed = seen.crossed;
             return DrawResult::needs_clipping;
         case OutlineSeen::whole:
             break;
@@ -162,8 +162,9 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
     }
     // Farther outside, the rounding of where an edge enters the grid would matter.
     const glm::dvec2 far = kMaxOutside * cell;
-    if (glm::any(glm::lessThan(lower, frustum.rect.lower - far)) ||
-        glm::any(glm::greaterThan(upper, frustum.rect.upper + far))) {
+    if (glm::any(glm::lessThan(lower, rect.lower - far)) ||
+        glm::any(glm::greaterThan(upper, rect.upper + far))) {
+        out.crossed = kAllHalfSpaces;
         return DrawResult::needs_clipping;
     }
     raster.start(slack, centres_only);
@@ -178,13 +179,14 @@ VisibleFacets::DrawResult VisibleFacets::draw_whole(const Frustum& frustum,
 
 // Draws a facet in perspective from the frustum's apex, beyond the facet where the frustum starts.
 // Returns false if nothing of it is inside or, with `centres_only`, no centre of a cell.
-bool VisibleFacets::draw(const Frustum& frustum,
+bool VisibleFacets::draw(const OutlineView& view,
+                         const Rect& rect,
                          CoverageRaster& raster,
                          FacetId facet,
                          bool centres_only,
                          Projected& out) {
     const double position_error = position_error_ + index_.flatness(facet);
-    switch (draw_whole(frustum, raster, facet, position_error, centres_only, out)) {
+    switch (draw_whole(view, rect, raster, facet, position_error, centres_only, out)) {
         case DrawResult::outside:
             return false;
         case DrawResult::done:
@@ -192,21 +194,22 @@ bool VisibleFacets::draw(const Frustum& frustum,
         case DrawResult::needs_clipping:
             break;
     }
-    return draw_clipped(frustum, raster, facet, position_error, centres_only, out);
+    return draw_clipped(view, rect, raster, facet, position_error, centres_only, out);
 }
 
-bool VisibleFacets::draw_clipped(const Frustum& frustum,
+bool VisibleFacets::draw_clipped(const OutlineView& view,
+                                 const Rect& rect,
                                  CoverageRaster& raster,
                                  FacetId facet,
                                  double position_error,
                                  bool centres_only,
                                  Projected& out) {
+    const ClipPlanes planes(view, position_error);
     const auto vertices = outline_of(index_, facet);
     local_.resize(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-        local_[i] = frustum.local(vertices[i]);
+        local_[i] = planes.local(vertices[i]);
     }
-    const ClipPlanes planes(frustum, index_, raster, position_error);
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto loops = index_.loops(facet);
     out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};
@@ -222,7 +225,11 @@ bool VisibleFacets::draw_clipped(const Frustum& frustum,
     for (std::size_t i = 0; i < loops.size(); ++i) {
         const auto first = local_.begin() + (loops[i].begin - loops.front().begin);
         polygon_.assign(first, first + (loops[i].end - loops[i].begin));
-        if (clip(planes)) {
+        // What is clipped to the depths seldom extends so far beside the grid that it needs more.
+        const bool is_seen =
+            clip(planes, out.crossed & kDepthHalfSpaces) &&
+            (is_near(planes, rect, raster) || clip(planes, out.crossed & ~kDepthHalfSpaces));
+        if (is_seen) {
             for (const Vec3& p : polygon_) {
                 min_depth = std::min(min_depth, p.z);
                 outline_.emplace_back(p.x / p.z, p.y / p.z);
@@ -238,13 +245,16 @@ bool VisibleFacets::draw_clipped(const Frustum& frustum,
     const glm::dvec2 cell = raster.cell_size();
     if (min_depth < kProjectionErrorFactor * position_error) {
         // Closer to the apex than its position error: it may be visible in any direction.
-        const CellMask all = raster.cells_overlapping(frustum.rect, 0.0);
+        const CellMask all = raster.cells_overlapping(rect, 0.0);
         out.coverage = {.outer = all, .inner = 0, .centre_sampled = all};
-        out.bounds = {.lower = frustum.rect.lower - cell, .upper = frustum.rect.upper + cell};
+        out.bounds = {.lower = rect.lower - cell, .upper = rect.upper + cell};
         return true;
     }
     const double slack_uv = kProjectionErrorFactor * position_error / min_depth;
     const double slack = kCellSlack + slack_uv / std::min(cell.x, cell.y);
+    if (raster.cells_overlapping(out.bounds, slack) == 0) {
+        return false;
+    }
     raster.start(slack, centres_only);
     std::size_t begin = 0;
     for (std::size_t i = 0; i < loops.size(); ++i) {
@@ -259,19 +269,22 @@ bool VisibleFacets::draw_clipped(const Frustum& frustum,
     return true;
 }
 
+// Whether the polygon need not be clipped to the sides: see kMaxOutside, and errors hardly move
+// directions to it.
+bool VisibleFacets::is_near(const ClipPlanes& planes,
+                            const Rect& rect,
+                            const CoverageRaster& raster) const noexcept {
+    const glm::dvec2 far = kMaxOutside * raster.cell_size();
+    const glm::dvec2 lower = rect.lower - far, upper = rect.upper + far;
+    return std::all_of(polygon_.begin(), polygon_.end(), [&](const Vec3& p) {
+        return p.z >= 2.0 * planes.side_error && p.x >= lower.x * p.z && p.x <= upper.x * p.z &&
+               p.y >= lower.y * p.z && p.y <= upper.y * p.z;
+    });
+}
+
 // Sutherland and Hodgman 1974.
-bool VisibleFacets::clip(const ClipPlanes& planes) {
-    const auto keep = [&](auto&& inside_distance) {
-        bool all = true;
-        bool any = false;
-        for (const Vec3& p : polygon_) {
-            const bool inside = inside_distance(p) >= 0.0;
-            all = all && inside;
-            any = any || inside;
-        }
-        if (all || !any) {
-            return any;
-        }
+bool VisibleFacets::clip(const ClipPlanes& planes, std::uint32_t half_spaces) {
+    return planes.for_each(half_spaces, [&](auto&& inside_distance) {
         clipped_.clear();
         Vec3 previous = polygon_.back();
         double before = inside_distance(previous);
@@ -287,9 +300,8 @@ bool VisibleFacets::clip(const ClipPlanes& planes) {
             before = here;
         }
         std::swap(polygon_, clipped_);
-        return true;
-    };
-    return planes.for_each(keep);
+        return !polygon_.empty();
+    });
 }
 
 }  // namespace earshot::frustum

@@ -3,6 +3,7 @@
 
 #include "earshot/frustum/internal/frustum.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -111,7 +112,10 @@ FacetTree::FacetTree(const bvh::Tree& tree, std::span<const Aabb> boxes) {
     }
 }
 
-FrustumBoxTest::FrustumBoxTest(const Frustum& frustum, const HalfSpaces& half_spaces) noexcept {
+FrustumBoxTest::FrustumBoxTest(const Frustum& frustum,
+                               const HalfSpaces& half_spaces,
+                               double position_error) noexcept
+    : grid_side(frustum.cells), slack(kCellSlack) {
     for (std::size_t i = 0; i < kHalfSpaces; ++i) {
         for (std::size_t k = 0; k < 3; ++k) {
             normal[i][k] = half_spaces.positive[k][i] + half_spaces.negative[k][i];
@@ -127,6 +131,12 @@ FrustumBoxTest::FrustumBoxTest(const Frustum& frustum, const HalfSpaces& half_sp
             abs_axes[axis][k] = std::abs(axes[axis][k]);
         }
     }
+    for (int k = 0; k < 2; ++k) {
+        grid_lower[k] = frustum.rect.lower[k];
+        cells_per_unit[k] = grid_side / (frustum.rect.upper[k] - frustum.rect.lower[k]);
+    }
+    slack_by_depth =
+        kProjectionErrorFactor * position_error * std::max(cells_per_unit[0], cells_per_unit[1]);
 }
 
 }  // namespace earshot::frustum

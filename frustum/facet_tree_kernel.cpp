@@ -5,7 +5,7 @@
 #define HWY_TARGET_INCLUDE "earshot/frustum/facet_tree_kernel.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, which includes this file again for every instruction set.
-#include "earshot/base/simd/lanes-inl.h"
+#include "earshot/base/simd/word_lanes-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace earshot::frustum::HWY_NAMESPACE {
@@ -27,6 +27,37 @@ HWY_INLINE std::uint32_t bits_outside(const FrustumBoxTest& test,
         outside = outside | (farthest_corner(i) < Doubles(test.offset[i]));
     }
     return bits(outside);
+}
+
+/// The first and the last column (axis 0) or row of the grid that an interval of u or v overlaps.
+struct CellRange {
+    CellRange(const FrustumBoxTest& test,
+              std::size_t axis,
+              const Doubles& lower,
+              const Doubles& upper,
+              const Doubles& slack) {
+        const Doubles scale(test.cells_per_unit[axis]), begin(test.grid_lower[axis]);
+        const Doubles zero(0.0), side(test.grid_side), last_cell(test.grid_side - 1.0);
+        const Doubles from = (lower - begin) * scale - slack;
+        const Doubles to = (upper - begin) * scale + slack;
+        overlaps = (zero <= to) & (from <= side);
+        first = whole_part(min(max(zero, from), last_cell));
+        last = whole_part(min(max(zero, to), last_cell));
+    }
+
+    Doubles::Mask overlaps;
+    Words first, last;
+};
+
+/// Bit 8 * row + column of the cells in ranges of columns and rows.
+HWY_INLINE Words cells_in(const CellRange& columns, const CellRange& rows) {
+    const Words one(1), two(2), three(3), seven(7);
+    Words row = (two << columns.last) - (one << columns.first);
+    row = row | (row << Words(8));
+    row = row | (row << Words(16));
+    row = row | (row << Words(32));
+    const Words in_rows = (two << ((rows.last << three) + seven)) - (one << (rows.first << three));
+    return masked(columns.overlaps & rows.overlaps, row & in_rows);
 }
 
 HWY_INLINE void project(const FrustumBoxTest& test,
@@ -56,12 +87,18 @@ HWY_INLINE void project(const FrustumBoxTest& test,
     const Doubles one(1.0), zero(0.0);
     const Doubles near_scale = one / min_depth;
     const Doubles far_scale = one / (centre[2] + reach[2]);
+    Doubles lower[2], upper[2];
     for (std::size_t k = 0; k < 2; ++k) {
         const Doubles low = centre[k] - reach[k];
         const Doubles high = centre[k] + reach[k];
-        (low * select(low < zero, near_scale, far_scale)).store(projected.lower[k] + first);
-        (high * select(high < zero, far_scale, near_scale)).store(projected.upper[k] + first);
+        lower[k] = low * select(low < zero, near_scale, far_scale);
+        upper[k] = high * select(high < zero, far_scale, near_scale);
+        lower[k].store(projected.lower[k] + first);
+        upper[k].store(projected.upper[k] + first);
     }
+    const Doubles slack = Doubles(test.slack) + Doubles(test.slack_by_depth) * near_scale;
+    cells_in({test, 0, lower[0], upper[0], slack}, {test, 1, lower[1], upper[1], slack})
+        .store(projected.cells + first);
 }
 
 std::uint32_t project_children(const FrustumBoxTest& test,

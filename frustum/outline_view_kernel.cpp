@@ -26,53 +26,68 @@ HWY_INLINE FourPoints local_points(const OutlineView& view, const double* vertic
     return {along(view.axes[0]), along(view.axes[1]), along(view.axes[2])};
 }
 
-HWY_INLINE Double4 distance_behind_start(const OutlineView& view, const FourPoints& p) {
-    return Double4(view.start_constant) * p.z + Double4(view.start_slope[0]) * p.x +
-           Double4(view.start_slope[1]) * p.y - Double4(1.0) + Double4(view.start_slack);
-}
+/// The half-spaces with the errors of the points.
+struct HalfSpaceDistances {
+    HalfSpaceDistances(const OutlineView& the_view, double position_error, double error_factor)
+        : view(the_view),
+          start_slack(the_view.start_slack_per_error * position_error),
+          clip_depth(the_view.min_depth - position_error),
+          side_error(error_factor * position_error) {}
 
-/// Bit k: one of four points is in half-space k.
-HWY_INLINE std::uint32_t half_spaces_met(const OutlineView& view, const FourPoints& p) {
-    const Double4 zero(0.0), error(view.side_error);
-    const auto met = [&](const Double4& distance, int k) {
-        return static_cast<std::uint32_t>(any(zero <= distance)) << k;
-    };
-    return met(distance_behind_start(view, p), 0) | met(p.z - Double4(view.clip_depth), 1) |
-           met(p.x - Double4(view.lower[0]) * p.z + error, 2) |
-           met(Double4(view.upper[0]) * p.z - p.x + error, 3) |
-           met(p.y - Double4(view.lower[1]) * p.z + error, 4) |
-           met(Double4(view.upper[1]) * p.z - p.y + error, 5);
-}
-
-/// Four vertices at a time, the last four again where their number is no multiple of four.
-template <typename Visit>
-HWY_INLINE void for_each_four(std::size_t count, Visit&& visit) {
-    for (std::size_t i = 0; i < count; i += 4) {
-        visit(std::min(i, count - 4));
+    HWY_INLINE Double4 behind_start(const FourPoints& p) const {
+        return Double4(view.start_constant) * p.z + Double4(view.start_slope[0]) * p.x +
+               Double4(view.start_slope[1]) * p.y + Double4(view.start_offset) +
+               Double4(start_slack);
     }
-}
+
+    /// Calls visit(distance, k) for each; points inside have a distance that is not negative.
+    template <typename Visit>
+    HWY_INLINE void for_each(const FourPoints& p, Visit&& visit) const {
+        const Double4 error(side_error);
+        visit(behind_start(p), 0);
+        visit(p.z - Double4(clip_depth), 1);
+        visit(p.x - Double4(view.lower[0]) * p.z + error, 2);
+        visit(Double4(view.upper[0]) * p.z - p.x + error, 3);
+        visit(p.y - Double4(view.lower[1]) * p.z + error, 4);
+        visit(Double4(view.upper[1]) * p.z - p.y + error, 5);
+    }
+
+    const OutlineView& view;
+    double start_slack, clip_depth, side_error;
+};
 
 OutlineSeen seen_from_apex(const OutlineView& view,
+                           double position_error,
+                           double error_factor,
                            const double* vertices,
                            std::size_t count,
                            double* uv,
                            OutlineBounds& bounds) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    constexpr std::uint32_t kAll = 0x3f;
     constexpr std::uint32_t kFour = 0xf;
+    const HalfSpaceDistances half_spaces(view, position_error, error_factor);
+    const Double4 zero(0.0);
+    const Double4 min_z(std::max(view.min_depth, 2.0 * half_spaces.side_error));
     Double4 lower_u(kInfinity), lower_v(kInfinity), min_depth(kInfinity);
     Double4 upper_u(-kInfinity), upper_v(-kInfinity);
     bool is_whole = true;
-    std::uint32_t met = 0;
-    for_each_four(count, [&](std::size_t i) {
+    std::uint32_t met = 0, crossed = 0;
+    // Four vertices at a time, the last four again where their number is no multiple of four.
+    for (std::size_t next = 0; next < count; next += 4) {
+        const std::size_t i = std::min(next, count - 4);
         const FourPoints p = local_points(view, vertices + 3 * i);
-        is_whole = is_whole && bits((Double4(view.min_depth) <= p.z) &
-                                    (Double4(0.0) <= distance_behind_start(view, p))) == kFour;
+        is_whole =
+            is_whole && bits((min_z <= p.z) & (zero <= half_spaces.behind_start(p))) == kFour;
         if (!is_whole) {
-            met |= half_spaces_met(view, p);
-            return;
+            half_spaces.for_each(p, [&](const Double4& distance, int k) {
+                const std::uint32_t inside = bits(zero <= distance);
+                met |= static_cast<std::uint32_t>(inside != 0) << k;
+                crossed |= static_cast<std::uint32_t>(inside != kFour) << k;
+            });
+            continue;
         }
-        met = kAll;  // nearly so: whether vertices lie beside the sides is left to clipping
+        met = crossed =
+            kAllHalfSpaces;  // where vertices before one that is not seen lie is left to clipping
         const Double4 inverse = Double4(1.0) / p.z;
         const Double4 u = p.x * inverse, v = p.y * inverse;
         store_pairs(u, v, uv + 2 * i);
@@ -81,9 +96,10 @@ OutlineSeen seen_from_apex(const OutlineView& view,
         lower_v = min(lower_v, v);
         upper_v = max(upper_v, v);
         min_depth = min(min_depth, p.z);
-    });
+    }
     if (!is_whole) {
-        return met == kAll ? OutlineSeen::partly : OutlineSeen::not_at_all;
+        bounds.crossed = crossed;
+        return met == kAllHalfSpaces ? OutlineSeen::partly : OutlineSeen::not_at_all;
     }
     bounds = {.lower = {reduce_min(lower_u), reduce_min(lower_v)},
               .upper = {reduce_max(upper_u), reduce_max(upper_v)},
@@ -100,11 +116,14 @@ namespace earshot::frustum {
 HWY_EXPORT(seen_from_apex);
 
 OutlineSeen view_outline(const OutlineView& view,
+                         double position_error,
+                         double error_factor,
                          const double* vertices,
                          std::size_t count,
                          double* uv,
                          OutlineBounds& bounds) noexcept {
-    return HWY_DYNAMIC_DISPATCH(seen_from_apex)(view, vertices, count, uv, bounds);
+    return HWY_DYNAMIC_DISPATCH(seen_from_apex)(
+        view, position_error, error_factor, vertices, count, uv, bounds);
 }
 
 }  // namespace earshot::frustum

@@ -86,6 +86,7 @@ void VisibleFacets::set_frustum(const Frustum& frustum) {
     raster_ = CoverageRaster(frustum.rect, frustum.cells);
     occlusion_.reset(frustum.rect.lower + 0.5 * raster_.cell_size(), raster_.cell_size());
     position_error_ = kRounding * (index_.extent() + max_radius_ + glm::length(frustum.apex));
+    outline_view_ = outline_view(frustum_, raster_);
     candidates_.clear();
     visible_facets_.clear();
 }
@@ -136,7 +137,7 @@ void VisibleFacets::visit_nodes() {
     if (nodes.empty()) {
         return;
     }
-    const FrustumBoxTest test(frustum_, box_cull().half_spaces());
+    const FrustumBoxTest test(frustum_, box_cull().half_spaces(), position_error_);
     stack_.assign(1, {.cells = frustum_.active});
     while (!stack_.empty()) {
         const Seen top = stack_.back();
@@ -162,12 +163,8 @@ void VisibleFacets::push_children(const FrustumBoxTest& test, const FacetNode& n
                      .centre_depth = boxes.centre_depth[i],
                      .cells = frustum_.active};
         if (boxes.min_depth[i] > frustum_.min_depth) {
-            const Rect bounds = {.lower = {boxes.lower[0][i], boxes.lower[1][i]},
-                                 .upper = {boxes.upper[0][i], boxes.upper[1][i]}};
             seen.min_depth = boxes.min_depth[i];
-            seen.cells = mode_ == Mode::sampled
-                             ? raster_.cells_with_centre_in(bounds) & frustum_.active
-                             : cells_overlapping(bounds, seen.min_depth);
+            seen.cells &= mode_ == Mode::sampled ? cells_with_centre_in(boxes, i) : boxes.cells[i];
         }
         if (seen.cells == 0) {
             continue;
@@ -179,6 +176,12 @@ void VisibleFacets::push_children(const FrustumBoxTest& test, const FacetNode& n
         }
         stack_[place] = seen;
     }
+}
+
+CellMask VisibleFacets::cells_with_centre_in(const ChildBounds& boxes,
+                                             std::size_t i) const noexcept {
+    return raster_.cells_with_centre_in({.lower = {boxes.lower[0][i], boxes.lower[1][i]},
+                                         .upper = {boxes.upper[0][i], boxes.upper[1][i]}});
 }
 
 // Whether every sub-frustum that a box may overlap has an occluder in front of the box's closest
@@ -204,7 +207,7 @@ void VisibleFacets::visit_facet(FacetId facet) {
         return;
     }
     Projected projected;
-    if (!draw(frustum_, raster_, facet, mode_ == Mode::sampled, projected)) {
+    if (!draw(outline_view_, frustum_.rect, raster_, facet, mode_ == Mode::sampled, projected)) {
         return;
     }
     const InverseDepth depth = frustum_.inverse_depth(plane, height);
@@ -408,7 +411,9 @@ Frustum VisibleFacets::reflect(const VisibleFacet& visible) {
     // Draw the facet itself in the parent: (u, v) is the same in the parent and the child.
     Frustum aperture = frustum_;
     aperture.rect = child.rect;
-    child.active = draw(aperture, raster, visible.facet, false, own) ? own.coverage.outer : 0;
+    const OutlineView view = outline_view(aperture, raster);
+    const bool is_seen = draw(view, aperture.rect, raster, visible.facet, false, own);
+    child.active = is_seen ? own.coverage.outer : 0;
     const glm::dvec2 size = raster_.cell_size();
     const double slack = kCellSlack + kApertureSlack / std::min(size.x, size.y);
     child.active &= raster.cells_overlapping_grid(raster_, visible.cells, slack);

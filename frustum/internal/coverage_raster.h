@@ -94,7 +94,6 @@ private:
         }
         return {.first = clamp_cell(from, cells_), .last = clamp_cell(to, cells_)};
     }
-    void add_edges_from(std::span<const glm::dvec2> points) noexcept;
     void spill_winding() noexcept;
     static CellMask row_range(const Range& rows) noexcept {
         return (kAllCells >> (kGridSide * (kGridSide - 1 - rows.last))) &

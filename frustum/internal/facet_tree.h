@@ -44,8 +44,11 @@ private:
 
 /// A frustum, as the boxes of a node's children are compared with it.
 struct FrustumBoxTest {
-    /// `half_spaces`: of the frustum's BoxCull; the first five count.
-    FrustumBoxTest(const Frustum& frustum, const HalfSpaces& half_spaces) noexcept;
+    /// `half_spaces`: of the frustum's BoxCull; the first five count. `position_error`: of points
+    /// along the frustum's axes, metres.
+    FrustumBoxTest(const Frustum& frustum,
+                   const HalfSpaces& half_spaces,
+                   double position_error) noexcept;
 
     static constexpr std::size_t kHalfSpaces = 5;
 
@@ -53,15 +56,19 @@ struct FrustumBoxTest {
     double offset[kHalfSpaces];
     std::size_t farthest[kHalfSpaces][3];  ///< where the sides along a normal lie in a FacetNode
     double apex[3];
-    double axes[3][3], abs_axes[3][3];  ///< right, up, forward
+    double axes[3][3], abs_axes[3][3];        ///< right, up, forward
+    double grid_lower[2], cells_per_unit[2];  ///< of u and v
+    double grid_side;                         ///< in cells
+    double slack, slack_by_depth;             ///< in cells; the second at a depth of 1 m
 };
 
 /// What the boxes of a node's children span along a frustum's axes, relative to its apex.
 struct alignas(64) ChildBounds {
     static constexpr std::size_t kWidth = FacetNode::kWidth;
     double centre_depth[kWidth], min_depth[kWidth];  ///< along `forward`, metres
-    /// Bounds of u and v of all points; of boxes whose least depth is positive.
+    // Of boxes whose least depth is positive, bounds of u and v of all points:
     double lower[2][kWidth], upper[2][kWidth];
+    std::uint64_t cells[kWidth];  ///< that these bounds, grown by the slack, overlap
 };
 
 /// Bits of the children whose boxes lie in no half-space wholly outside. The boxes of these are

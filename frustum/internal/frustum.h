@@ -45,6 +45,15 @@ struct InverseDepth {
     friend bool operator==(const InverseDepth&, const InverseDepth&) = default;
 };
 
+/// Slack for the rounding of (u, v), in cells, in addition to the slack that depends on a polygon's
+/// depth.
+inline constexpr double kCellSlack = 0x1p-30;
+
+/// A bound of the error of u (or v) times depth, in metres per metre of position error. The error
+/// is at most 1 + |u|, and |u| <= 1 in the grid. The factor is twice that, because outlines are
+/// moved along a coordinate axis, by up to sqrt(3) times their distance from the plane.
+inline constexpr double kProjectionErrorFactor = 4.0;
+
 /// A beam: a four-sided pyramid with its apex in a source or an image source, truncated at the
 /// facet that it was last mirrored in. Directions are w + u * right + v * up with (u, v) in `rect`,
 /// divided into cells x cells sub-frusta of which those in `active` are traced.

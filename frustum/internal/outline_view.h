@@ -4,37 +4,48 @@
 #include "earshot/base/floating_point.h"
 
 #include <cstddef>
+#include <cstdint>
 
 namespace earshot::frustum {
 
-/// How the vertices of a facet's outline are seen from a frustum's apex, and the half-spaces of
-/// VisibleFacets::ClipPlanes.
+/// A frustum's half-spaces, to which facets are clipped: beyond where it starts, at its least
+/// depth, and four sides. All are moved outward by the position error of the points.
 struct OutlineView {
     double apex[3];
     double axes[3][3];                      ///< right, up, forward
     double start_constant, start_slope[2];  ///< inverse depth of where the frustum starts
-    double start_slack;                     ///< 1 where it does not start at a facet
-    double min_depth;                       ///< of points that are seen without clipping, metres
-    double clip_depth;                      ///< of points that clipping leaves, metres
-    double lower[2], upper[2], side_error;  ///< the sides, and how far outward they are moved
+    double start_offset;                    ///< -1; 0: it does not start at a facet
+    double start_slack_per_error;           ///< per metre
+    double min_depth;                       ///< metres
+    double lower[2], upper[2];              ///< the sides
 };
 
+inline constexpr std::size_t kHalfSpaces = 6;
+inline constexpr std::uint32_t kAllHalfSpaces = (1U << kHalfSpaces) - 1;
+inline constexpr std::uint32_t kDepthHalfSpaces = 3;  ///< bits of the first two
+
 enum class OutlineSeen {
-    whole,   ///< no vertex lies before the start or closer than min_depth
+    whole,   ///< beyond the start, and so deep that errors hardly move directions
     partly,  ///< to be clipped
     not_at_all,
 };
 
-/// Of an outline that is seen whole.
+/// What of an outline is seen.
 struct OutlineBounds {
+    // Seen whole:
     double lower[2], upper[2];  ///< of u and v
     double min_depth = 0.0;     ///< metres
+    // Seen partly:
+    std::uint32_t crossed = 0;  ///< bit k: vertices may lie outside half-space k
 };
 
 /// Projects `count` vertices, at least four, each three numbers: writes u and v of each to `uv` and
-/// what they span to `bounds`. Both have a meaning only if the outline is seen whole. The same bits
-/// on every instruction set.
+/// what they span to `bounds`, if the outline is seen whole. `position_error`: of the vertices,
+/// metres. `error_factor`: of u times depth, per metre of it. The same bits on every instruction
+/// set.
 OutlineSeen view_outline(const OutlineView& view,
+                         double position_error,
+                         double error_factor,
                          const double* vertices,
                          std::size_t count,
                          double* uv,

@@ -25,12 +25,14 @@ struct RasterGrid {
     double slack;  ///< in cells
 };
 
-/// Marks every cell within slack of the edges from point to point, `count` of them, and counts each
-/// edge for every cell centre to the right of where it crosses the centre's row. `points`: pairs,
-/// count + 1 of them. `only_centres`: the boundary is not wanted. Precondition: count is at most
-/// what bytes can still count. The same bits on every instruction set.
+/// Marks every cell within slack of `count` edges of a closed loop, from that of vertex `first` to
+/// the next one on, and counts each edge for every cell centre to the right of where it crosses the
+/// centre's row. `vertices`: pairs, `size` of them. `only_centres`: the boundary is not wanted.
+/// Precondition: bytes can count so many edges more. The same bits on every instruction set.
 void add_edges(const RasterGrid& grid,
-               const double* points,
+               const double* vertices,
+               std::size_t size,
+               std::size_t first,
                std::size_t count,
                bool only_centres,
                RasterRows& rows) noexcept;

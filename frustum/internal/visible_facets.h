@@ -6,6 +6,7 @@
 #include "earshot/frustum/internal/facet_tree.h"
 #include "earshot/frustum/internal/frustum.h"
 #include "earshot/frustum/internal/occlusion_grid.h"
+#include "earshot/frustum/internal/outline_view.h"
 #include "earshot/frustum/paths.h"
 
 #include <optional>
@@ -13,15 +14,6 @@
 #include <vector>
 
 namespace earshot::frustum {
-
-/// Slack for the rounding of (u, v), in cells, in addition to the slack that depends on a polygon's
-/// depth.
-inline constexpr double kCellSlack = 0x1p-30;
-
-/// A bound of the error of u (or v) times depth, in metres per metre of position error. The error
-/// is at most 1 + |u|, and |u| <= 1 in the grid. The factor is twice that, because outlines are
-/// moved along a coordinate axis, by up to sqrt(3) times their distance from the plane.
-inline constexpr double kProjectionErrorFactor = 4.0;
 
 /// A facet that may be visible in a frustum.
 struct VisibleFacet {
@@ -117,7 +109,8 @@ public:
 private:
     struct Projected {
         Coverage coverage;
-        Rect bounds;  // of the drawn polygon, grown by its slack
+        Rect bounds;                // of the drawn polygon, grown by its slack
+        std::uint32_t crossed = 0;  // if it needs clipping: OutlineBounds::crossed
     };
     struct Candidate {
         geometry::FacetId facet = 0;
@@ -136,28 +129,36 @@ private:
 
     void visit_nodes();
     void push_children(const FrustumBoxTest& test, const FacetNode& node);
+    CellMask cells_with_centre_in(const ChildBounds& boxes, std::size_t i) const noexcept;
     bool is_occluded(const Seen& seen) const noexcept;
     void visit_facet(geometry::FacetId facet);
-    bool draw(const Frustum& frustum,
+    OutlineView outline_view(const Frustum& frustum, const CoverageRaster& raster) const noexcept;
+    bool draw(const OutlineView& view,
+              const Rect& rect,
               CoverageRaster& raster,
               geometry::FacetId facet,
               bool centres_only,
               Projected& out);
     enum class DrawResult { outside, done, needs_clipping };
-    DrawResult draw_whole(const Frustum& frustum,
+    DrawResult draw_whole(const OutlineView& view,
+                          const Rect& rect,
                           CoverageRaster& raster,
                           geometry::FacetId facet,
                           double position_error,
                           bool centres_only,
                           Projected& out);
-    bool draw_clipped(const Frustum& frustum,
+    bool draw_clipped(const OutlineView& view,
+                      const Rect& rect,
                       CoverageRaster& raster,
                       geometry::FacetId facet,
                       double position_error,
                       bool centres_only,
                       Projected& out);
     struct ClipPlanes;
-    bool clip(const ClipPlanes& planes);
+    bool clip(const ClipPlanes& planes, std::uint32_t half_spaces);
+    bool is_near(const ClipPlanes& planes,
+                 const Rect& rect,
+                 const CoverageRaster& raster) const noexcept;
     void add_occluder(geometry::FacetId facet,
                       double height,
                       const InverseDepth& depth,
@@ -182,6 +183,7 @@ private:
 
     Frustum frustum_;
     CoverageRaster raster_;
+    OutlineView outline_view_{};  // of both
     OcclusionGrid occlusion_;
     double position_error_ = 0.0;     // metres, of constructed points: rounding
     InverseDepth start_depth_limit_;  // an occluder must lie beyond it

@@ -102,11 +102,12 @@ TEST(FacetTree, EveryFacetIsInOneSlotAndBoxesHoldWhatIsBelow) {
 }
 
 TEST(FacetTree, BoxesWithAPointOfTheFrustumAreKeptAndTheirPointsLieInTheBounds) {
-    std::size_t culled = 0, bounded = 0;
+    std::size_t culled = 0, bounded = 0, in_cells = 0;
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
         const MirroredFrustum mirrored(seed);
         const Frustum& frustum = mirrored.frustum;
-        const FrustumBoxTest test(frustum, BoxCull(frustum, &mirrored.plane, 1e-12).half_spaces());
+        const FrustumBoxTest test(
+            frustum, BoxCull(frustum, &mirrored.plane, 1e-12).half_spaces(), 1e-12);
         FacetNode node;
         for (std::size_t slot = 0; slot < kWidth - seed % 3; ++slot) {
             const Vec3 corner = frustum.apex + random_point(seed, 30 + slot, 5.0);
@@ -142,6 +143,15 @@ TEST(FacetTree, BoxesWithAPointOfTheFrustumAreKeptAndTheirPointsLieInTheBounds) 
                             EXPECT_GE(uv[k], bounds.lower[k][slot] - 1e-9) << "seed " << seed;
                             EXPECT_LE(uv[k], bounds.upper[k][slot] + 1e-9) << "seed " << seed;
                         }
+                        const glm::dvec2 cell =
+                            1.0 * frustum.cells * (uv - rect.lower) / (rect.upper - rect.lower);
+                        if (cell.x > 0.0 && cell.x < frustum.cells && cell.y > 0.0 &&
+                            cell.y < frustum.cells) {
+                            const int bit =
+                                kGridSide * static_cast<int>(cell.y) + static_cast<int>(cell.x);
+                            ++in_cells;
+                            EXPECT_EQ(bounds.cells[slot] >> bit & 1U, 1U) << "seed " << seed;
+                        }
                     }
                 }
             }
@@ -150,6 +160,7 @@ TEST(FacetTree, BoxesWithAPointOfTheFrustumAreKeptAndTheirPointsLieInTheBounds) 
     override_simd_target("auto");
     EXPECT_GT(culled, 5000U);
     EXPECT_GT(bounded, 50000U);
+    EXPECT_GT(in_cells, 5000U);
 }
 
 // Points in the sides of a frustum, which rounding puts on either side of them.
@@ -174,7 +185,9 @@ TEST(FacetTree, TheMarginKeepsWhatRoundingMovesOutside) {
         ChildBounds bounds;
         const auto kept = [&](double margin) {
             return project_boxes(
-                {frustum, BoxCull(frustum, &mirrored.plane, margin).half_spaces()}, node, bounds);
+                {frustum, BoxCull(frustum, &mirrored.plane, margin).half_spaces(), margin},
+                node,
+                bounds);
         };
         std::uint32_t behind = 0;  // the facet where the frustum starts
         for (std::size_t slot = 0; slot < kWidth; ++slot) {
