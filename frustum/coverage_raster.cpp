@@ -88,6 +88,9 @@ Coverage CoverageRaster::finish() noexcept {
         constexpr std::uint64_t kOnes = 0x0101010101010101;
         const std::uint64_t columns = (std::uint64_t{1} << cells_) - 1;
         for (int row = 0; row < cells_; ++row) {
+            if ((rows_.up[row] | rows_.down[row]) == 0) {
+                continue;
+            }
             const std::uint64_t differ = (rows_.up[row] * kOnes) ^ (rows_.down[row] * kOnes);
             inside |= (bytes_set(differ) & columns) << (8 * row);
         }

@@ -205,11 +205,6 @@ bool VisibleFacets::draw_clipped(const OutlineView& view,
                                  bool centres_only,
                                  Projected& out) {
     const ClipPlanes planes(view, position_error);
-    const auto vertices = outline_of(index_, facet);
-    local_.resize(vertices.size());
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        local_[i] = planes.local(vertices[i]);
-    }
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const auto loops = index_.loops(facet);
     out.bounds = {.lower = glm::dvec2(kInfinity), .upper = glm::dvec2(-kInfinity)};
@@ -223,21 +218,23 @@ bool VisibleFacets::draw_clipped(const OutlineView& view,
     const std::span<std::size_t> ends =
         many_ends.empty() ? std::span(few_ends) : std::span(many_ends);
     for (std::size_t i = 0; i < loops.size(); ++i) {
-        const auto first = local_.begin() + (loops[i].begin - loops.front().begin);
-        polygon_.assign(first, first + (loops[i].end - loops[i].begin));
+        const auto vertices =
+            index_.vertices().subspan(loops[i].begin, loops[i].end - loops[i].begin);
         // What is clipped to the depths seldom extends so far beside the grid that it needs more.
-        const bool is_seen =
-            clip(planes, out.crossed & kDepthHalfSpaces) &&
-            (is_near(planes, rect, raster) || clip(planes, out.crossed & ~kDepthHalfSpaces));
-        if (is_seen) {
-            for (const Vec3& p : polygon_) {
-                min_depth = std::min(min_depth, p.z);
-                outline_.emplace_back(p.x / p.z, p.y / p.z);
-                out.bounds.lower = glm::min(out.bounds.lower, outline_.back());
-                out.bounds.upper = glm::max(out.bounds.upper, outline_.back());
-            }
+        auto polygon = clip(planes, out.crossed & kDepthHalfSpaces, local(planes, vertices));
+        if (!is_near(planes, rect, raster, polygon)) {
+            polygon = clip(planes, out.crossed & ~kDepthHalfSpaces, polygon);
         }
-        ends[i] = outline_.size();
+        std::size_t end = outline_.size();
+        outline_.resize(end + polygon.size());
+        for (const Vec3& p : polygon) {
+            const glm::dvec2 uv = {p.x / p.z, p.y / p.z};
+            min_depth = std::min(min_depth, p.z);
+            out.bounds.lower = glm::min(out.bounds.lower, uv);
+            out.bounds.upper = glm::max(out.bounds.upper, uv);
+            outline_[end++] = uv;
+        }
+        ends[i] = end;
     }
     if (outline_.empty()) {
         return false;
@@ -269,39 +266,56 @@ bool VisibleFacets::draw_clipped(const OutlineView& view,
     return true;
 }
 
+// Vertices along the axes of the view, in `polygon_`.
+std::span<const Vec3> VisibleFacets::local(const ClipPlanes& planes,
+                                           std::span<const Vec3> vertices) {
+    polygon_.resize(std::max(polygon_.size(), vertices.size()));
+    std::transform(vertices.begin(), vertices.end(), polygon_.begin(), [&](const Vec3& p) {
+        return planes.local(p);
+    });
+    return std::span(polygon_).first(vertices.size());
+}
+
 // Whether the polygon need not be clipped to the sides: see kMaxOutside, and errors hardly move
 // directions to it.
 bool VisibleFacets::is_near(const ClipPlanes& planes,
                             const Rect& rect,
-                            const CoverageRaster& raster) const noexcept {
+                            const CoverageRaster& raster,
+                            std::span<const Vec3> polygon) const noexcept {
     const glm::dvec2 far = kMaxOutside * raster.cell_size();
     const glm::dvec2 lower = rect.lower - far, upper = rect.upper + far;
-    return std::all_of(polygon_.begin(), polygon_.end(), [&](const Vec3& p) {
+    return std::all_of(polygon.begin(), polygon.end(), [&](const Vec3& p) {
         return p.z >= 2.0 * planes.side_error && p.x >= lower.x * p.z && p.x <= upper.x * p.z &&
                p.y >= lower.y * p.z && p.y <= upper.y * p.z;
     });
 }
 
-// Sutherland and Hodgman 1974.
-bool VisibleFacets::clip(const ClipPlanes& planes, std::uint32_t half_spaces) {
-    return planes.for_each(half_spaces, [&](auto&& inside_distance) {
-        clipped_.clear();
-        Vec3 previous = polygon_.back();
+// Sutherland and Hodgman 1974. The polygon is in `polygon_`, and so is what remains of it: at most
+// two vertices for each.
+std::span<const Vec3> VisibleFacets::clip(const ClipPlanes& planes,
+                                          std::uint32_t half_spaces,
+                                          std::span<const Vec3> polygon) {
+    planes.for_each(half_spaces, [&](auto&& inside_distance) {
+        clipped_.resize(std::max(clipped_.size(), 2 * polygon.size()));
+        Vec3* end = clipped_.data();
+        Vec3 previous = polygon.back();
         double before = inside_distance(previous);
-        for (const Vec3& p : polygon_) {
+        for (const Vec3& p : polygon) {
             const double here = inside_distance(p);
             if ((before >= 0.0) != (here >= 0.0)) {
-                clipped_.push_back(previous + (before / (before - here)) * (p - previous));
+                *end++ = previous + (before / (before - here)) * (p - previous);
             }
             if (here >= 0.0) {
-                clipped_.push_back(p);
+                *end++ = p;
             }
             previous = p;
             before = here;
         }
+        polygon = {clipped_.data(), end};
         std::swap(polygon_, clipped_);
-        return !polygon_.empty();
+        return !polygon.empty();
     });
+    return polygon;
 }
 
 }  // namespace earshot::frustum

@@ -107,6 +107,9 @@ std::uint32_t project_children(const FrustumBoxTest& test,
     std::uint32_t inside = 0;
     for (std::size_t first = 0; first < FacetNode::kWidth; first += Doubles::kCount) {
         constexpr std::uint32_t kAll = (1U << Doubles::kCount) - 1;
+        if ((node.used >> first & kAll) == 0) {
+            continue;
+        }
         const std::uint32_t here = ~bits_outside(test, node.lower[0], first) & kAll;
         if (here != 0) {
             project(test, node, first, projected);

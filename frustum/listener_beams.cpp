@@ -434,7 +434,11 @@ void ListenerBeams::place_images(std::span<const Vec3> listeners,
                 continue;
             }
             const ListenerSubpath& subpath = subpaths_[i];
-            Vec3 image = index_.plane(subpath.last).mirror(listeners[subpath.listener]);
+            // Where a frustum starts at a facet, that is the last one.
+            const Frustum& frustum = frusta_[subpath.frustum];
+            Vec3 image = frustum.starts_at_facet
+                             ? frustum.apex
+                             : index_.plane(subpath.last).mirror(listeners[subpath.listener]);
             if (subpath.has_two) {
                 image = index_.plane(subpath.first.facet).mirror(image);
             }

@@ -79,13 +79,10 @@ CellMask OcclusionGrid::cells_occluded_by(FacetId facet, CellMask cells) const n
 CellMask OcclusionGrid::cells_where_closer(const InverseDepth& a,
                                            const InverseDepth& b,
                                            CellMask cells) const noexcept {
-    const double margin = max_change(a.slope - b.slope) + kDepthSlack * (size_of(a) + size_of(b));
-    CellMask closer = 0;
-    for_each_cell(cells, [&](int cell) {
-        const glm::dvec2 centre = centre_of(cell);
-        closer |= static_cast<CellMask>(a.at(centre) - b.at(centre) > margin) << cell;
-    });
-    return closer;
+    const glm::dvec2 slope = a.slope - b.slope;
+    const PlaneOverCells difference = {
+        a.constant - b.constant, slope.x, slope.y, size_of(a) + size_of(b)};
+    return cells_above(grid_, difference, max_change(slope) + kDepthSlack * difference.size, cells);
 }
 
 CellMask OcclusionGrid::cells_occluding(FacetId facet,

@@ -37,4 +37,11 @@ std::uint64_t cells_before(const CellPlanes& planes,
                            const PlaneOverCells& plane,
                            std::uint64_t cells) noexcept;
 
+/// Those of `cells` at whose centre an inverse depth exceeds a limit. The same bits on every
+/// instruction set.
+std::uint64_t cells_above(const CellGrid& grid,
+                          const PlaneOverCells& plane,
+                          double limit,
+                          std::uint64_t cells) noexcept;
+
 }  // namespace earshot::frustum

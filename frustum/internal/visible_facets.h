@@ -155,10 +155,15 @@ private:
                       bool centres_only,
                       Projected& out);
     struct ClipPlanes;
-    bool clip(const ClipPlanes& planes, std::uint32_t half_spaces);
+    std::span<const geometry::Vec3> local(const ClipPlanes& planes,
+                                          std::span<const geometry::Vec3> vertices);
+    std::span<const geometry::Vec3> clip(const ClipPlanes& planes,
+                                         std::uint32_t half_spaces,
+                                         std::span<const geometry::Vec3> polygon);
     bool is_near(const ClipPlanes& planes,
                  const Rect& rect,
-                 const CoverageRaster& raster) const noexcept;
+                 const CoverageRaster& raster,
+                 std::span<const geometry::Vec3> polygon) const noexcept;
     void add_occluder(geometry::FacetId facet,
                       double height,
                       const InverseDepth& depth,
@@ -190,8 +195,7 @@ private:
     std::vector<Candidate> candidates_;
     std::vector<VisibleFacet> visible_facets_;
     std::vector<Seen> stack_;
-    std::vector<geometry::Vec3> local_;  // the vertices of a facet along the frustum's axes
-    std::vector<geometry::Vec3> polygon_, clipped_;
+    std::vector<geometry::Vec3> polygon_, clipped_;  // vertices along the frustum's axes
     std::vector<glm::dvec2> outline_;
 };
 
