@@ -82,7 +82,7 @@ private:
         for (std::size_t i = 0; i < places.size(); ++i) {
             const float steps = scale * (places[i].coordinate[spread.axis] - spread.lower);
             // The last bin as well where the scale is infinite and steps are not a number.
-            const int bin = steps < static_cast<float>(last) ? static_cast<int>(steps) : last;
+            const int bin = static_cast<int>(std::min(static_cast<float>(last), steps));
             bins_[i] = static_cast<std::uint8_t>(bin);
             ++counts[static_cast<std::size_t>(bin)];
         }
@@ -105,7 +105,10 @@ private:
             }
         }
         const auto nth = keys_.begin() + static_cast<std::ptrdiff_t>(count - border.before);
-        std::nth_element(keys_.begin(), nth, keys_.end());
+        // Places of equal coordinates, of which scenes of parallel walls have many, are in order.
+        if (!std::is_sorted(keys_.begin(), keys_.end())) {
+            std::nth_element(keys_.begin(), nth, keys_.end());
+        }
         return *nth;
     }
 
