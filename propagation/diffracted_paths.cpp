@@ -241,8 +241,7 @@ std::vector<std::vector<DiffractedPaths::SoundOverTwo>> DiffractedPaths::sounds_
     if (settings_.max_edges < 2) {
         return of_listener;
     }
-    EdgePairLevelFilter filter(
-        group.source, group.positions, settings_.max_length, settings_.max_order);
+    EdgePairLevelFilter filter(group.source, group.positions, settings_.max_length, model());
     std::vector<double> min_pressures;
     for (const std::size_t number : group.numbers) {
         min_pressures.push_back(min_pressure(source.pose.position, listeners[number]));

@@ -25,9 +25,12 @@ namespace {
 
 constexpr std::size_t kKinds = 3;
 
+/// Of either wedge the face that the ways run along.
+using CommonFace = std::optional<std::array<int, 2>>;
+
 /// The kind of term of the face that the ways run along, 0 without one.
-std::size_t link_kind(const frustum::EdgePairPath& way, std::size_t edge) {
-    return way.common_face ? static_cast<std::size_t>((*way.common_face)[edge]) + 1 : 0;
+std::size_t link_kind(const CommonFace& common_face, std::size_t edge) {
+    return common_face ? static_cast<std::size_t>((*common_face)[edge]) + 1 : 0;
 }
 
 /// Whether the paths that a pair of terms mends have as few reflections as specular paths may have.
@@ -38,8 +41,8 @@ bool is_counted(const frustum::EdgePairPath& way,
                 int max_order) {
     int reflections = 0;
     bool is_along_face = false;
-    for (const auto& [kind, link] :
-         {std::pair(first_kind, link_kind(way, 0)), std::pair(second_kind, link_kind(way, 1))}) {
+    for (const auto& [kind, link] : {std::pair(first_kind, link_kind(way.common_face, 0)),
+                                     std::pair(second_kind, link_kind(way.common_face, 1))}) {
         is_along_face = is_along_face || (kind > 0 && kind == link);
         reflections += kind > 0 && kind != link ? 1 : 0;
     }
@@ -55,15 +58,15 @@ double reflection_of(const Wedge& wedge,
 
 /// Along a rigid face sources and images coincide, and half of the sound counts. In general what
 /// arrives along the face is 1 + its factor times the free field, at either edge, and counts once.
-double link_factor(const frustum::EdgePairPath& way,
+double link_factor(const CommonFace& common_face,
                    const Wedge& first,
                    std::size_t band,
                    const DiffractionModel& model) {
-    if (!way.common_face) {
+    if (!common_face) {
         return 1.0;
     }
     const double reflection =
-        model.max_order > 0 ? reflection_of(first, link_kind(way, 0), band, model) : 0.0;
+        model.max_order > 0 ? reflection_of(first, link_kind(common_face, 0), band, model) : 0.0;
     return 2.0 / (1.0 + reflection);
 }
 
@@ -71,7 +74,7 @@ DoubleDiffraction edges_of(const Wedge& first,
                            const Interval& of_first,
                            const Wedge& second,
                            const Interval& of_second,
-                           const std::optional<std::array<int, 2>>& common_face) {
+                           const CommonFace& common_face) {
     DoubleDiffraction edges;
     edges.first = first;
     edges.second = second;
@@ -99,17 +102,62 @@ std::vector<DoubleDiffraction> links_of(const frustum::EdgePairPath& way,
     return links;
 }
 
+using KindFactors = std::array<Interval, kKinds>;
+
+/// What the terms at a wedge take in any band.
+KindFactors term_factors(const Wedge& wedge, const DiffractionModel& model) {
+    KindFactors factors{{{1.0, 1.0}, {0.0, 0.0}, {0.0, 0.0}}};
+    for (std::size_t kind = 1; kind < kKinds && model.max_order > 0; ++kind) {
+        const Spectrum& of_face = model.reflection[wedge.faces[kind - 1].facet];
+        const auto end = of_face.begin() + static_cast<std::ptrdiff_t>(model.bands.count());
+        const auto [least, most] = std::minmax_element(of_face.begin(), end);
+        factors[kind] = {*least, *most};
+    }
+    return factors;
+}
+
+/// What counts as a sum of products of factors at both edges.
+std::vector<TermFactors> counted_factors(const Wedge& first,
+                                         const Wedge& second,
+                                         const CommonFace& common_face,
+                                         const DiffractionModel& model) {
+    const TermFactors all{term_factors(first, model), term_factors(second, model)};
+    if (model.max_order != 1) {
+        return {all};
+    }
+    // One reflection may lie in a face of either edge, but not both.
+    TermFactors without = all, just = all;
+    for (std::size_t edge = 0; edge < 2; ++edge) {
+        for (std::size_t kind = 0; kind < kKinds; ++kind) {
+            const bool reflects = kind > 0 && kind != link_kind(common_face, edge);
+            (reflects ? without : just)[edge][kind] = {0.0, 0.0};
+        }
+    }
+    return {{without[0], all[1]}, {just[0], without[1]}};
+}
+
+/// Of the free field at the distance of the shortest way: EdgePairSpectrum.
+constexpr double kMaxSpectrumError = 1e-5;
+
 /// False if the links of one way together are certain to be fainter in every band than a pressure,
-/// of what a source sends that radiates 1. `max_halvings`: effort.
+/// of what a source sends that radiates 1. `min_length`: of the ways, metres. `max_halvings`:
+/// effort.
 bool may_be_as_loud(std::span<const DoubleDiffraction> links,
+                    const CommonFace& common_face,
+                    const DiffractionModel& model,
                     double min_pressure,
-                    int max_order,
+                    double min_length,
                     int max_halvings) {
-    // Of a common face that absorbs everything the factor is 2. One reflection may lie in a face of
-    // either edge, but not both: then what counts is no product of factors.
-    const double factor = (links.front().common_face ? 2.0 : 1.0) * (max_order == 1 ? 2.0 : 1.0);
-    return max_doubly_diffracted_pressure(links, min_pressure / factor, max_halvings) * factor >=
-           min_pressure;
+    const Wedge& first = links.front().first;
+    double factor = 0.0;
+    for (std::size_t band = 0; band < model.bands.count(); ++band) {
+        factor = std::max(factor, link_factor(common_face, first, band, model));
+    }
+    const double max_error = kMaxSpectrumError * static_cast<double>(links.size()) / min_length;
+    const double enough = min_pressure / factor - max_error;
+    const std::vector<TermFactors> factors =
+        counted_factors(first, links.front().second, common_face, model);
+    return max_doubly_diffracted_pressure(links, enough, max_halvings, factors) >= enough;
 }
 
 /// A halving costs 3 microseconds, finding the links of a pair some hundred and their pressure
@@ -187,11 +235,15 @@ bool EdgePairLevelFilter::may_be_wanted(const Wedge& first,
     edges.source = source_;
     edges.listener = listeners_[listener];
     constexpr double kRoundedUp = 1.0 + 0x1p-20;  // the shortest way is found by iteration
-    const auto may_be_as_loud_after = [&](int max_halvings) {
-        return may_be_as_loud({&edges, 1}, min_pressure_[listener], max_order_, max_halvings);
+    const auto may_be_as_loud_after = [&](double min_length, int max_halvings) {
+        return may_be_as_loud(
+            {&edges, 1}, common_face, model_, min_pressure_[listener], min_length, max_halvings);
     };
-    return may_be_as_loud_after(0) && shortest_path(edges).length() <= max_length_ * kRoundedUp &&
-           may_be_as_loud_after(kHalvingsBeforeLinks);
+    if (!may_be_as_loud_after(glm::distance(source_, edges.listener), 0)) {
+        return false;
+    }
+    const double length = shortest_path(edges).length();
+    return length <= max_length_ * kRoundedUp && may_be_as_loud_after(length, kHalvingsBeforeLinks);
 }
 
 std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::EdgePairPath& way,
@@ -208,7 +260,8 @@ std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::Edge
     if (sound.length > max_length) {
         return std::nullopt;
     }
-    if (!may_be_as_loud(links, min_pressure, model.max_order, kHalvingsOfLinks)) {
+    if (!may_be_as_loud(
+            links, way.common_face, model, min_pressure, sound.length, kHalvingsOfLinks)) {
         return std::nullopt;
     }
     std::vector<EdgePairSpectrum> spectra;
@@ -230,7 +283,7 @@ std::optional<DoublyDiffractedSound> doubly_diffracted_sound(const frustum::Edge
         add_band(links,
                  spectra,
                  band,
-                 factors[band] * link_factor(way, wedges[way.first], band, model),
+                 factors[band] * link_factor(way.common_face, wedges[way.first], band, model),
                  model,
                  sound);
     }
@@ -295,7 +348,7 @@ frustum::EdgePath mended_way(const DoublyDiffractedSound& sound,
     way.listener_image = listener;
     way.part = sound.parts[edge];
     const std::size_t other = 1 - edge;
-    if (kind_of_other > 0 && kind_of_other != link_kind(sound.way, other)) {
+    if (kind_of_other > 0 && kind_of_other != link_kind(sound.way.common_face, other)) {
         const Wedge& wedge = wedges[other == 0 ? sound.way.first : sound.way.second];
         const FacetId facet = wedge.faces[kind_of_other - 1].facet;
         (edge == 0 ? way.after : way.before).push_back(facet);

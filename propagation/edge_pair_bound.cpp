@@ -20,12 +20,16 @@ using geometry::WedgePoint;
 namespace {
 
 constexpr double kTurn = 2.0 * math::kPi;
+constexpr double kMaxExpEta = 1e100;  // where the terms are nothing
 
-/// Bounds on the terms nu sin a / (cosh(nu eta) - cos a) of a wedge for all directions between two.
+using KindFactors = std::array<Interval, 3>;
+
+/// Bounds on the absolute values of the terms nu sin a / (cosh(nu eta) - cos a) of a wedge, times
+/// their factors, for all directions between two and all eta of an interval.
 struct TermBounds {
-    double sum = 0.0;              ///< of the terms of one sign, at the apex
+    double sum = 0.0;              ///< of the sum of all
     double largest = 0.0;          ///< of one term
-    double sum_of_rest = 0.0;      ///< of the terms of one sign but the largest
+    double sum_of_rest = 0.0;      ///< of the sum of all but the largest
     double area_of_largest = 0.0;  ///< integral of the largest term over all eta
     double area = 0.0;             ///< and of all terms together
 };
@@ -86,73 +90,130 @@ std::optional<Interval> slopes_to(double z, const LineAbout& line, const Interva
     return slopes;
 }
 
-/// A lower bound on e^{|eta|} of all ways from an end over a part of the axis to a part of a line.
-/// `end`: about the axis.
-double min_exp_eta(const WedgePoint& end,
-                   const Interval& part,
-                   const LineAbout& line,
-                   const Interval& line_part) noexcept {
+/// Bounds on e^{|eta|} of all ways from an end over a part of the axis to a part of a line. `end`:
+/// about the axis.
+Interval exp_eta(const WedgePoint& end,
+                 const Interval& part,
+                 const LineAbout& line,
+                 const Interval& line_part) noexcept {
     // Either slope rises along the axis.
     const std::optional<Interval> at_begin = slopes_to(part.min, line, line_part);
     const std::optional<Interval> at_end = slopes_to(part.max, line, line_part);
     if (!at_begin || !at_end) {
-        return 1.0;
+        return {1.0, kMaxExpEta};
     }
     constexpr double kRoundedDown = 1.0 - 1e-6;
     const double least = exp_asinh((part.min - end.z) / end.radius) * exp_asinh(at_begin->min);
     const double most = exp_asinh((part.max - end.z) / end.radius) * exp_asinh(at_end->max);
-    return std::max({1.0, least * kRoundedDown, kRoundedDown / most});
+    return {std::max({1.0, least * kRoundedDown, kRoundedDown / most}),
+            std::max(most, 1.0 / least) / kRoundedDown};
 }
 
-/// `min_exp_eta`: see there.
+/// Of nu |eta| / 2 at the smallest and at the largest |eta|.
+struct Hyperbolics {
+    std::array<double, 2> tanh{}, sech_squared{};
+
+    Hyperbolics(double nu, const Interval& exp_eta) noexcept {
+        const std::array<double, 2> ends{exp_eta.min, exp_eta.max};
+        for (std::size_t i = 0; i < 2; ++i) {
+            const double exp_eta_end = std::min(kMaxExpEta, ends[i]);
+            const double root = math::exp(nu * math::log(exp_eta_end));
+            tanh[i] = (root - 1.0) / (root + 1.0);
+            sech_squared[i] = 4.0 * root / ((root + 1.0) * (root + 1.0));
+        }
+    }
+
+    /// sin a / (cosh(nu eta) - cos a), with t = tan(|a| / 2).
+    double term(double t, std::size_t end) const noexcept {
+        return t * sech_squared[end] / (tanh[end] * tanh[end] + t * t);
+    }
+};
+
+/// All values of a term sin a / (cosh(nu eta) - cos a), where a takes the values of an interval, in
+/// whole turns.
+struct TermRange {
+    Interval values{};
+    double largest = 0.0;  ///< absolute value
+    double area = 0.0;     ///< at least the integral of nu |term| over all eta
+
+    TermRange(const Interval& turns, const Hyperbolics& eta) noexcept {
+        // The ends of the interval of |a|.
+        const double low = turns.min - std::nearbyint(turns.min);
+        const double high = turns.max - std::nearbyint(turns.max);
+        const bool has_boundary = std::floor(turns.max) >= std::ceil(turns.min);
+        const bool has_half_turn = std::floor(turns.max + 0.5) >= std::ceil(turns.min + 0.5);
+        const double closest = has_boundary ? 0.0 : std::min(std::abs(low), std::abs(high));
+        const double farthest = has_half_turn ? 0.5 : std::max(std::abs(low), std::abs(high));
+        const double angle = std::max(kTurn * closest, kMinTermAngle);
+        const double t_min = tan_of_half(angle);
+        const double t_max = tan_of_half(std::max(kTurn * farthest, kMinTermAngle));
+        // A term is t (1 - h^2) / (h^2 + t^2), h = tanh(nu eta / 2), which falls with h, and is
+        // largest at t = h.
+        constexpr double kRoundedUp = 1.0 + 1e-9;
+        largest = kRoundedUp * eta.term(std::clamp(eta.tanh[0], t_min, t_max), 0);
+        const double smallest = std::min(eta.term(t_min, 1), eta.term(t_max, 1)) / kRoundedUp;
+        area = 2.0 * (math::kPi - angle + kMinTermAngle);
+        // Closer to where it changes rounding may tell the sign.
+        constexpr double kFarthest = 0.5 - kMinTermAngle;
+        const bool has_sign =
+            !has_boundary && !has_half_turn && angle > 2.0 * kMinTermAngle && farthest < kFarthest;
+        if (!has_sign) {
+            values = {-largest, largest};
+        } else if (low > 0.0) {
+            values = {smallest, largest};
+        } else {
+            values = {-largest, -smallest};
+        }
+    }
+
+private:
+    static double tan_of_half(double angle) noexcept {
+        constexpr double kMinCosine = 1e-9;
+        return math::sin(0.5 * angle) / std::max(math::cos(0.5 * angle), kMinCosine);
+    }
+};
+
+/// All products of two intervals, the first of which has no negative values.
+Interval products(const Interval& factor, const Interval& values) noexcept {
+    return {std::min(factor.min * values.min, factor.max * values.min),
+            std::max(factor.min * values.max, factor.max * values.max)};
+}
+
+double largest_of(const Interval& values) noexcept {
+    return std::max(-values.min, values.max);
+}
+
 TermBounds term_bounds(double open_angle,
                        double fixed_angle,
                        const Interval& angles,
-                       double min_exp_eta) noexcept {
+                       const Interval& exp_eta,
+                       const KindFactors& factors) noexcept {
     const double nu = math::kPi / open_angle;
-    constexpr double kMaxRoot = 1e100;  // where the terms are nothing
-    const double root = std::min(kMaxRoot, math::exp(nu * math::log(min_exp_eta)));
-    // Of nu eta / 2.
-    const double tanh = (root - 1.0) / (root + 1.0);
-    const double sech_squared = 4.0 * root / ((root + 1.0) * (root + 1.0));
-    std::array<double, 2> of_sign{};
-    std::array<bool, 2> has_largest{};
+    const Hyperbolics eta(nu, exp_eta);
+    Interval sum{0.0, 0.0}, of_largest{0.0, 0.0};
     TermBounds bounds;
     for (const double of_fixed : {1.0, -1.0}) {
         for (const double of_other : {1.0, -1.0}) {
             const auto turns = [&](double angle) {
                 return (math::kPi + of_fixed * fixed_angle + of_other * angle) / (2.0 * open_angle);
             };
-            const double low = turns(of_other > 0.0 ? angles.min : angles.max);
-            const double high = turns(of_other > 0.0 ? angles.max : angles.min);
-            // The smallest |a|, a being 2 pi times the distance from a whole number.
-            const double closest = std::floor(high) >= std::ceil(low)
-                                       ? 0.0
-                                       : std::min(low - std::floor(low), std::ceil(high) - high);
-            const double angle = std::max(kTurn * closest, kMinTermAngle);
-            // With t = tan(a / 2) and h = tanh(nu eta / 2) a term is t (1 - h^2) / (h^2 + t^2),
-            // which is largest at t = h. cot x <= 1 / x - x / 3 up to pi / 2.
-            const double t = std::max(tanh, 1.0 / (2.0 / angle - angle / 6.0));
-            const double term = nu * t * sech_squared / (tanh * tanh + t * t);
-            const double area = 2.0 * (math::kPi - angle + kMinTermAngle);
-            const bool is_one_signed = std::floor(2.0 * low) == std::floor(2.0 * high);
-            const bool is_positive = std::fmod(std::floor(2.0 * low), 2.0) == 0.0;
-            const std::array<bool, 2> has_sign{!is_one_signed || is_positive,
-                                               !is_one_signed || !is_positive};
-            for (std::size_t i = 0; i < 2; ++i) {
-                of_sign[i] += has_sign[i] ? term : 0.0;
-            }
-            if (term > bounds.largest) {
-                bounds.largest = term;
+            const TermRange term({turns(of_other > 0.0 ? angles.min : angles.max),
+                                  turns(of_other > 0.0 ? angles.max : angles.min)},
+                                 eta);
+            const std::size_t kind = of_fixed != of_other ? 0 : of_fixed < 0.0 ? 1 : 2;
+            const Interval values = products(factors[kind], term.values);
+            sum = {sum.min + values.min, sum.max + values.max};
+            const double area = factors[kind].max * term.area;
+            if (nu * factors[kind].max * term.largest > bounds.largest) {
+                bounds.largest = nu * factors[kind].max * term.largest;
                 bounds.area_of_largest = area;
-                has_largest = has_sign;
+                of_largest = values;
             }
             bounds.area += area;
         }
     }
-    bounds.sum = std::max(of_sign[0], of_sign[1]);
-    bounds.sum_of_rest = std::max(of_sign[0] - (has_largest[0] ? bounds.largest : 0.0),
-                                  of_sign[1] - (has_largest[1] ? bounds.largest : 0.0));
+    bounds.sum = nu * largest_of(sum);
+    bounds.sum_of_rest = nu * largest_of({sum.min - of_largest.min, sum.max - of_largest.max});
     return bounds;
 }
 
@@ -164,8 +225,9 @@ double distance(const WedgePoint& point, const Interval& part) noexcept {
 /// The bound for parts of two edges.
 class PairBound {
 public:
-    explicit PairBound(const DoubleDiffraction& edges) noexcept
+    PairBound(const DoubleDiffraction& edges, const TermFactors& factors) noexcept
         : pair_(edges),
+          factors_(factors),
           open_angles_{edges.first.open_angle, edges.second.open_angle},
           about_other_{geometry::wedge_coordinates(edges.second, edges.source),
                        geometry::wedge_coordinates(edges.first, edges.listener)},
@@ -176,18 +238,20 @@ public:
 
 private:
     EdgePairGeometry pair_;
+    TermFactors factors_;
     std::array<double, 2> open_angles_{};
     std::array<WedgePoint, 2> about_other_{};  // source and listener about the edge farther away
     double half_ = 1.0;
 };
 
-// The absolute value of a sum of terms of either sign is at most the larger of both sums. With
+// With
 //   |H2| <= f / (16 pi^2) int int |nu B1| |nu B2| / (m M l) dz1 dz2,
 // the integral over one edge, of |nu B| dz / (m M), is at most the length of the part times the
-// terms at the apex over the smallest distances, and since dz / (m M) = d eta / (m + M), at most
-// the integral of the terms over all eta divided by the smallest m + M; terms that are close to
-// their zone boundary need the latter. What remains, |nu B| dz / l over the other edge, is bounded
-// by the terms at the apex. Either edge may be the first of both; the smaller bound holds.
+// largest value of the sum of terms over the smallest distances, and since dz / (m M) =
+// d eta / (m + M), at most the integral of the terms over all eta divided by the smallest m + M;
+// terms that are close to their zone boundary need the latter. What remains, |nu B| dz / l over the
+// other edge, is bounded by the largest value of the sum. Either edge may be the first of both; the
+// smaller bound holds.
 double PairBound::of(const std::array<Interval, 2>& parts) const noexcept {
     constexpr double kRoundedDown = 1.0 - 1e-9;
     const double link = kRoundedDown * pair_.link(pair_.closest_points(parts));
@@ -202,7 +266,8 @@ double PairBound::of(const std::array<Interval, 2>& parts) const noexcept {
             term_bounds(open_angle,
                         own[edge]->angle,
                         angles_of(*others[edge], other_part, open_angle),
-                        min_exp_eta(*own[edge], parts[edge], *others[edge], other_part));
+                        exp_eta(*own[edge], parts[edge], *others[edge], other_part),
+                        factors_[edge]);
         const double length = parts[edge].max - parts[edge].min;
         const double to_end = kRoundedDown * distance(*own[edge], parts[edge]);
         const double way =
@@ -245,7 +310,7 @@ std::array<Cell, 2> halves(const Cell& cell, std::size_t edge) noexcept {
 }  // namespace
 
 double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept {
-    const PairBound bound(edges);
+    const PairBound bound(edges, kAnyTermFactors);
     return bound.of(bound.parts());
 }
 
@@ -254,15 +319,18 @@ double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept {
 // edge that leaves less.
 double max_doubly_diffracted_pressure(std::span<const DoubleDiffraction> ways,
                                       double enough,
-                                      int max_halvings) {
+                                      int max_halvings,
+                                      std::span<const TermFactors> factors) {
     std::vector<PairBound> pairs;
     std::vector<Cell> cells;
-    pairs.reserve(ways.size());
+    pairs.reserve(ways.size() * factors.size());
     double sum = 0.0;
     for (const DoubleDiffraction& way : ways) {
-        const PairBound& pair = pairs.emplace_back(way);
-        cells.push_back({&pair, pair.parts(), pair.of(pair.parts())});
-        sum += cells.back().bound;
+        for (const TermFactors& choice : factors) {
+            const PairBound& pair = pairs.emplace_back(way, choice);
+            cells.push_back({&pair, pair.parts(), pair.of(pair.parts())});
+            sum += cells.back().bound;
+        }
     }
     std::make_heap(cells.begin(), cells.end());
     for (int halved = 0; halved < max_halvings && !(sum < enough); ++halved) {

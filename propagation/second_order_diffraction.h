@@ -2,6 +2,7 @@
 #pragma once
 
 #include "earshot/base/floating_point.h"
+#include "earshot/geometry/interval.h"
 #include "earshot/geometry/wedge.h"
 
 #include <array>
@@ -78,16 +79,24 @@ DoublyDiffractedPressure doubly_diffracted_pressure(const DoubleDiffraction& edg
 
 /// A bound on the absolute value of doubly_diffracted_pressure()'s sum at any frequency, from the
 /// ends of the parts alone, far cheaper than the integral. Also with a factor from 0 to 1 for each
-/// kind at either edge, but not of a choice of pairs of kinds, which may be twice as much. It holds
-/// for all parts within these, also where these leave the air of the wedges.
+/// kind at either edge, but not of a choice of pairs of kinds, which may be more. It holds for all
+/// parts within these, also where these leave the air of the wedges.
 double max_doubly_diffracted_pressure(const DoubleDiffraction& edges) noexcept;
 
+/// Per edge, and by kind of term there: an interval of the factors that the terms take, within
+/// [0, 1].
+using TermFactors = std::array<std::array<geometry::Interval, 3>, 2>;
+inline constexpr TermFactors kAnyTermFactors{
+    {{{{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}}}, {{{0.0, 1.0}, {0.0, 1.0}, {0.0, 1.0}}}}};
+
 /// A closer bound, of several ways together: parts are halved and the bounds of the pieces added up
-/// until the sum is below `enough`, at most `max_halvings` times. A halving costs four bounds.
-/// Precondition: at least one way.
+/// until the sum is below `enough`, at most `max_halvings` times. A halving costs four bounds. What
+/// is bounded are the products of terms with each choice of factors, added up; the closer factors
+/// are known, the more of the terms of unlike sign cancel. Precondition: at least one way.
 double max_doubly_diffracted_pressure(std::span<const DoubleDiffraction> ways,
                                       double enough,
-                                      int max_halvings);
+                                      int max_halvings,
+                                      std::span<const TermFactors> factors = {&kAnyTermFactors, 1});
 
 /// The sum of doubly_diffracted_pressure().
 std::complex<double> second_order_pressure(const DoubleDiffraction& edges, double wave_number);

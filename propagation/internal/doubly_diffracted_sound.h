@@ -39,8 +39,8 @@ public:
     EdgePairLevelFilter(const geometry::Vec3& source,
                         std::span<const geometry::Vec3> listeners,
                         double max_length,
-                        int max_order)
-        : source_(source), listeners_(listeners), max_length_(max_length), max_order_(max_order) {}
+                        const DiffractionModel& model)
+        : source_(source), listeners_(listeners), max_length_(max_length), model_(model) {}
 
     /// The next listener, and the pressure in the loudest band that is asked for there of a source
     /// that sends 1.
@@ -57,7 +57,7 @@ private:
     geometry::Vec3 source_;
     std::span<const geometry::Vec3> listeners_;
     double max_length_;
-    int max_order_;                     // of specular paths
+    DiffractionModel model_;
     std::vector<double> min_pressure_;  // per listener
 };
 

@@ -294,6 +294,68 @@ TEST(MaxDoublyDiffractedPressure, IsNeverBelowAnySumOfTerms) {
     EXPECT_LT(median(excess_of_pieces_db), median(excess_db) - 3.0);
 }
 
+/// The loudest of some frequencies, of the kinds times their factors at both edges.
+double loudest_of(const EdgePairSpectrum& spectrum,
+                  const std::array<double, 3>& at_first,
+                  const std::array<double, 3>& at_second,
+                  bool only_one_reflects) {
+    double loudest = 0.0;
+    for (double k = 0.01; k < 300.0; k *= 3.0) {
+        const DoublyDiffractedPressure pressure = spectrum.pressure(k);
+        Complex sum{0.0};
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t j = 0; j < 3; ++j) {
+                if (!only_one_reflects || i == 0 || j == 0) {
+                    sum += at_first[i] * at_second[j] *
+                           (pressure.upright[i][j] + pressure.inverted[i][j]);
+                }
+            }
+        }
+        loudest = std::max(loudest, std::abs(sum));
+    }
+    return loudest;
+}
+
+// The factors are known but for a tenth, and terms of unlike sign cancel.
+TEST(MaxDoublyDiffractedPressure, HoldsForFactorsOfTerms) {
+    constexpr int kHalvings = 60;
+    Dice dice(8);
+    std::vector<double> gain_db;
+    for (int i = 0; i < 500; ++i) {
+        const auto edges = random_edges(dice, i % 2 == 0);
+        if (!edges) {
+            continue;
+        }
+        std::array<std::array<double, 3>, 2> factors{};
+        TermFactors ranges{};
+        for (std::size_t edge = 0; edge < 2; ++edge) {
+            for (std::size_t kind = 0; kind < 3; ++kind) {
+                const double least = dice.between(0.5, 0.9);
+                factors[edge][kind] = least + dice.between(0.0, 0.1);
+                ranges[edge][kind] = {least, least + 0.1};
+            }
+        }
+        const EdgePairSpectrum spectrum(*edges, 300.0);
+        const double error = 1e-5 / shortest_path(*edges).length();
+        const auto bound = [&](std::span<const TermFactors> choices) {
+            return max_doubly_diffracted_pressure({&*edges, 1}, 0.0, kHalvings, choices);
+        };
+        const double of_all = bound({&ranges, 1});
+        ASSERT_LE(loudest_of(spectrum, factors[0], factors[1], false), of_all + error) << i;
+        // At the first edge no reflection, or one there and none at the second.
+        TermFactors none_at_first = ranges, just_at_first = ranges;
+        none_at_first[0][1] = none_at_first[0][2] = {0.0, 0.0};
+        just_at_first[0][0] = just_at_first[1][1] = just_at_first[1][2] = {0.0, 0.0};
+        ASSERT_LE(loudest_of(spectrum, factors[0], factors[1], true),
+                  bound(std::array{none_at_first, just_at_first}) + error)
+            << i;
+        const double of_any = max_doubly_diffracted_pressure({&*edges, 1}, 0.0, kHalvings);
+        gain_db.push_back(20.0 * std::log10(of_any / of_all));
+    }
+    ASSERT_GT(gain_db.size(), 80U);
+    EXPECT_GT(median(gain_db), 3.0);
+}
+
 // A thin plate: edges with a common end, from which they are at no distance.
 TEST(MaxDoublyDiffractedPressure, HoldsForEdgesThatMeet) {
     Dice dice(5);
