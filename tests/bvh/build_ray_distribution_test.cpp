@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/base/error.h"
-#include "earshot/base/simd.h"
 #include "earshot/bvh/internal/builders.h"
 #include "earshot/bvh/ray.h"
 
 #include <gtest/gtest.h>
 
+#include "bvh/tree_bits.h"
 #include "support/meshes.h"
 #include "support/tree_walker.h"
 #include <algorithm>
-#include <cstring>
 #include <limits>
-#include <string>
 
 namespace earshot::bvh {
 namespace {
@@ -19,15 +17,6 @@ namespace {
 using geometry::Aabb;
 using geometry::Segment;
 using geometry::Vec3;
-
-bool same_bits(const Tree& a, const Tree& b) {
-    return a.nodes().size() == b.nodes().size() &&
-           std::memcmp(a.nodes().data(), b.nodes().data(), a.nodes().size_bytes()) == 0 &&
-           std::equal(a.primitives().begin(),
-                      a.primitives().end(),
-                      b.primitives().begin(),
-                      b.primitives().end());
-}
 
 /// Short segments in one corner of the cube that the soups fill.
 std::vector<Segment> rays_in_a_corner(std::uint64_t seed, std::size_t count) {
@@ -79,18 +68,8 @@ TEST(BuildRayDistribution, DoesNotDependOnThreadsOrTheInstructionSet) {
     const auto boxes = triangle_boxes(test::triangle_soup(3, 10000).view());
     const auto rays = rays_in_a_corner(3, 300);
     const BuildOptions options{.rays = rays};
-    const Tree expected = Tree::build(boxes, options);
-    EXPECT_FALSE(same_bits(expected, Tree::build(boxes)));
-    for (const int threads : {2, 8}) {
-        Executor executor(threads);
-        EXPECT_TRUE(same_bits(Tree::build(boxes, options, executor), expected)) << threads;
-    }
-    for (const std::string& target : simd_targets()) {
-        override_simd_target(target);
-        const Tree tree = Tree::build(boxes, options);
-        override_simd_target("auto");
-        EXPECT_TRUE(same_bits(tree, expected)) << target;
-    }
+    EXPECT_FALSE(same_bits(Tree::build(boxes, options), Tree::build(boxes)));
+    expect_the_same_tree_everywhere(boxes, options);
 }
 
 TEST(BuildRayDistribution, SavesVisitsForRaysLikeTheSample) {

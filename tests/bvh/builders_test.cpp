@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "earshot/base/simd.h"
 #include "earshot/bvh/builder_names.h"
 #include "earshot/bvh/quality.h"
 
 #include <gtest/gtest.h>
 
+#include "bvh/tree_bits.h"
 #include "support/bunny.h"
 #include "support/meshes.h"
 #include "support/tree_walker.h"
 #include <cmath>
-#include <cstring>
 #include <string>
 #include <utility>
 
@@ -19,15 +18,6 @@ namespace earshot::bvh {
 namespace {
 
 using geometry::Aabb;
-
-bool same_bits(const Tree& a, const Tree& b) {
-    return a.nodes().size() == b.nodes().size() &&
-           std::memcmp(a.nodes().data(), b.nodes().data(), a.nodes().size_bytes()) == 0 &&
-           std::equal(a.primitives().begin(),
-                      a.primitives().end(),
-                      b.primitives().begin(),
-                      b.primitives().end());
-}
 
 std::vector<Builder> all_builders() {
     std::vector<Builder> builders;
@@ -64,18 +54,8 @@ TEST_P(EveryBuilder, MakesASoundTreeOfFewBoxes) {
 TEST_P(EveryBuilder, DoesNotDependOnThreadsOrTheInstructionSet) {
     const auto boxes = triangle_boxes(test::triangle_soup(2, 40000).view());
     for (const int max_leaf_size : {1, 4}) {
-        const BuildOptions options{.builder = GetParam(), .max_leaf_size = max_leaf_size};
-        const Tree expected = Tree::build(boxes, options);
-        for (const int threads : {2, 8}) {
-            Executor executor(threads);
-            EXPECT_TRUE(same_bits(Tree::build(boxes, options, executor), expected)) << threads;
-        }
-        for (const std::string& target : simd_targets()) {
-            override_simd_target(target);
-            const Tree tree = Tree::build(boxes, options);
-            override_simd_target("auto");
-            EXPECT_TRUE(same_bits(tree, expected)) << target;
-        }
+        expect_the_same_tree_everywhere(boxes,
+                                        {.builder = GetParam(), .max_leaf_size = max_leaf_size});
     }
 }
 

@@ -22,11 +22,21 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 const std::string kScenes = test::source_file("scenes/").string();
+const std::string kBox = test::source_file("scenes/shoebox.gltf").string();
 
 /// A folder of its own for each test, removed at the end.
 class Ir : public testing::Test {
 protected:
     std::string out() const { return (folder_.path() / "out").string(); }
+    /// `earshot ir SCENE -o OUT FIXED MORE`.
+    RunResult ir(const std::string& scene,
+                 const std::vector<std::string>& fixed = {},
+                 const std::vector<std::string>& more = {}) const {
+        std::vector<std::string> arguments = {"ir", scene, "-o", out()};
+        arguments.insert(arguments.end(), fixed.begin(), fixed.end());
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return run_earshot(arguments);
+    }
     Json json_of(const std::string& name) const {
         return Json::parse(read_file(folder_.path() / "out" / name));
     }
@@ -35,15 +45,7 @@ protected:
 };
 
 TEST_F(Ir, WritesResponsesPathsAndMetrics) {
-    const RunResult result = run_earshot({"ir",
-                                          kScenes + "shoebox.gltf",
-                                          "-o",
-                                          out(),
-                                          "--order",
-                                          "2",
-                                          "--rays",
-                                          "20000",
-                                          "--quiet"});
+    const RunResult result = ir(kBox, {"--order", "2", "--rays", "20000", "--quiet"});
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(result.out + result.err, "");
 
@@ -92,20 +94,17 @@ TEST_F(Ir, TheDirectSoundArrivesWhenAndAsLoudAsItShould) {
     // 10 m apart in the open: a triangle far away makes it a scene.
     const fs::path scene = folder_.path() / "field.obj";
     std::ofstream(scene) << "v 900 900 900\nv 901 900 900\nv 900 901 900\nf 1 2 3\n";
-    const RunResult result = run_earshot({"ir",
-                                          scene.string(),
-                                          "-o",
-                                          out(),
-                                          "--source",
-                                          "0,0,0",
-                                          "--listener",
-                                          "far=10,0,0",
-                                          "--rays",
-                                          "1000",
-                                          "--no-air-absorption",
-                                          "--sample-rate",
-                                          "34320",
-                                          "--json"});
+    const RunResult result = ir(scene.string(),
+                                {"--source",
+                                 "0,0,0",
+                                 "--listener",
+                                 "far=10,0,0",
+                                 "--rays",
+                                 "1000",
+                                 "--no-air-absorption",
+                                 "--sample-rate",
+                                 "34320",
+                                 "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json path = json_of("paths.json")["pairs"][0]["paths"][0];
     EXPECT_EQ(path["length"], 10.0);
@@ -133,16 +132,8 @@ TEST_F(Ir, SilenceIsAnAnswer) {
     std::ofstream(scene)
         << "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\nv 2 2 2\nv 0 2 2\n"
            "f 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 4 8 5\n";
-    const RunResult result = run_earshot({"ir",
-                                          scene.string(),
-                                          "-o",
-                                          out(),
-                                          "--source",
-                                          "5,1,1",
-                                          "--listener",
-                                          "in=1,1.1,0.9",
-                                          "--rays",
-                                          "1000"});
+    const RunResult result =
+        ir(scene.string(), {"--source", "5,1,1", "--listener", "in=1,1.1,0.9", "--rays", "1000"});
     EXPECT_EQ(result.status, 0);
     EXPECT_NE(result.err.find("earshot: warning: source1__in: no path"), std::string::npos)
         << result.err;
@@ -159,19 +150,9 @@ TEST_F(Ir, SilenceIsAnAnswer) {
 }
 
 TEST_F(Ir, FramesMakeOneResponsePerInstant) {
-    const RunResult result = run_earshot({"ir",
-                                          kScenes + "door.gltf",
-                                          "-o",
-                                          out(),
-                                          "--order",
-                                          "1",
-                                          "--frames",
-                                          "0:1:0.5",
-                                          "--rays",
-                                          "500",
-                                          "--length",
-                                          "0.5",
-                                          "--json"});
+    const RunResult result =
+        ir(kScenes + "door.gltf",
+           {"--order", "1", "--frames", "0:1:0.5", "--rays", "500", "--length", "0.5", "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json paths = json_of("paths.json");
     const std::size_t listeners = paths["pairs"].size() / 3;
@@ -192,17 +173,7 @@ TEST_F(Ir, FramesMakeOneResponsePerInstant) {
     EXPECT_EQ(numbered, 3 * listeners);
 
     // One instant alone gives the same as that instant of the sequence.
-    ASSERT_EQ(run_earshot({"ir",
-                           kScenes + "door.gltf",
-                           "-o",
-                           out(),
-                           "--order",
-                           "1",
-                           "--time",
-                           "0.5",
-                           "--rays",
-                           "0"})
-                  .status,
+    ASSERT_EQ(ir(kScenes + "door.gltf", {"--order", "1", "--time", "0.5", "--rays", "0"}).status,
               0);
     EXPECT_EQ(json_of("paths.json")["pairs"][0], paths["pairs"][listeners]);
 }
@@ -234,22 +205,19 @@ std::vector<double> channel_energies(const fs::path& file) {
 
 TEST_F(Ir, TwoEarsHearWhereASourceIs) {
     const auto ears_looking_at = [&](const std::string& point) {
-        const RunResult result = run_earshot({"ir",
-                                              kScenes + "shoebox.gltf",
-                                              "-o",
-                                              out(),
-                                              "--order",
-                                              "0",
-                                              "--rays",
-                                              "0",
-                                              "--source",
-                                              "a=2,1.5,1",
-                                              "--listener",
-                                              "b=3,1.5,1",
-                                              "--look-at",
-                                              point,
-                                              "--format",
-                                              "binaural"});
+        const RunResult result = ir(kBox,
+                                    {"--order",
+                                     "0",
+                                     "--rays",
+                                     "0",
+                                     "--source",
+                                     "a=2,1.5,1",
+                                     "--listener",
+                                     "b=3,1.5,1",
+                                     "--look-at",
+                                     point,
+                                     "--format",
+                                     "binaural"});
         EXPECT_EQ(result.status, 0) << result.err;
         return channel_energies(folder_.path() / "out" / "a__b.wav");
     };
@@ -267,24 +235,20 @@ TEST_F(Ir, TwoEarsHearWhereASourceIs) {
 // ms the data still has 0.9 ms.
 TEST_F(Ir, RemovesTheDelayAndTheLoudspeakerOfTheDefaultHrirsUnlessTheyAreRaw) {
     const auto ear = [&](std::vector<std::string> options) {
-        std::vector<std::string> arguments = {"ir",
-                                              kScenes + "shoebox.gltf",
-                                              "-o",
-                                              out(),
-                                              "--quiet",
-                                              "--order",
-                                              "0",
-                                              "--rays",
-                                              "0",
-                                              "--no-air-absorption",
-                                              "--source",
-                                              "a=3,1.5,0.5",
-                                              "--listener",
-                                              "b=3,1.5,2.5",
-                                              "--format",
-                                              "binaural"};
-        arguments.insert(arguments.end(), options.begin(), options.end());
-        const RunResult result = run_earshot(arguments);
+        const RunResult result = ir(kBox,
+                                    {"--quiet",
+                                     "--order",
+                                     "0",
+                                     "--rays",
+                                     "0",
+                                     "--no-air-absorption",
+                                     "--source",
+                                     "a=3,1.5,0.5",
+                                     "--listener",
+                                     "b=3,1.5,2.5",
+                                     "--format",
+                                     "binaural"},
+                                    options);
         EXPECT_EQ(result.status, 0) << result.err;
         return read_channels(folder_.path() / "out" / "a__b.wav").at(0);
     };
@@ -310,18 +274,9 @@ TEST_F(Ir, RemovesTheDelayAndTheLoudspeakerOfTheDefaultHrirsUnlessTheyAreRaw) {
 }
 
 TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
-    const RunResult result = run_earshot({"ir",
-                                          kScenes + "shoebox.gltf",
-                                          "-o",
-                                          out(),
-                                          "--order",
-                                          "1",
-                                          "--rays",
-                                          "20000",
-                                          "--format",
-                                          "ambisonic:2",
-                                          "--histograms",
-                                          "--sofa"});
+    const RunResult result = ir(
+        kBox,
+        {"--order", "1", "--rays", "20000", "--format", "ambisonic:2", "--histograms", "--sofa"});
     ASSERT_EQ(result.status, 0) << result.err;
     const Json pair = json_of("metrics.json")["pairs"][0];
     const std::string name =
@@ -352,22 +307,19 @@ TEST_F(Ir, AmbisonicChannelsAndSofaHoldTheLateSoundToo) {
 
 TEST_F(Ir, ACardioidIsSilentBehind) {
     const auto level_facing = [&](const std::string& point) {
-        const RunResult result = run_earshot({"ir",
-                                              kScenes + "shoebox.gltf",
-                                              "-o",
-                                              out(),
-                                              "--order",
-                                              "0",
-                                              "--rays",
-                                              "0",
-                                              "--source",
-                                              "a=2,1.5,1",
-                                              "--listener",
-                                              "b=3,1.5,1",
-                                              "--directivity",
-                                              "a=cardioid",
-                                              "--aim-at",
-                                              point});
+        const RunResult result = ir(kBox,
+                                    {"--order",
+                                     "0",
+                                     "--rays",
+                                     "0",
+                                     "--source",
+                                     "a=2,1.5,1",
+                                     "--listener",
+                                     "b=3,1.5,1",
+                                     "--directivity",
+                                     "a=cardioid",
+                                     "--aim-at",
+                                     point});
         EXPECT_EQ(result.status, 0) << result.err;
         return json_of("paths.json")["pairs"].back()["paths"][0]["pressure"][5].get<double>();
     };
@@ -378,18 +330,7 @@ TEST_F(Ir, ACardioidIsSilentBehind) {
 }
 
 TEST_F(Ir, ThirdOctavesGiveThirtyOneBands) {
-    ASSERT_EQ(run_earshot({"ir",
-                           kScenes + "shoebox.gltf",
-                           "-o",
-                           out(),
-                           "--order",
-                           "0",
-                           "--bands",
-                           "third",
-                           "--rays",
-                           "2000",
-                           "--quiet"})
-                  .status,
+    ASSERT_EQ(ir(kBox, {"--order", "0", "--bands", "third", "--rays", "2000", "--quiet"}).status,
               0);
     EXPECT_EQ(json_of("paths.json")["pairs"][0]["paths"][0]["pressure"].size(), 31U);
     const Json metrics = json_of("metrics.json")["pairs"][0];
@@ -399,10 +340,7 @@ TEST_F(Ir, ThirdOctavesGiveThirtyOneBands) {
 
 TEST_F(Ir, LimitsLeaveOutWhatIsLongerOrFainter) {
     const auto paths_with = [&](std::vector<std::string> extra) {
-        std::vector<std::string> arguments = {
-            "ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "3", "--rays", "0", "--quiet"};
-        arguments.insert(arguments.end(), extra.begin(), extra.end());
-        EXPECT_EQ(run_earshot(arguments).status, 0);
+        EXPECT_EQ(ir(kBox, {"--order", "3", "--rays", "0", "--quiet"}, extra).status, 0);
         return json_of("paths.json")["pairs"][0]["paths"];
     };
     const Json all = paths_with({});
@@ -434,10 +372,7 @@ TEST_F(Ir, TransmissionGoesThroughWallsThatLetSoundThrough) {
     }
     std::ofstream(file) << scene.dump();
     const auto kinds_with = [&](std::vector<std::string> extra) {
-        std::vector<std::string> arguments = {
-            "ir", file, "-o", out(), "--order", "3", "--rays", "0", "--quiet"};
-        arguments.insert(arguments.end(), extra.begin(), extra.end());
-        EXPECT_EQ(run_earshot(arguments).status, 0);
+        EXPECT_EQ(ir(file, {"--order", "3", "--rays", "0", "--quiet"}, extra).status, 0);
         std::map<std::string, int> kinds;
         const Json paths = json_of("paths.json");
         for (const Json& pair : paths["pairs"]) {
@@ -454,19 +389,9 @@ TEST_F(Ir, TransmissionGoesThroughWallsThatLetSoundThrough) {
 
 TEST_F(Ir, RaysAddTheDecayTheSameForAnyNumberOfThreads) {
     const auto files_with = [&](const std::string& threads) {
-        EXPECT_EQ(run_earshot({"ir",
-                               kScenes + "shoebox.gltf",
-                               "-o",
-                               out(),
-                               "--order",
-                               "2",
-                               "--rays",
-                               "3000",
-                               "--threads",
-                               threads,
-                               "--quiet"})
-                      .status,
-                  0);
+        EXPECT_EQ(
+            ir(kBox, {"--order", "2", "--rays", "3000", "--threads", threads, "--quiet"}).status,
+            0);
         std::string all;
         for (const auto& entry : fs::directory_iterator(out())) {
             all += read_file(entry.path());
@@ -483,18 +408,13 @@ TEST_F(Ir, RaysAddTheDecayTheSameForAnyNumberOfThreads) {
 
 TEST_F(Ir, TracesRaysUntilTheErrorIsSmallOrSaysSo) {
     // A box without scattering needs few; the errors are of late sound beyond order 1.
-    const RunResult result = run_earshot(
-        {"ir", kScenes + "shoebox.gltf", "-o", out(), "--order", "1", "--rays-error", "5"});
+    const RunResult result = ir(kBox, {"--order", "1", "--rays-error", "5"});
     ASSERT_EQ(result.status, 0) << result.err;
     EXPECT_EQ(result.err.find("standard error"), std::string::npos) << result.err;
 }
 
 TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
-    const auto with = [&](std::vector<std::string> extra) {
-        std::vector<std::string> arguments = {"ir", kScenes + "shoebox.gltf", "-o", out()};
-        arguments.insert(arguments.end(), extra.begin(), extra.end());
-        return run_earshot(arguments);
-    };
+    const auto with = [&](std::vector<std::string> extra) { return ir(kBox, extra); };
     EXPECT_TRUE(failed_with(with({"--order", "-1"}), 2, "--order"));
     EXPECT_TRUE(failed_with(with({"--order", "3.5"}), 2, "--order"));
     EXPECT_TRUE(failed_with(with({"--max-length", "-1"}), 2, "--max-length"));
@@ -522,57 +442,48 @@ TEST_F(Ir, RefusesWrongOptionsWithStatusTwo) {
     EXPECT_TRUE(failed_with(with({"--simd", "avx1024"}), 2, "--simd"));
     EXPECT_TRUE(failed_with(with({"--odrer", "2"}), 2, "did you mean --order?"));
     EXPECT_TRUE(failed_with(run_earshot({"ir", "-o", out()}), 2, "SCENE"));
-    EXPECT_TRUE(failed_with(run_earshot({"ir", kScenes + "shoebox.gltf"}), 2, "output"));
+    EXPECT_TRUE(failed_with(run_earshot({"ir", kBox}), 2, "output"));
 }
 
 TEST_F(Ir, RefusesBadInputWithStatusOne) {
-    const auto with = [&](const std::string& scene, std::vector<std::string> extra = {}) {
-        std::vector<std::string> arguments = {"ir", scene, "-o", out()};
-        arguments.insert(arguments.end(), extra.begin(), extra.end());
-        return run_earshot(arguments);
-    };
-    EXPECT_TRUE(failed_with(with("missing.gltf"), 1, "missing.gltf"));
-    EXPECT_TRUE(failed_with(with(folder_.path().string()), 1, folder_.path().string()));
+    EXPECT_TRUE(failed_with(ir("missing.gltf"), 1, "missing.gltf"));
+    EXPECT_TRUE(failed_with(ir(folder_.path().string()), 1, folder_.path().string()));
     const fs::path plain = folder_.path() / "plain.obj";
     std::ofstream(plain) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    EXPECT_TRUE(failed_with(with(plain.string()), 1, "no source"));
-    EXPECT_TRUE(failed_with(with(plain.string(), {"--source", "1,1,1"}), 1, "no listener"));
+    EXPECT_TRUE(failed_with(ir(plain.string()), 1, "no source"));
+    EXPECT_TRUE(failed_with(ir(plain.string(), {"--source", "1,1,1"}), 1, "no listener"));
     const fs::path flat = folder_.path() / "flat.obj";
     std::ofstream(flat) << "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n";
     EXPECT_TRUE(failed_with(
-        with(flat.string(), {"--source", "1,1,1", "--listener", "2,2,2"}), 1, "no triangle"));
-    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--temperature", "900"}), 1, "900"));
-    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--humidity", "120"}), 1, "120"));
-    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--pressure", "0"}), 1, "0"));
-    EXPECT_TRUE(failed_with(with(kScenes + "shoebox.gltf", {"--animation", "dance"}), 1, "dance"));
+        ir(flat.string(), {"--source", "1,1,1", "--listener", "2,2,2"}), 1, "no triangle"));
+    EXPECT_TRUE(failed_with(ir(kBox, {"--temperature", "900"}), 1, "900"));
+    EXPECT_TRUE(failed_with(ir(kBox, {"--humidity", "120"}), 1, "120"));
+    EXPECT_TRUE(failed_with(ir(kBox, {"--pressure", "0"}), 1, "0"));
+    EXPECT_TRUE(failed_with(ir(kBox, {"--animation", "dance"}), 1, "dance"));
     EXPECT_FALSE(fs::exists(out()));
 }
 
 TEST_F(Ir, LeavesNothingWhereItCannotWrite) {
     const fs::path file = folder_.path() / "file";
     std::ofstream(file) << "x";
-    const RunResult result = run_earshot({"ir", kScenes + "shoebox.gltf", "-o", file.string()});
+    const RunResult result = run_earshot({"ir", kBox, "-o", file.string()});
     EXPECT_TRUE(failed_with(result, 1, file.string()));
-    const RunResult below =
-        run_earshot({"ir", kScenes + "shoebox.gltf", "-o", (file / "below").string()});
+    const RunResult below = run_earshot({"ir", kBox, "-o", (file / "below").string()});
     EXPECT_TRUE(failed_with(below, 1, "below"));
     EXPECT_EQ(read_file(file), "x");
 }
 
 TEST_F(Ir, AFileNameNeverLeavesTheFolder) {
-    const RunResult result = run_earshot({"ir",
-                                          kScenes + "shoebox.gltf",
-                                          "-o",
-                                          out(),
-                                          "--order",
-                                          "0",
-                                          "--rays",
-                                          "0",
-                                          "--quiet",
-                                          "--source",
-                                          "../../evil=1,1,1",
-                                          "--source",
-                                          "a/b=1,1.2,1"});
+    const RunResult result = ir(kBox,
+                                {"--order",
+                                 "0",
+                                 "--rays",
+                                 "0",
+                                 "--quiet",
+                                 "--source",
+                                 "../../evil=1,1,1",
+                                 "--source",
+                                 "a/b=1,1.2,1"});
     ASSERT_EQ(result.status, 0) << result.err;
     for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
         EXPECT_TRUE(entry.is_directory() || entry.path().parent_path() == folder_.path() / "out")

@@ -46,6 +46,15 @@ def test_same_bits_with_a_budget_of_work():
     assert np.isfinite(first).all() and first.any()
 
 
+def test_begins_at_a_time_of_the_animation(scenes):
+    door = es.load(scenes / "door.gltf")
+    for time in (0.0, 0.5, 1.0):
+        engine = es.Engine(door, order=2, rays=0, time=time)
+        found = es.simulate(door, order=2, rays=0, time=time)
+        assert engine.statistics.paths == len(found.paths)
+    assert es.Engine(door, order=2, rays=0).statistics.paths < engine.statistics.paths
+
+
 def test_misuse():
     engine = es.Engine(room(), order=0, rays=0, format="mono")
     with pytest.raises(es.ArgumentError, match="signals"):
