@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "earshot/capi/internal/simulation.h"
 
-#include "earshot/audio/spatial.h"
 #include "earshot/base/stage_progress.h"
 #include "earshot/capi/internal/bands.h"
 #include "earshot/capi/internal/checks.h"
 #include "earshot/capi/internal/simulation_options.h"
+#include "earshot/propagation/channel_count.h"
 #include "earshot/propagation/decay_notes.h"
 #include "earshot/propagation/pair_notes.h"
 
@@ -107,22 +107,20 @@ std::shared_ptr<ResultObject> Simulation::run(propagation::Simulator& simulator,
     for (const PairResult& pair : result->pairs) {
         result->listener_poses.push_back(scene.pose_at(scene.listeners[pair.listener], time));
     }
-    result->info = {.struct_size = 0,
-                    .sources = scene.sources.size(),
-                    .listeners = scene.listeners.size(),
-                    .channels = format_.channels == propagation::Channels::mono ? 1
-                                : format_.channels == propagation::Channels::binaural
-                                    ? 2
-                                    : audio::ambisonic_channels(format_.ambisonic_order),
-                    .samples = 0,
-                    .bands = options_.bands.count(),
-                    .paths = 0,
-                    .sample_rate = format_.sample_rate,
-                    .time = time,
-                    .speed_of_sound = propagation::speed_of_sound(options_.air),
-                    .triangles = simulator.geometry().triangles,
-                    .facets = simulator.geometry().facets,
-                    .frusta = simulator.statistics().frusta};
+    result->info = {
+        .struct_size = 0,
+        .sources = scene.sources.size(),
+        .listeners = scene.listeners.size(),
+        .channels = propagation::channel_count(format_.channels, format_.ambisonic_order),
+        .samples = 0,
+        .bands = options_.bands.count(),
+        .paths = 0,
+        .sample_rate = format_.sample_rate,
+        .time = time,
+        .speed_of_sound = propagation::speed_of_sound(options_.air),
+        .triangles = simulator.geometry().triangles,
+        .facets = simulator.geometry().facets,
+        .frusta = simulator.statistics().frusta};
     add_notes(*result);
     if (options_.diffraction == 0) {
         const Warnings notes = propagation::note_blocked_pairs(result->names, result->pairs);

@@ -4,6 +4,7 @@
 #include "earshot/audio/convolve.h"
 #include "earshot/audio/moving_arrivals.h"
 #include "earshot/base/stage_progress.h"
+#include "earshot/propagation/channel_count.h"
 
 #include <algorithm>
 #include <array>
@@ -29,18 +30,6 @@ constexpr std::size_t kBlocksAtOnce = 16;
 // Over which two head-related impulse responses are cross-faded: 11 ms at 48 kHz, in which a source
 // at 30 m/s and 3 m turns by 6 degrees.
 constexpr std::size_t kHrirStretch = 512;
-
-std::size_t channels_of(const ResponseFormat& format) {
-    switch (format.channels) {
-        case Channels::mono:
-            return 1;
-        case Channels::binaural:
-            return 2;
-        case Channels::ambisonic:
-            break;
-    }
-    return audio::ambisonic_channels(format.ambisonic_order);
-}
 
 /// The filters of all paths at all instants.
 struct PathFilters {
@@ -69,7 +58,7 @@ public:
         : sound_(sound),
           recording_(recording),
           filters_(filters_of(sound.assembler, sound.paths.paths())),
-          channels_(channels_of(sound.format)),
+          channels_(channel_count(sound.format.channels, sound.format.ambisonic_order)),
           rate_(sound.format.sample_rate) {}
 
     Signals render(Executor& executor, Progress* progress) {

@@ -4,6 +4,7 @@
 #include "earshot/base/assert.h"
 #include "earshot/base/error.h"
 #include "earshot/propagation/air.h"
+#include "earshot/propagation/channel_count.h"
 #include "earshot/propagation/engine/internal/audio_renderer.h"
 #include "earshot/propagation/engine/internal/engine_updater.h"
 #include "earshot/propagation/engine/internal/packed_rotation.h"
@@ -77,18 +78,6 @@ EngineOptions checked(const Scene& scene, const EngineOptions& options) {
     return options;
 }
 
-std::size_t channels_of(const EngineOptions& options) {
-    switch (options.channels) {
-        case Channels::mono:
-            return 1;
-        case Channels::binaural:
-            return 2;
-        case Channels::ambisonic:
-            break;
-    }
-    return audio::ambisonic_channels(options.ambisonic_order);
-}
-
 ControlState initial_state(const Scene& scene, const EngineOptions& options) {
     ControlState state{.scene_time = options.start_time};
     state.sources.resize(scene.sources.size());
@@ -111,7 +100,7 @@ struct Engine::State {
           size{.sources = scene.sources.size(),
                .listeners = scene.listeners.size(),
                .harmonics = updater.harmonics(),
-               .outputs = channels_of(options),
+               .outputs = channel_count(options.channels, options.ambisonic_order),
                .tail_channels = updater.tail_channels(),
                .tail_length = updater.tail_length()},
           audio(options, size, basis, speed_of_sound(options.simulation.air), exchange) {
