@@ -152,7 +152,8 @@ private:
                     diffraction_,
                     {0, propagation::kMaxDiffraction},
                     "maximum number of edges that a path bends round: 1, beside its reflections, "
-                    "or 2 in turn without any");
+                    "or 2 in turn without any; in scenes of many edges give --order 2, as more "
+                    "reflections take long and much memory");
         app()
             .add_option("--mode",
                         mode_,
