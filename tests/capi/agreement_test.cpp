@@ -11,6 +11,7 @@
 
 #include "earshot.h"
 #include "support/dice.h"
+#include "support/earshot_program.h"
 #include "support/temporary_folder.h"
 #include "support/test_paths.h"
 #include <algorithm>
@@ -54,7 +55,7 @@ protected:
     void expect_same_files(const SimulatedCase& run) {
         const std::string file = test::source_file(run.scene).string();
         const std::string command =
-            std::string(EARSHOT_PROGRAM) + " ir " + file + " -o " + (folder_ / "program").string() +
+            test::earshot_program() + " ir " + file + " -o " + (folder_ / "program").string() +
             " --quiet --histograms --sensitivity --order 2 --rays 4096 " + run.arguments;
         ASSERT_EQ(std::system(command.c_str()), 0) << command;
         es_scene scene = 0;
@@ -175,8 +176,7 @@ TEST_F(Agreement, OptionsMeanWhatTheyMeanToTheProgram) {
 // One file for all instants, as of a sequence.
 TEST_F(Agreement, ASofaFileOfSeveralInstantsIsThatOfTheProgram) {
     const std::string file = test::source_file("scenes/door.gltf").string();
-    const std::string command = std::string(EARSHOT_PROGRAM) + " ir " + file + " -o " +
-                                path("program") +
+    const std::string command = test::earshot_program() + " ir " + file + " -o " + path("program") +
                                 " --quiet --order 1 --rays 0 --frames 0:2:1 --sofa "
                                 "--format ambisonic:1 --length 0.1";
     ASSERT_EQ(std::system(command.c_str()), 0) << command;
@@ -213,7 +213,7 @@ struct SetsCase {
 TEST_F(Agreement, PicturesOfMapsAreThoseOfTheProgram) {
     const std::string file = test::source_file("scenes/shoebox.gltf").string();
     const std::string command =
-        std::string(EARSHOT_PROGRAM) + " map " + file +
+        test::earshot_program() + " map " + file +
         " --rect 1,-3,3,-1 --height 1.2 --step 0.5 --coarse-step 0.5 --metric g --rays 0 "
         "--order 2 --limit g=20 --quiet -o " +
         path("program.svg") + " -o " + path("program.png");
@@ -250,7 +250,7 @@ protected:
 
     void expect_same_sets(const SetsCase& run) {
         const std::string file = test::source_file(run.scene).string();
-        const std::string command = std::string(EARSHOT_PROGRAM) + " pvs build " + file + " -o " +
+        const std::string command = test::earshot_program() + " pvs build " + file + " -o " +
                                     path("program.pvs") + " --quiet --rays 60000 " + run.arguments;
         ASSERT_EQ(std::system(command.c_str()), 0) << command;
         es_scene scene = 0;

@@ -3,20 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include "support/earshot_program.h"
 #include "support/run_program.h"
 #include <algorithm>
-#include <cstdlib>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace earshot::test {
-
-/// The earshot program of this build, or the one that the environment names.
-inline std::string earshot_program() {
-    const char* other = std::getenv("EARSHOT_PROGRAM");
-    return other == nullptr ? EARSHOT_PROGRAM : other;
-}
 
 /// Runs the earshot program.
 inline RunResult run_earshot(std::vector<std::string> arguments, const RunOptions& options = {}) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "support/earshot_program.h"
 #include "support/run_program.h"
 #include "support/temporary_folder.h"
 #include "support/test_paths.h"
@@ -26,7 +27,7 @@ Files output_of(const std::vector<std::string>& job,
                 const RunOptions& options = {}) {
     const TemporaryFolder temporary;
     const fs::path folder = temporary.path() / "out";
-    std::vector<std::string> command = {EARSHOT_PROGRAM};
+    std::vector<std::string> command = {earshot_program()};
     command.insert(command.end(), job.begin(), job.end());
     if (job.front() == "ir") {
         command.insert(command.end(), {"-o", folder.string(), "--quiet"});
